@@ -1,6 +1,6 @@
-//! Finds the cheapest technique whose error stays below a bound:
+//! Finds the cheapest technique whose error is below a limit:
 //! `cargo run --release --example auto [SCENE [ERROR]]`. Writes its settings to `auto.preset.toml`,
-//! which the examples `forward` and `deferred` take.
+//! which the examples `forward` and `deferred` read.
 
 use anyhow::Context as _;
 use umbrage::{Budget, RendererData};
@@ -11,9 +11,9 @@ fn main() -> anyhow::Result<()> {
     let error = arguments.next().unwrap_or_else(|| "0.1".to_owned());
     let error = error
         .parse()
-        .with_context(|| format!("`{error}` is no error: use a number such as 0.1"))?;
+        .with_context(|| format!("`{error}` is not an error: use a number such as 0.1"))?;
     let scene = umbrage::scenes::by_argument(&name)?;
-    // A renderer whose triangles are on the GPU alone.
+    // Plan for a renderer whose triangles are only on the GPU.
     let budget = Budget {
         renderer: RendererData::CasterBox,
         ..Budget::error(error)

@@ -1,4 +1,4 @@
-//! Faults of shadows beside their cures, on built-in scenes: what `docs/failures.md` shows.
+//! Shadow artefacts next to their fixes, on built-in scenes: the content of `docs/failures.md`.
 
 use crate::{judge::JudgedScene, sheet::Sheet, variance::Variance};
 use anyhow::Result;
@@ -15,30 +15,30 @@ use umbrage::{
 use umbrage_lab::output::png;
 use umbrage_plan::truth::TruthOptions;
 
-/// Size of the pictures, pixels.
+/// Size of the images, pixels.
 pub const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// A fault and its cure.
+/// An artefact and its fix.
 pub struct FailureExample {
-    /// What its pictures are called.
+    /// Name of its images.
     pub name: &'static str,
-    /// Its heading on the page.
+    /// Heading on the page.
     pub title: &'static str,
     /// A built-in scene.
     pub scene: &'static str,
-    /// The row of the stability matrix that looks for the fault, by its title.
+    /// Title of the stability matrix' row that detects the artefact.
     pub row: &'static str,
-    /// Settings that show the fault.
+    /// Settings with the artefact.
     pub fault: FailureSide,
-    /// Settings that don't.
+    /// Settings without it.
     pub cure: FailureSide,
 }
 
 /// A technique with its settings.
 pub struct FailureSide {
-    /// The settings in words.
+    /// Description of the settings.
     pub words: &'static str,
-    /// Returns them.
+    /// Returns the technique.
     pub technique: fn() -> Arc<dyn ShadowTechnique>,
 }
 
@@ -66,7 +66,7 @@ fn soft() -> Arc<dyn ShadowTechnique> {
     Arc::new(Soft::default())
 }
 
-/// A map with this bias.
+/// Returns a map with this bias.
 fn map(size: u32, bias: Bias) -> ShadowMap {
     ShadowMap {
         size,
@@ -81,7 +81,7 @@ const FAR_TOO_MUCH: Bias = Bias {
     ..Bias::NONE
 };
 
-/// Returns four layers of a fourth of the texels of a map of this side.
+/// Returns four layers, each with a fourth of the texels of a map of this side.
 fn cascades(size: u32) -> ShadowMap {
     let four = Cascades {
         nearest: 4.0,
@@ -93,7 +93,7 @@ fn cascades(size: u32) -> ShadowMap {
     }
 }
 
-/// A map that begins where the picture does, as one that is fitted to the camera's view alone.
+/// Returns a map that begins at the image's border, as if it were only fitted to the camera's view.
 fn around_the_picture() -> ShadowMap {
     let extents = Extents {
         left: -10.0,
@@ -112,7 +112,7 @@ fn around_the_picture() -> ShadowMap {
     }
 }
 
-/// Returns all faults, in the page's order.
+/// Returns all artefacts, in the page's order.
 pub fn failures() -> &'static [FailureExample] {
     ALL
 }
@@ -257,23 +257,23 @@ const ALL: &[FailureExample] = &[
     },
 ];
 
-/// Both sides compared with the reference.
+/// Both sides, compared with the reference.
 pub struct PlayedFailure {
     /// Errors of a mask without shadows.
     pub no_shadow: Errors,
-    /// Errors of the fault.
+    /// Errors of the artefact.
     pub fault: Errors,
-    /// Errors of the cure.
+    /// Errors of the fix.
     pub cure: Errors,
-    /// The masks of fault and cure; below them, their errors.
+    /// The masks of artefact and fix; below them, their errors.
     pub images: Sheet,
 }
 
 impl FailureExample {
-    /// Renders both sides on the CPU in images of that size.
+    /// Renders both sides on the CPU in images of this size.
     ///
     /// # Errors
-    /// Errors if the scene or a setting is invalid.
+    /// Returns an error if the scene or a setting is invalid.
     pub fn play(&self, size: UVec2) -> Result<PlayedFailure> {
         let judged = JudgedScene::by_argument(self.scene, Some(size), &TruthOptions::default())?;
         let render = |side: &FailureSide| {

@@ -1,4 +1,4 @@
-//! The distance of masks and of other renderers' images from ray-traced visibility.
+//! Errors of masks and of other renderers' images against ray-traced visibility.
 
 use anyhow::{Result, ensure};
 use umbrage::{
@@ -23,17 +23,17 @@ pub struct JudgedScene {
 pub struct JudgedMask {
     /// Visibility of the light, row by row.
     pub mask: Vec<f32>,
-    /// The pixels that count.
+    /// The evaluated pixels.
     pub pixels: Vec<Pixel>,
     /// The distance.
     pub errors: Errors,
 }
 
 impl JudgedScene {
-    /// Traces a built-in scene or a file, in another size of the image if one is given.
+    /// Traces a built-in scene or a file, with another image size if one is given.
     ///
     /// # Errors
-    /// Errors if there is no such scene, or it is invalid.
+    /// Returns an error if there is no such scene, or it is invalid.
     pub fn by_argument(name: &str, size: Option<UVec2>, options: &TruthOptions) -> Result<Self> {
         let mut scene = umbrage::scenes::by_argument(name)?;
         if let Some(size) = size {
@@ -45,7 +45,7 @@ impl JudgedScene {
     /// Traces a scene.
     ///
     /// # Errors
-    /// Errors if the scene is invalid.
+    /// Returns an error if the scene is invalid.
     pub fn new(scene: Scene, options: &TruthOptions) -> Result<Self> {
         let geometry = Geometry::bake(&scene)?;
         let mut cpu = Cpu::new();
@@ -77,7 +77,7 @@ impl JudgedScene {
     /// Executes a technique.
     ///
     /// # Errors
-    /// Errors if the technique doesn't support the view, or the backend fails.
+    /// Returns an error if the technique doesn't support the view, or the backend fails.
     pub fn render(
         &self,
         backend: &mut dyn Backend,
@@ -90,16 +90,16 @@ impl JudgedScene {
     /// Judges a mask.
     ///
     /// # Errors
-    /// Errors if the mask has another size than the reference.
+    /// Returns an error if the mask has another size than the reference.
     pub fn judge(&self, mask: Vec<f32>) -> Result<JudgedMask> {
         self.judge_where(mask, self.truth.pixels.clone())
     }
 
-    /// Judges an image with shadows by one without, both linear. Pixels that are darker than `dark`
-    /// without shadows don't count: the light doesn't reach them in that renderer.
+    /// Judges an image with shadows by one without, both linear. Pixels darker than `dark` without
+    /// shadows are excluded: the light doesn't reach them in that renderer.
     ///
     /// # Errors
-    /// Errors if the images have another size than the reference.
+    /// Returns an error if the images have another size than the reference.
     pub fn judge_image(&self, lit: &[f32], shadowed: &[f32], dark: f32) -> Result<JudgedMask> {
         let mut pixels = self.truth.pixels.clone();
         ensure!(

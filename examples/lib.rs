@@ -1,7 +1,7 @@
-//! Code that several examples share, and that tests run: a small renderer, techniques written as a
-//! user of the library would, and the artefacts that the documentation shows.
+//! Code that several examples and tests share: a small renderer, techniques written like those of a
+//! user of the library, and the artefacts of the documentation.
 
-/// Techniques that other renderers have and the library has not. `docs/others.md` compares them.
+/// Techniques of other renderers that the library doesn't have. `docs/others.md` compares them.
 pub mod beside {
     pub mod contact;
     pub mod panes;

@@ -1,4 +1,4 @@
-//! Several images in one file, so that a page needs few files.
+//! Several images in one file, to reduce the number of files of a page.
 
 use anyhow::{Context as _, Result, ensure};
 use image::{
@@ -15,10 +15,10 @@ use umbrage::glam::UVec2;
 
 /// Pixels between two images.
 const GAP: u32 = 4;
-/// Greatest width of a file, pixels: pages show no more, and wider sheets are scaled down.
+/// Greatest width of a file, pixels. Pages scale wider images down.
 const MAX_WIDTH: u32 = 1000;
 
-/// Images in rows of so many.
+/// Images in rows of `columns`.
 pub struct Sheet {
     columns: u32,
     images: Vec<RgbImage>,
@@ -33,7 +33,7 @@ impl Sheet {
         }
     }
 
-    /// Adds an image behind those of its row.
+    /// Appends an image to its row.
     pub fn push(&mut self, image: RgbImage) {
         self.images.push(image);
     }
@@ -41,7 +41,7 @@ impl Sheet {
     /// Adds the image of a PNG file's bytes.
     ///
     /// # Errors
-    /// Errors if that is no PNG file.
+    /// Returns an error if they are not a PNG file.
     pub fn push_png(&mut self, png: &[u8]) -> Result<()> {
         self.push(image::load_from_memory(png)?.to_rgb8());
         Ok(())
@@ -55,7 +55,7 @@ impl Sheet {
     /// Writes all images into a file, as grey if none has colours.
     ///
     /// # Errors
-    /// Errors if there is no image, they differ in size, or the file can't be written.
+    /// Returns an error if there is no image, if sizes differ, or if the file can't be written.
     pub fn save(&self, path: &Path) -> Result<()> {
         let name = path.display();
         let first = self.images.first().context("a sheet without images")?;
@@ -84,7 +84,7 @@ impl Sheet {
         let is_grey = all.pixels().all(|pixel| pixel.0 == [pixel[0]; 3]);
         let all = DynamicImage::from(all);
         let file = BufWriter::new(File::create(path).with_context(|| name.to_string())?);
-        // The history keeps each version, so files are made as small as possible.
+        // Compress as much as possible: the repository's history keeps each version.
         let encoder =
             PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
         let written = if is_grey {

@@ -1,5 +1,6 @@
-//! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL.
-//! Only public API of `umbrage-core` is used, so a technique of yours can do all that these do.
+//! Built-in shadow techniques of umbrage. Each is one Rust file with a WGSL file of the same name.
+//! They use only the public API of `umbrage-core`, so external techniques have the same
+//! capabilities.
 
 pub mod filtering;
 pub mod lanes;
@@ -49,7 +50,7 @@ pub use techniques::unshadowed::{UnshadowedKernel, UnshadowedUniforms};
 pub use techniques::volumes::{VolumesKernel, VolumesUniforms};
 pub use techniques::vsm::{VsmKernel, VsmUniforms};
 
-/// Every pair of functions that the techniques share between the languages, for the lockstep tests.
+/// Returns all pairs of Rust and WGSL functions that the techniques share, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
     [

@@ -1,13 +1,13 @@
-//! The one list of techniques: command line, help, comparison, planner, presets, charts, tables and
-//! tests read it.
+//! Registry of the built-in techniques. The command line, help, comparison, planner, presets,
+//! charts, tables and tests read it.
 
 use crate::listing::{TechniqueEntry, TechniquePreset};
 use std::sync::LazyLock;
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
-/// Makes the type of a technique of the registry: `Exact`, or `Hard in MapTechnique`, which is
-/// `MapTechnique<Hard>`.
+/// Expands to the type of a registered technique: `Exact`, or `MapTechnique<Hard>` for
+/// `Hard in MapTechnique`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! technique_type {
@@ -16,7 +16,7 @@ macro_rules! technique_type {
 }
 
 /// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in
-/// its own file, or [`MapFilter`](crate::MapFilter), if it stands `in MapTechnique`.
+/// its own file. Those marked `in MapTechnique` implement [`MapFilter`](crate::MapFilter) instead.
 macro_rules! registry {
     ($($(#[$condition:meta])* $module:ident::$technique:ident $(in $wrapper:ident)?,)*) => {
         $($(#[$condition])* pub use crate::techniques::$module::$technique;)*
@@ -40,7 +40,7 @@ macro_rules! registry {
     };
 }
 
-// Cheapest first: charts, tables and help keep this order.
+// Cheapest first: charts, tables and help use this order.
 registry! {
     unshadowed::Unshadowed,
     hard::Hard in MapTechnique,
@@ -69,13 +69,13 @@ pub fn all() -> &'static [TechniqueEntry] {
     &BUILT_IN
 }
 
-/// The built-in technique with this name.
+/// Returns the built-in technique with this name.
 pub fn find(name: &str) -> Option<&'static TechniqueEntry> {
     all().iter().find(|entry| entry.name == name)
 }
 
 impl TechniquePreset {
-    /// Every built-in technique with its default settings.
+    /// Returns every built-in technique with its default settings.
     pub fn defaults() -> Vec<Self> {
         all().iter().map(|entry| (entry.preset)()).collect()
     }
@@ -83,11 +83,11 @@ impl TechniquePreset {
 
 #[cfg(feature = "presets")]
 impl TechniquePreset {
-    /// Reads a preset of a built-in technique from TOML. For others: [`TechniquePreset::read`].
+    /// Reads a preset of a built-in technique from TOML. Use [`TechniquePreset::read`] for others.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names no built-in technique, or has a field that the
-    /// technique doesn't have.
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that is unknown
+    /// to the technique.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         Self::read(text, all())
     }

@@ -1,4 +1,4 @@
-//! No technique is forgotten, and files bring back what was written.
+//! Tests that the registry is complete and that presets survive a round trip through files.
 
 use super::*;
 use crate::MapTechnique;
@@ -16,7 +16,7 @@ fn a_file_that_only_names_a_technique_means_its_defaults() {
     }
 }
 
-/// Numbers without a short decimal form, a nested table, and no field at its default.
+/// The numbers have no short decimal form, a table is nested, and no field has its default value.
 #[test]
 fn every_preset_survives_a_file() {
     let extents = umbrage_core::Extents {
@@ -111,7 +111,7 @@ fn wrong_files_are_told_what_to_write() {
     }
 }
 
-/// Files that were written before must be read, and are written alike.
+/// Older preset files stay readable, and the written text does not change.
 #[test]
 fn the_text_of_presets_stays() {
     let text = TechniquePreset::from(MapTechnique::<Pcf>::default())

@@ -1,11 +1,11 @@
-//! Numbers that no program means, in all that takes numbers: for tests that an error says so.
+//! Extreme and invalid numbers for all numeric inputs, for tests of error handling.
 
 use glam::{Affine3A, Mat3, Mat4, UVec2, Vec3};
 use proptest::{prelude::*, sample::select};
 use umbrage_core::{Camera, Instance, Invalid, Light, Mesh, Scene, light_space::Extents};
 use umbrage_techniques::TechniquePreset;
 
-/// Numbers at the rims of what 32 bits hold, and a few usual ones.
+/// Extreme and non-finite 32-bit numbers, and a few usual ones.
 pub fn number() -> impl Strategy<Value = f32> {
     let rims = select(vec![
         0.0,
@@ -25,7 +25,7 @@ pub fn number() -> impl Strategy<Value = f32> {
     prop_oneof![2 => rims, 5 => -4.0..4.0_f32]
 }
 
-/// Three such numbers.
+/// Three [`number`]s.
 pub fn vector() -> impl Strategy<Value = Vec3> {
     [number(), number(), number()].prop_map(Vec3::from)
 }
@@ -61,8 +61,8 @@ pub fn light() -> impl Strategy<Value = Light> {
     prop_oneof![directional, spot, point, rect, disc]
 }
 
-/// Cameras, from angles and from matrices; errors where the maker refuses the numbers. Two of three
-/// are usual ones.
+/// Cameras from angles and from matrices, or the error if the constructor refuses the numbers. Two
+/// of three are usual ones.
 pub fn camera() -> impl Strategy<Value = Result<Camera, Invalid>> {
     let size = UVec2::new(12, 8);
     let planes = || [number(), number()];
@@ -84,7 +84,7 @@ pub fn camera() -> impl Strategy<Value = Result<Camera, Invalid>> {
             Camera::orthographic(eye, target, up, extents, size)
         },
     );
-    // Matrices as a program may hand them over, whatever is in them.
+    // Arbitrary matrices, as a program may pass them.
     let matrices = (
         prop::array::uniform16(number()),
         prop::array::uniform9(number()),
@@ -108,7 +108,7 @@ pub fn camera() -> impl Strategy<Value = Result<Camera, Invalid>> {
     prop_oneof![1 => perspective, 1 => parallel, 1 => matrices, 4 => usual]
 }
 
-/// A floor and a triangle above it, placed anyhow.
+/// A floor and a triangle above it, with arbitrary placements.
 pub fn scene() -> impl Strategy<Value = Scene> {
     let corners = prop_oneof![
         Just([
@@ -154,7 +154,7 @@ pub fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
-/// A setting with some of its numbers replaced; none if it is refused as it is read.
+/// Returns settings with some of their numbers replaced. `None` if the reader refuses them.
 pub fn spoilt(preset: &TechniquePreset, places: &[(usize, f32)]) -> Option<TechniquePreset> {
     let mut table: toml::Table = preset.to_toml().ok()?.parse().ok()?;
     for &(place, number) in places {
@@ -164,7 +164,7 @@ pub fn spoilt(preset: &TechniquePreset, places: &[(usize, f32)]) -> Option<Techn
     TechniquePreset::from_toml(&toml::to_string(&table).ok()?).ok()
 }
 
-/// Replaces the number at a place in the order of a table and its tables, if there are so many.
+/// Replaces the number at a position in the order of a table and its subtables, if it exists.
 fn spoil(table: &mut toml::Table, left: &mut usize, number: f32) {
     for (_, value) in table.iter_mut() {
         match value {
@@ -174,7 +174,7 @@ fn spoil(table: &mut toml::Table, left: &mut usize, number: f32) {
                 *left = usize::MAX;
             }
             toml::Value::Integer(old) if *left == 0 => {
-                // Maps of any size would take any memory.
+                // Limit sizes of maps, and so their memory.
                 *old = f64::from(number).clamp(-2.0, 5e9) as i64;
                 *left = usize::MAX;
             }

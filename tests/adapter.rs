@@ -3,44 +3,44 @@
 use crate::driver_model::DriverModel;
 use std::sync::LazyLock;
 
-/// What to do where there is none.
+/// Remedy if there is no adapter.
 pub const HELP: &str =
     "on Debian or Ubuntu, `cargo xtask test --install-driver` installs a software one";
 
 /// A device, and the name of its adapter.
 #[derive(Debug)]
 pub struct TestDevice {
-    /// For messages.
+    /// Name of the adapter, for messages.
     pub adapter: String,
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The queue.
     pub queue: wgpu::Queue,
 }
 
-/// The one device that all tests share.
+/// Returns the device that all tests share.
 ///
 /// # Panics
-/// Panics if there is no adapter: a test that needs one fails, it is never skipped.
+/// Panics if there is no adapter. A test that needs one fails and is never skipped.
 pub fn device() -> &'static TestDevice {
     static DEVICE: LazyLock<TestDevice> =
         LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {HELP}")));
     &DEVICE
 }
 
-/// Opens a device on the adapter that suits the tests best, or on the one that `WGPU_ADAPTER_NAME`
-/// asks for. OpenGL does not count: see `umbrage_wgpu::AdapterChoice`.
+/// Opens a device on the adapter that is most suitable for tests, or on the one of
+/// `WGPU_ADAPTER_NAME`. OpenGL is excluded: see `umbrage_wgpu::AdapterChoice`.
 ///
 /// # Errors
-/// Errors if there is none, or it doesn't open; in words.
+/// Returns an error message if there is none, or it can't be opened.
 pub fn open() -> Result<TestDevice, String> {
     open_with(&wgpu::DeviceDescriptor::default())
 }
 
-/// Opens a device with these features and limits on the same adapter.
+/// Opens a device with these features and limits on the adapter of [`open`].
 ///
 /// # Errors
-/// Errors if there is none, or it doesn't open; in words.
+/// Returns an error message if there is none, or it can't be opened.
 pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
@@ -67,7 +67,7 @@ pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String
     };
     let opened = pollster::block_on(adapter.request_device(&desc));
     let (device, queue) =
-        opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
+        opened.map_err(|e| format!("the graphics adapter {name} has no device: {e}"))?;
     Ok(TestDevice {
         adapter: name,
         device,
@@ -75,8 +75,8 @@ pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String
     })
 }
 
-/// Software adapters come first: they neither contract nor reorder, so that twins can be asked to
-/// be bit-equal.
+/// Returns the sort key of an adapter. Software adapters come first: they neither fuse nor reorder,
+/// so that twins can be required to be bit-equal.
 fn preference(info: &wgpu::AdapterInfo) -> (bool, bool) {
     (
         info.device_type != wgpu::DeviceType::Cpu,

@@ -1,6 +1,6 @@
-//! Prints the graphics adapter that the tests will use; ends with 1 where there is none. With
-//! `--pinned` it ends with 1, too, where the adapter's driver is not the one on which bits are
-//! promised, and says which it is.
+//! Prints the graphics adapter of the tests; exits with 1 if there is none. With `--pinned`, also
+//! exits with 1 if the adapter's driver is not the pinned one, whose results are bit-equal, and
+//! prints which it is.
 
 use std::process::ExitCode;
 use umbrage_tests::{adapter, gpu::gpu};

@@ -1,14 +1,14 @@
-//! Whether a device's mask is the CPU's.
+//! Comparison of a device's mask with the CPU's.
 
 use umbrage_core::{Backend, Recipe, Shadows, View, metrics::Agreement};
 use umbrage_lab::compare;
 use umbrage_wgpu::Gpu;
 
-/// Compares a device's mask with the CPU's: bit by bit on the driver where bits are promised,
-/// elsewhere in decided pixels.
+/// Compares a device's mask with the CPU's: bit by bit on the pinned driver, elsewhere in decided
+/// pixels.
 ///
 /// # Errors
-/// Errors if they differ, and names the recipe as `label`.
+/// Returns an error that names the recipe as `label` if they differ.
 pub fn check_agreement(
     gpu: &Gpu,
     label: &str,

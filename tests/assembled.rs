@@ -1,5 +1,5 @@
-//! The WGSL of every technique as it is pasted into a user's shader. A checksum of each is kept in
-//! git, and the last text with that checksum in `target/assembled`.
+//! The WGSL of every technique as pasted into a user's shader. A checksum of each is kept in git,
+//! and the last text with that checksum in `target/assembled`.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use similar::TextDiff;
@@ -8,7 +8,7 @@ use umbrage_core::ShadowTechnique;
 use umbrage_lab::assembled_wgsl;
 use umbrage_techniques::TechniquePreset;
 
-/// Stands before every name of the kept texts.
+/// Prefix of every name in the kept texts.
 pub const PREFIX: &str = "shadow_";
 
 /// The text of a technique.
@@ -16,14 +16,14 @@ pub const PREFIX: &str = "shadow_";
 pub struct Assembled {
     /// The technique's name.
     pub name: String,
-    /// The text as it is assembled now.
+    /// The text as currently assembled.
     pub text: String,
 }
 
 /// Returns the texts of all built-in techniques with their default settings.
 ///
 /// # Panics
-/// Panics if a technique serves neither the sun nor a lamp.
+/// Panics if a technique supports neither the sun nor a point light.
 pub fn all() -> Vec<Assembled> {
     TechniquePreset::defaults()
         .into_iter()
@@ -37,10 +37,11 @@ pub fn all() -> Vec<Assembled> {
         .collect()
 }
 
-/// Returns the text of a technique, whose names begin with `prefix`.
+/// Returns the text of a technique, whose names start with `prefix`.
 ///
 /// # Panics
-/// Panics if the technique serves neither the sun nor a lamp, and if the prefix begins no name.
+/// Panics if the technique supports neither the sun nor a point light, or if the prefix is not the
+/// start of a name.
 pub fn assemble(technique: &dyn ShadowTechnique, prefix: &str) -> String {
     let text = assembled_wgsl(technique, prefix);
     text.unwrap_or_else(|why| panic!("{}: {why}", technique.name()))
@@ -49,7 +50,7 @@ pub fn assemble(technique: &dyn ShadowTechnique, prefix: &str) -> String {
 /// Checks that a text is a valid WGSL module.
 ///
 /// # Errors
-/// Errors with what naga objects to.
+/// Returns naga's error.
 pub fn validate(text: &str) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text))?;
     Validator::new(ValidationFlags::all(), Capabilities::all())
@@ -58,15 +59,15 @@ pub fn validate(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the file of checksums: a line `NAME CHECKSUM` a technique.
+/// Returns the path of the file of checksums, with a line `NAME CHECKSUM` for each technique.
 pub fn path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assembled.txt")
 }
 
-/// Returns the names and the checksums that are kept.
+/// Returns the kept names and checksums.
 ///
 /// # Errors
-/// Errors if the file can't be read.
+/// Returns an error if the file can't be read.
 pub fn kept() -> Result<Vec<(String, String)>, String> {
     let path = path();
     let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -81,17 +82,17 @@ fn checksum(text: &str) -> String {
 }
 
 impl Assembled {
-    /// Returns where the last text with the kept checksum is.
+    /// Returns the path of the last text with the kept checksum.
     fn kept_text(&self) -> PathBuf {
         PathBuf::from(env!("CARGO_MANIFEST_DIR"))
             .join("../target/assembled")
             .join(format!("{}.wgsl", self.name))
     }
 
-    /// Checks that the kept checksum is that of the text assembled now, and keeps the text.
+    /// Checks that the kept checksum is that of the current text, and keeps the text.
     ///
     /// # Errors
-    /// Errors with the difference to the kept text.
+    /// Returns an error with the difference to the kept text.
     pub fn check(&self) -> Result<(), String> {
         let kept = kept()?;
         let sum = kept.iter().find(|(name, _)| *name == self.name);
@@ -120,17 +121,17 @@ impl Assembled {
         }
         let folder = path.parent().expect("a folder");
         fs::create_dir_all(folder).map_err(told)?;
-        // Renamed, so that a test on another thread reads no half of it.
+        // Write and rename, so that a test on another thread never reads a partial file.
         let mut whole = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
         whole.write_all(self.text.as_bytes()).map_err(told)?;
         whole.persist(&path).map_err(|e| told(e.error))?;
         Ok(())
     }
 
-    /// Keeps the checksum of the text as it is assembled now, and the text.
+    /// Keeps the current text and its checksum.
     ///
     /// # Errors
-    /// Errors if a file can't be written.
+    /// Returns an error if a file can't be written.
     pub fn bless(&self) -> Result<(), String> {
         let mut kept = kept().unwrap_or_default();
         kept.retain(|(name, _)| *name != self.name);
@@ -142,7 +143,7 @@ impl Assembled {
     }
 }
 
-/// Returns the lines that differ, with three lines around each change.
+/// Returns the different lines, with three lines around each change.
 pub fn difference(kept: &str, now: &str) -> String {
     let difference = TextDiff::from_lines(kept, now);
     difference.unified_diff().header("kept", "now").to_string()

@@ -1,5 +1,6 @@
-//! Says which kept files (golden images, checksums of assembled WGSL, the README's table of
-//! techniques) differ from what is made now, or writes those named: `cargo xtask bless`.
+//! Lists the kept files (golden images, checksums of assembled WGSL, the README's table of
+//! techniques) that differ from the current results, or rewrites the named ones:
+//! `cargo xtask bless`.
 
 use std::{path::PathBuf, process::ExitCode};
 use umbrage_tests::{
@@ -8,7 +9,7 @@ use umbrage_tests::{
     technique_table,
 };
 
-/// A file that is kept, and can be made anew.
+/// A kept file that can be regenerated.
 enum Kept {
     Golden(Golden),
     Assembled(Assembled),
@@ -62,7 +63,7 @@ fn main() -> ExitCode {
     let known: Vec<String> = all.iter().map(Kept::name).collect();
     if let Some(unknown) = names.iter().find(|n| *n != "--all" && !known.contains(n)) {
         eprintln!(
-            "error: nothing kept is called `{unknown}`; use some of {}",
+            "error: no kept file is called `{unknown}`; use some of {}",
             known.join(", ")
         );
         return ExitCode::from(2);
@@ -88,14 +89,14 @@ fn visit(kept: &Kept, names: &[String]) -> Result<(), String> {
     };
     if names.iter().all(|n| *n != name && n != "--all") {
         println!(
-            "differs  {} ({why}); to keep what is made now: cargo xtask bless {name}",
+            "differs  {} ({why}); to keep the current result: cargo xtask bless {name}",
             path.display()
         );
         return Ok(());
     }
     kept.bless()?;
     println!(
-        "written  {}: look at it before you commit it",
+        "written  {}: review it before you commit it",
         path.display()
     );
     Ok(())

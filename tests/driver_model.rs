@@ -1,9 +1,9 @@
-//! Drivers that round otherwise, modelled by rewriting shaders.
+//! Models of drivers with different rounding, implemented by rewriting shaders.
 //!
-//! WGSL lets a driver fuse products with sums, re-associate sums, miss quotients by 2.5 units in
-//! the last place, and roots by that of `1 / inverseSqrt(x)`: 4.5 units. The software drivers of CI
-//! do none of this, and cards do. So each shader text is parsed, rewritten so that it computes what
-//! such a driver would, and written as WGSL again.
+//! WGSL permits drivers to fuse products with sums, to re-associate sums, and to return quotients
+//! with an error of 2.5 units in the last place, and roots with that of `1 / inverseSqrt(x)`: 4.5
+//! units. The software drivers of CI do none of this, and cards do. Each shader text is therefore
+//! parsed, rewritten to compute the result of such a driver, and written as WGSL again.
 
 use naga::{
     Arena, BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module,
@@ -15,17 +15,17 @@ use naga::{
 use std::{env, str::FromStr};
 use umbrage_wgpu::ShaderRewriter;
 
-/// Environment variable that names the model which all devices of a test program follow.
+/// Environment variable with the model that all devices of a test program follow.
 pub const VARIABLE: &str = "UMBRAGE_DRIVER_MODEL";
 
-/// Environment variable that makes tests of many cases run each Nth of them: a whole number, 1 or
+/// Environment variable that makes tests of many cases run every Nth of them: an integer, 1 or
 /// more.
 pub const NTH_VARIABLE: &str = "UMBRAGE_EVERY_NTH_CASE";
 
-/// Returns N of "each Nth case": 1 unless the environment says otherwise.
+/// Returns the N of "every Nth case", by default 1.
 ///
 /// # Panics
-/// Panics if the environment names no such number.
+/// Panics if the environment variable is not such a number.
 pub fn nth_case() -> usize {
     let Ok(text) = env::var(NTH_VARIABLE) else {
         return 1;
@@ -36,26 +36,26 @@ pub fn nth_case() -> usize {
     }
 }
 
-/// Whether tests run all their cases.
+/// Reports whether tests run all their cases.
 pub fn runs_all_cases() -> bool {
     nth_case() == 1
 }
 
-/// Whether the case with this number runs.
+/// Reports whether the case with this number runs.
 pub fn is_chosen(case: usize) -> bool {
     case.is_multiple_of(nth_case())
 }
 
-/// How a driver rounds.
+/// Rounding behaviour of a driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriverModel {
-    /// Rounds `a * b + c`, `a * b - c` and `c - a * b` once. Computes them in 64 bits: software
+    /// Rounds `a * b + c`, `a * b - c` and `c - a * b` once. Computed in 64 bits, since software
     /// drivers have no fused instruction.
     Fused,
     /// Adds `a + b + c` from right to left.
     Reassociated,
-    /// Returns quotients that are 1 or 2 units in the last place off, and square roots that are 2
-    /// or 4.
+    /// Returns quotients with an error of 1 or 2 units in the last place, and square roots with one
+    /// of 2 or 4.
     Inaccurate,
 }
 
@@ -75,7 +75,7 @@ impl FromStr for DriverModel {
 }
 
 impl DriverModel {
-    /// Returns the model that the environment names. `None` if it names none.
+    /// Returns the model of the environment variable. `None` if it is not set.
     ///
     /// # Panics
     /// Panics if there is no model of that name.
@@ -84,8 +84,8 @@ impl DriverModel {
         Some(name.parse().unwrap_or_else(|why: String| panic!("{why}")))
     }
 
-    /// Makes all shaders of the process follow the model that the environment names, if it names
-    /// one. Returns that model.
+    /// Makes all shaders of the process follow the model of the environment variable, if it is set.
+    /// Returns that model.
     ///
     /// # Panics
     /// Panics if there is no model of that name.
@@ -110,11 +110,11 @@ impl DriverModel {
         }
     }
 
-    /// Returns a shader that computes what such a driver would compute of `wgsl`.
+    /// Returns a shader that computes the results of such a driver for `wgsl`.
     ///
     /// # Panics
     /// Panics if the text has a kind of statement that no shader here has. Text that is not valid
-    /// WGSL is returned as it is.
+    /// WGSL is returned unchanged.
     pub fn rewrite(self, wgsl: &str) -> String {
         let Ok(mut module) = parse_str(wgsl) else {
             return wgsl.to_owned();
@@ -137,7 +137,7 @@ impl DriverModel {
     }
 }
 
-/// Literals that rewritten expressions need; these may not be made in the middle of a block.
+/// Literals for rewritten expressions. They can't be created in the middle of a block.
 struct Literals {
     one: Handle<Expression>,
     two: Handle<Expression>,
@@ -168,7 +168,7 @@ struct Rewriter<'a> {
     info: &'a FunctionInfo,
     new: Arena<Expression>,
     literals: Literals,
-    /// The first of the expressions made for each old one, and the one that stands for it.
+    /// The first of the expressions created for each old one, and its replacement.
     made: Vec<(Handle<Expression>, Handle<Expression>)>,
 }
 
@@ -217,7 +217,7 @@ impl<'a> Rewriter<'a> {
         out
     }
 
-    /// Returns the new expression that stands for an old one.
+    /// Returns the replacement of an old expression.
     fn of(&self, old: Handle<Expression>) -> Handle<Expression> {
         self.made[old.index()].1
     }
@@ -339,7 +339,7 @@ impl<'a> Rewriter<'a> {
         Some(self.converted(sum, 4))
     }
 
-    /// Converts a float to one of so many bytes.
+    /// Converts a float to one of this number of bytes.
     fn converted(&mut self, expr: Handle<Expression>, bytes: u8) -> Handle<Expression> {
         self.push(Expression::As {
             expr,
@@ -348,7 +348,7 @@ impl<'a> Rewriter<'a> {
         })
     }
 
-    /// Returns `a + (b + c)` for `(a + b) + c`, or `a + (b - c)`. `None` if it is no such sum.
+    /// Returns `a + (b + c)` for `(a + b) + c`, or `a + (b - c)`. `None` for other expressions.
     fn reassociated(
         &mut self,
         op: BinaryOperator,
@@ -371,9 +371,9 @@ impl<'a> Rewriter<'a> {
         Some(self.binary(BinaryOperator::Add, first, last))
     }
 
-    /// Returns a number that is `moves` times 1 or 2 units in the last place greater or less; 0 and
-    /// what is not finite stay. How far depends on the number of the operand's bits that are 1: so
-    /// quotients that are powers of 2 are moved either way.
+    /// Returns a number that differs by `moves` times 1 or 2 units in the last place; 0 and
+    /// non-finite numbers stay unchanged. The direction and size depend on the number of 1 bits of
+    /// the operand, so that quotients that are powers of 2 are changed in both directions.
     fn moved(
         &mut self,
         exact: Handle<Expression>,

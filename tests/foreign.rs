@@ -1,4 +1,4 @@
-//! What tests upload to and read from a device, as a program with a renderer of its own would.
+//! Uploads and readbacks of tests, like those of a program with its own renderer.
 
 use crate::adapter::TestDevice;
 use bytemuck::cast_slice;
@@ -11,7 +11,7 @@ use wgpu::{
     util::{BufferInitDescriptor, DeviceExt},
 };
 
-/// Returns a buffer that holds these bytes.
+/// Returns a buffer with these bytes.
 pub fn buffer(d: &TestDevice, usage: BufferUsages, contents: &[u8]) -> Buffer {
     d.device.create_buffer_init(&BufferInitDescriptor {
         label: None,
@@ -44,7 +44,7 @@ pub fn add_triangle(
     set.add_mesh(&mesh).expect("valid")
 }
 
-/// Returns a texture for shaders to read that holds these texels, row by row.
+/// Returns a texture with these texels, row by row, for shaders to read.
 ///
 /// # Panics
 /// Panics if the format has no known size.
@@ -63,7 +63,7 @@ pub fn upload(d: &TestDevice, size: UVec2, format: TextureFormat, data: &[u8]) -
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Returns a texture that shaders read, with another usage besides.
+/// Returns a texture that shaders read, with an additional usage.
 pub fn texture(
     d: &TestDevice,
     size: UVec2,
@@ -86,8 +86,8 @@ pub fn texture(
     })
 }
 
-/// Submits the encoder, and returns what an `R32Float` texture then holds, layer by layer and row
-/// by row.
+/// Submits the encoder, and returns the resulting contents of an `R32Float` texture, layer by layer
+/// and row by row.
 ///
 /// # Panics
 /// Panics if the device is lost.

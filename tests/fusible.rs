@@ -1,9 +1,9 @@
-//! What drivers may compute otherwise, found in a shader's functions.
+//! Detection of operations in a shader's functions whose results depend on the driver.
 //!
-//! WGSL lets drivers fuse a product with a sum, compute built-ins such as `dot` in any order, and
-//! miss quotients and roots. All of that is looked for in naga's representation, after its
-//! functions are seen as one: a product counts wherever it goes, through variables, parameters,
-//! results, structures and signs.
+//! WGSL permits drivers to fuse a product with a sum, to compute built-ins such as `dot` in any
+//! order, and to return inexact quotients and roots. The search works on naga's representation,
+//! across all functions: a product is followed through variables, parameters, results, structures
+//! and signs.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, MathFunction,
@@ -16,12 +16,12 @@ use std::{
     fmt,
 };
 
-/// What a driver may compute otherwise.
+/// An operation whose result depends on the driver.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Liberty {
     /// A product goes into a sum or difference.
     FusibleSum,
-    /// A built-in function, or a product of matrices, that is made of sums.
+    /// A built-in function, or a product of matrices, that contains sums.
     FusibleBuiltIn(String),
     /// A quotient.
     Quotient,
@@ -32,7 +32,7 @@ pub enum Liberty {
 impl fmt::Display for Liberty {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::FusibleSum => write!(f, "a product that goes into a sum: write `product(a, b)`"),
+            Self::FusibleSum => write!(f, "a product in a sum: write `product(a, b)`"),
             Self::FusibleBuiltIn(name) => write!(f, "{name}: write its sum out with `product`"),
             Self::Quotient => write!(f, "a bare quotient: write `quotient(a, b)`"),
             Self::Root => write!(f, "a bare root: write `root(x)`"),
@@ -44,7 +44,7 @@ impl fmt::Display for Liberty {
 /// names.
 ///
 /// # Errors
-/// Errors if the text is not valid WGSL.
+/// Returns an error if the text is not valid WGSL.
 pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
     let module = parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::all())
@@ -65,11 +65,11 @@ pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
     Ok(out)
 }
 
-/// Returns the functions among `roots`, and the entry points, in which a product may be guarded by
-/// a variable of this name before the variable is stored to: compilers know its first value.
+/// Returns the functions among `roots`, and the entry points, in which a variable of this name may
+/// guard a product before the variable is stored to, while compilers know its initial value.
 ///
 /// # Errors
-/// Errors if the text is not valid WGSL, or names none of `roots`.
+/// Returns an error if the text is not valid WGSL, or has none of `roots`.
 pub fn unset_guards(wgsl: &str, guard: &str, roots: &[&str]) -> Result<Vec<String>, String> {
     let module = parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
     let mut globals = module.global_variables.iter();
@@ -106,8 +106,8 @@ impl Order<'_> {
         matches!(*root(function, pointer), Expression::GlobalVariable(global) if global == self.guard)
     }
 
-    /// Returns whether a block may load the variable before it is stored to. `is_set` is whether it
-    /// was stored to before the block, and then whether it was on all ways through it.
+    /// Reports whether a block may load the variable before it is stored to. `is_set` is whether a
+    /// store preceded the block, and afterwards, whether one occurred on all paths through it.
     fn loads_first(&self, function: &Function, block: &Block, is_set: &mut bool) -> bool {
         for statement in block.iter() {
             if *is_set {
@@ -140,7 +140,7 @@ impl Order<'_> {
                     *is_set = after_accept && after_reject;
                     loads
                 }
-                // Cases may be left out, and loops may end early: what they store does not count.
+                // Ignore stores in cases, which may be skipped, and in loops, which may end early.
                 Statement::Switch { cases, .. } => {
                     cases.iter().any(|case| in_block(&case.body, &mut false))
                 }
@@ -179,7 +179,7 @@ fn functions<'a>(
     named.chain(entries).collect()
 }
 
-/// Which expressions may be products.
+/// The expressions that may be products.
 #[derive(Debug, Default)]
 struct Products {
     expressions: HashMap<Key, HashSet<Handle<Expression>>>,
@@ -205,7 +205,7 @@ impl Products {
             + self.globals.len()
     }
 
-    /// Finds more of what may be a product from what is known. Returns whether there was more.
+    /// Propagates products by one step. Returns whether there are new ones.
     fn spread(&mut self, module: &Module) -> bool {
         let before = self.len();
         for (handle, function) in module.functions.iter() {
@@ -317,7 +317,7 @@ impl Products {
         }
     }
 
-    /// Returns what an expression leaves to drivers. `None` if nothing.
+    /// Returns the liberty of an expression. `None` if it has none.
     fn liberty(
         &self,
         module: &Module,
@@ -373,7 +373,7 @@ impl Products {
     }
 }
 
-/// Returns the variable that a pointer leads into.
+/// Returns the variable behind a pointer.
 fn root(function: &Function, mut pointer: Handle<Expression>) -> &Expression {
     loop {
         match function.expressions[pointer] {
@@ -385,7 +385,7 @@ fn root(function: &Function, mut pointer: Handle<Expression>) -> &Expression {
     }
 }
 
-/// Returns whether an expression is a constant power of two: products with it are exact, and fusing
+/// Reports whether an expression is a constant power of two. Products with it are exact, and fusing
 /// them changes nothing.
 fn is_power_of_two(module: &Module, function: &Function, handle: Handle<Expression>) -> bool {
     let is_power = |literal: &Literal| match *literal {

@@ -1,4 +1,4 @@
-//! Golden images: masks of 128 x 128 pixels that somebody has looked at, compared exactly.
+//! Golden images: masks of 128 x 128 pixels that were reviewed by a person, compared exactly.
 
 use image::{GrayImage, ImageFormat};
 use std::{fs, io::Cursor, path::PathBuf};
@@ -11,23 +11,23 @@ use umbrage_techniques::{
 
 /// Sides, pixels.
 pub const SIDE: u32 = 128;
-/// A golden image's greatest size, bytes: the repository keeps every version of each.
+/// Greatest size of a golden image, bytes. The repository keeps every version of each.
 pub const MAX_BYTES: usize = 16 * 1024;
 
-/// Makes a technique.
+/// Constructor of a technique.
 pub type Make = fn() -> Box<dyn ShadowTechnique>;
 
-/// A scene and a technique whose mask is kept.
+/// A scene and a technique with a kept mask.
 #[derive(Clone, Copy, Debug)]
 pub struct Golden {
     /// The built-in scene.
     pub scene: &'static str,
-    /// Makes the technique.
+    /// Creates the technique.
     pub technique: Make,
 }
 
-/// Wide enough an offset that the kernels used here, up to 3 texels wide, shadow no plane by
-/// itself: acne would drown all else, and change wherever a bit does.
+/// An offset that is large enough for the kernels here, up to 3 texels wide, to have no acne on
+/// planes. Acne would dominate the image and change with every bit.
 const BIAS: Bias = Bias {
     normal_offset: 3.0,
     ..Bias::NONE
@@ -44,8 +44,8 @@ const MAP: ShadowMap = ShadowMap {
     beyond_far: BeyondFar::Lit,
 };
 
-/// All golden images. Few: each shows what no other does, and all have to be looked at when they
-/// change.
+/// Returns all golden images. Each shows something that no other does; they are few, because all
+/// must be reviewed when they change.
 pub fn all() -> Vec<Golden> {
     let list: [(&str, Make); 11] = [
         ("cubes", hard),
@@ -88,22 +88,22 @@ fn traced() -> Box<dyn ShadowTechnique> {
 }
 
 impl Golden {
-    /// `scene.technique`
+    /// Returns the name: `scene.technique`.
     pub fn name(&self) -> String {
         format!("{}.{}", self.scene, (self.technique)().name())
     }
 
-    /// Where it is kept.
+    /// Returns the path of the file.
     pub fn path(&self) -> PathBuf {
         PathBuf::from(env!("CARGO_MANIFEST_DIR"))
             .join("goldens")
             .join(format!("{}.png", self.name()))
     }
 
-    /// The mask as it is rendered now, on the CPU.
+    /// Renders the current mask on the CPU.
     ///
     /// # Errors
-    /// Errors if the scene or the recipe can't be made or rendered; in words.
+    /// Returns an error message if the scene or the recipe can't be made or rendered.
     pub fn render(&self) -> Result<GrayImage, String> {
         let say = |e: &dyn std::fmt::Display| format!("{}: {e}", self.name());
         let entry = umbrage_scenes::find(self.scene).ok_or_else(|| say(&"no such scene"))?;
@@ -121,19 +121,19 @@ impl Golden {
         GrayImage::from_raw(SIDE, SIDE, pixels).ok_or_else(|| say(&"the mask has another size"))
     }
 
-    /// What is wrong with the golden image, if anything.
+    /// Checks the golden image.
     ///
     /// # Errors
-    /// How it differs from the mask rendered now, in words.
+    /// Returns a message with the differences from the current mask.
     pub fn check(&self) -> Result<(), String> {
         let bytes = fs::read(self.path()).map_err(|e| format!("{}: {e}", self.path().display()))?;
         compare(&bytes, &self.render()?).map_err(|e| format!("{}: {e}", self.name()))
     }
 
-    /// Writes it anew.
+    /// Rewrites the golden image.
     ///
     /// # Errors
-    /// Errors if it can't be rendered or written, or would be too large; in words.
+    /// Returns an error message if it can't be rendered or written, or would be too large.
     pub fn bless(&self) -> Result<(), String> {
         let bytes = encode(&self.render()?)?;
         if bytes.len() > MAX_BYTES {
@@ -147,10 +147,10 @@ impl Golden {
     }
 }
 
-/// As a PNG file.
+/// Encodes an image as a PNG file.
 ///
 /// # Errors
-/// Errors if the encoder fails; in words.
+/// Returns an error message if the encoder fails.
 pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     let mut bytes = Cursor::new(Vec::new());
     image
@@ -159,10 +159,10 @@ pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     Ok(bytes.into_inner())
 }
 
-/// Objects unless a PNG file holds exactly this image, and is small enough.
+/// Checks that a PNG file has exactly this image, and is small enough.
 ///
 /// # Errors
-/// How they differ, in words.
+/// Returns a message with the differences.
 pub fn compare(png: &[u8], now: &GrayImage) -> Result<(), String> {
     let kept = image::load_from_memory_with_format(png, ImageFormat::Png)
         .map_err(|e| e.to_string())?

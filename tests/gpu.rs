@@ -8,15 +8,15 @@ use std::{
 use umbrage_core::BackendError;
 use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
-/// Tests of one program share this many devices: enough to keep two cores busy. Each device
-/// compiles its own pipelines.
+/// Number of devices that the tests of one program share, enough to keep two cores busy. Each
+/// device compiles its own pipelines.
 const DEVICES: usize = 2;
 
 /// The shared backends.
 struct Pool {
-    /// Those that no test uses now.
+    /// Backends that no test uses at present.
     free: Vec<Gpu>,
-    /// How many there are, [`DEVICES`] at most.
+    /// Number of backends, at most [`DEVICES`].
     opened: usize,
 }
 
@@ -28,21 +28,21 @@ static POOL: Mutex<Pool> = Mutex::new(Pool {
 static RETURNED: Condvar = Condvar::new();
 
 fn lock_pool() -> MutexGuard<'static, Pool> {
-    // A test that failed while it held the lock reports that itself; the others go on.
+    // A test that failed while it held the lock reports that itself. Continue the other tests.
     POOL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A backend that one test uses alone. Dropping this returns it.
+/// A backend for the exclusive use of one test. Dropping it returns the backend.
 #[derive(Debug)]
 pub struct SharedGpu(Option<Gpu>);
 
 /// Returns a shared backend that no other test uses. Waits until one is free.
 ///
-/// A test drops its backend before it takes another one: two tests that each hold one and wait for
-/// a second would wait forever.
+/// A test must drop its backend before it requests another one: two tests that each hold one and
+/// wait for a second would wait forever.
 ///
 /// # Panics
-/// Panics if there is no adapter: a test that needs one fails, it is never skipped.
+/// Panics if there is no adapter. A test that needs one fails and is never skipped.
 pub fn gpu() -> SharedGpu {
     let mut pool = lock_pool();
     loop {
@@ -81,13 +81,13 @@ impl Drop for SharedGpu {
     }
 }
 
-/// The adapter that `WGPU_ADAPTER_NAME` asks for, and no other; none if it asks for none.
+/// Returns the adapter of `WGPU_ADAPTER_NAME`. `None` if the variable is not set.
 pub fn named() -> Option<AdapterChoice> {
     Some(AdapterChoice::from_env()).filter(|choice| choice.name.is_some())
 }
 
-/// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can
-/// be asked.
+/// Opens a backend, preferably on a software driver, as for [`device`](crate::adapter::device),
+/// since those can be required to be bit-equal.
 fn open() -> Result<Gpu, BackendError> {
     DriverModel::install();
     if let Some(named) = named() {

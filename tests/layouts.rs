@@ -1,13 +1,14 @@
-//! The second of four nets: where Rust writes a uniform's fields, and where the shader reads them.
+//! The second of four tests of twins: the layout of a uniform's fields in Rust and in the shader.
 
 use naga::TypeInner;
 use umbrage_core::UniformLayout;
 
-/// The layout that naga gives the WGSL struct called `name`. Only the struct declarations of `wgsl`
-/// are looked at, so the text may call functions and read variables that a player declares.
+/// Returns the layout that naga computes for the WGSL struct called `name`. Only the struct
+/// declarations of `wgsl` are parsed, so the text may call functions and read variables that a
+/// backend declares.
 ///
 /// # Errors
-/// Errors if the structs don't compile, or none has that name.
+/// Returns an error if the structs don't compile, or none has that name.
 pub fn wgsl_layout(wgsl: &str, name: &str) -> Result<UniformLayout, String> {
     let structs: String = wgsl
         .match_indices("struct ")
@@ -37,7 +38,7 @@ fn declaration(text: &str) -> Option<&str> {
 }
 
 fn layout(name: &str, fields: Vec<(String, u64)>, size: u64) -> UniformLayout {
-    // Layouts name things for as long as the program lives; so few may be built here, too.
+    // Leak the few names, since layouts have static ones.
     let keep = |s: String| -> &'static str { s.leak() };
     UniformLayout {
         name: keep(name.to_owned()),
@@ -46,10 +47,10 @@ fn layout(name: &str, fields: Vec<(String, u64)>, size: u64) -> UniformLayout {
     }
 }
 
-/// Objects unless the shader lays the struct out as Rust does.
+/// Checks that the shader's layout of the struct equals that of Rust.
 ///
 /// # Errors
-/// Both layouts, in words.
+/// Returns a message with both layouts.
 pub fn check(rust: &UniformLayout, wgsl: &str) -> Result<(), String> {
     let wgsl = wgsl_layout(wgsl, rust.name)?;
     if *rust == wgsl {

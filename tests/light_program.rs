@@ -1,4 +1,4 @@
-//! A program with a forward renderer that asks a light set.
+//! A program with a forward renderer that uses a light set.
 
 use crate::{
     adapter::{TestDevice, device},
@@ -16,10 +16,10 @@ use wgpu::{
     TextureUsages, TextureView,
 };
 
-/// The set's bind group in the program's shader; the program's own is 0.
+/// The set's bind group in the program's shader. The program's own is 0.
 const GROUP: u32 = 1;
 
-/// Draws a light's visibility at every receiver: the light's index is that of the instance.
+/// Draws a light's visibility at every receiver. The light's index is that of the instance.
 const OWN_SHADER: &str = "
 @group(0) @binding(0) var own_position: texture_2d<f32>;
 @group(0) @binding(1) var own_normal: texture_2d<f32>;
@@ -43,7 +43,7 @@ struct OwnPixel {
 }
 ";
 
-/// What the program sees.
+/// The program's visible surfaces.
 #[derive(Debug)]
 pub struct ForwardProgram {
     /// The device.
@@ -54,7 +54,7 @@ pub struct ForwardProgram {
     size: UVec2,
 }
 
-/// A pipeline that contains a set's text, and what it draws into.
+/// A pipeline that contains a set's text, and its render target.
 #[derive(Debug)]
 struct Drawn {
     revision: u64,
@@ -69,7 +69,7 @@ pub struct Forward {
 }
 
 impl ForwardProgram {
-    /// A program that sees these receivers.
+    /// Returns a program with these receivers.
     pub fn new(receivers: &Receivers) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         let mut normals: Vec<[f32; 4]> = Vec::new();
@@ -82,7 +82,8 @@ impl ForwardProgram {
         Self::of_texels(device(), size, &positions, &normals, &receivers.triangle)
     }
 
-    /// A program that sees a floor of `size` points, a quarter of a metre apart, around the origin.
+    /// Returns a program with a floor of `size` points, a quarter of a metre apart, around the
+    /// origin.
     pub fn floor(d: &'static TestDevice, size: UVec2) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         for y in 0..size.y {
@@ -97,7 +98,8 @@ impl ForwardProgram {
         Self::of_texels(d, size, &positions, &normals, &vec![u32::MAX; count])
     }
 
-    /// A program that sees these positions (w is 1 where a shadow may fall), normals and triangles.
+    /// Returns a program with these positions (w is 1 where a shadow may fall), normals and
+    /// triangles.
     pub fn of_texels(
         d: &'static TestDevice,
         size: UVec2,
@@ -115,7 +117,7 @@ impl ForwardProgram {
         }
     }
 
-    /// Returns an empty set that tells errors at once.
+    /// Returns an empty set that reports errors at once.
     ///
     /// # Panics
     /// Panics if the device has one bind group only.
@@ -130,7 +132,7 @@ impl ForwardProgram {
         LightSet::new(&self.d.device, options).expect("the device has two bind groups")
     }
 
-    /// Returns the textures of what is seen.
+    /// Returns the textures of the visible surfaces.
     pub fn gbuffer(&self) -> GBuffer<'_> {
         GBuffer {
             position: &self.position,
@@ -139,7 +141,7 @@ impl ForwardProgram {
         }
     }
 
-    /// Returns how many pixels it sees.
+    /// Returns the size in pixels.
     pub const fn size(&self) -> UVec2 {
         self.size
     }
@@ -151,7 +153,7 @@ impl ForwardProgram {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    /// Prepares, encodes and submits a frame of the set, without looking at anything.
+    /// Prepares, encodes and submits a frame of the set, without reading it back.
     ///
     /// # Panics
     /// Panics if the set reports an error.
@@ -165,7 +167,7 @@ impl ForwardProgram {
 }
 
 impl Forward {
-    /// Returns the visibility of the light with this index at every receiver, as of the set's last
+    /// Returns the visibility of the light with this index at every receiver in the set's last
     /// frame.
     ///
     /// # Panics

@@ -1,4 +1,4 @@
-//! Triangles above a floor, with spots that shine down on them: what the tests of light sets play.
+//! Triangles above a floor with spot lights above them: the scene of the tests of light sets.
 
 use crate::{
     adapter::{TestDevice, device},
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use umbrage_core::{Camera, Light};
 use umbrage_techniques::{Hard, MapFilter as _, MapTechnique, ShadowMap};
 use umbrage_wgpu::{
-    CasterId, LightId, LightSet, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
+    CasterId, LightId, LightSet, SetBudget, SetFrame, SetReport, ShadowedLight, StillLayers,
 };
 use wgpu::BufferUsages;
 
@@ -28,7 +28,7 @@ pub fn hard() -> Arc<MapTechnique<Hard>> {
     Arc::new(Hard {}.on(map))
 }
 
-/// Returns a spot that shines down on the floor around `x`.
+/// Returns a spot light above the floor at `x` that points down.
 pub fn spot(x: f32) -> Light {
     Light::Spot {
         position: Vec3::new(x, 6.0, 0.0),
@@ -39,7 +39,7 @@ pub fn spot(x: f32) -> Light {
     }
 }
 
-/// Returns a camera that stands to the right by `x` metres.
+/// Returns a camera moved to the right by `x` metres.
 ///
 /// # Panics
 /// Panics if `x` is not finite.
@@ -58,23 +58,23 @@ pub struct Stage {
     pub set: LightSet,
     /// The triangles.
     pub casters: Vec<CasterId>,
-    /// What the set is prepared for.
+    /// The camera for which the set is prepared.
     pub camera: Camera,
 }
 
 impl Stage {
-    /// A set with a triangle above the floor at each of these places.
+    /// Returns a set with a triangle above the floor at each of these positions.
     ///
     /// # Panics
-    /// Panics if a place is not finite.
+    /// Panics if a position is not finite.
     pub fn new(budget: SetBudget, places: &[f32]) -> Self {
         Self::on(device(), budget, StillLayers::Auto, places)
     }
 
-    /// The same on another device.
+    /// Returns a set like that of [`Stage::new`] on another device.
     ///
     /// # Panics
-    /// Panics if a place is not finite.
+    /// Panics if a position is not finite.
     pub fn on(
         d: &'static TestDevice,
         budget: SetBudget,
@@ -97,12 +97,12 @@ impl Stage {
         }
     }
 
-    /// Adds a spot that shines down on `x`.
+    /// Adds a spot light that points down at `x`.
     ///
     /// # Panics
     /// Panics if a number is not finite.
     pub fn light(&mut self, x: f32, priority: f32) -> LightId {
-        let light = SetLight {
+        let light = ShadowedLight {
             light: spot(x),
             technique: hard(),
             priority,
@@ -110,7 +110,7 @@ impl Stage {
         self.set.add_light(light).expect("valid")
     }
 
-    /// Plays a frame, and returns what it took.
+    /// Runs a frame, and returns its report.
     pub fn frame(&mut self) -> SetReport {
         let frame = SetFrame {
             camera: &self.camera,
@@ -125,7 +125,7 @@ impl Stage {
         self.set.unserved().map(|(id, _)| id).collect()
     }
 
-    /// Returns how many receivers are in a light's shadow.
+    /// Returns the number of receivers in a light's shadow.
     ///
     /// # Panics
     /// Panics if there is no such light.
@@ -136,7 +136,7 @@ impl Stage {
     }
 }
 
-/// Returns where a triangle stands.
+/// Returns the placement of a triangle.
 pub fn at(x: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, 2.0, 0.0))
 }

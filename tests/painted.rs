@@ -12,7 +12,7 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 /// The scene under this light, with its marker.
 ///
 /// # Errors
-/// Errors never: the scene is a good one.
+/// Never returns an error, since the scene is valid.
 pub fn scene(light: Light, camera: Camera) -> Result<Scene, Invalid> {
     let floor = with_tangents(&floor())?;
     let ball = with_tangents(&ball())?;
@@ -32,7 +32,7 @@ pub fn scene(light: Light, camera: Camera) -> Result<Scene, Invalid> {
     }))
 }
 
-/// Every kind of light, all from the left; those with a place stand where both cameras see them.
+/// Lights of every kind, all from the left. Those with a position are visible to both cameras.
 pub fn lights() -> [Light; 5] {
     let position = Vec3::new(-1.2, 1.8, 1.0);
     let half = Vec3::new(0.3, 0.0, 0.0);
@@ -65,10 +65,10 @@ pub fn lights() -> [Light; 5] {
     ]
 }
 
-/// With and without perspective.
+/// Cameras with and without perspective.
 ///
 /// # Errors
-/// Errors never: the cameras are good ones.
+/// Never returns an error, since the cameras are valid.
 pub fn cameras() -> Result<[Camera; 2], Invalid> {
     let eye = Vec3::new(0.6, 2.4, 4.2);
     let target = Vec3::new(0.0, 0.3, 0.0);
@@ -87,8 +87,8 @@ pub fn cameras() -> Result<[Camera; 2], Invalid> {
     ])
 }
 
-/// Two balls, one of them mirrored and without a texture's colour, over a floor; a third that names
-/// no material.
+/// Two balls over a floor, one of them mirrored and without a texture's colour, and a third without
+/// a material.
 fn instances() -> Vec<Instance> {
     let place = |mesh, scale: Vec3, at: Vec3, material| {
         let world_from_local = Affine3A::from_translation(at) * Affine3A::from_scale(scale);
@@ -130,7 +130,7 @@ fn materials() -> Vec<Material> {
     vec![floor, shiny, red]
 }
 
-/// A quad from -1 to 1 in y = 0, its texture three times along each side.
+/// A quad from -1 to 1 in y = 0, with three repeats of the texture along each side.
 fn floor() -> Mesh {
     Mesh {
         name: "floor".to_owned(),
@@ -151,7 +151,7 @@ fn floor() -> Mesh {
     }
 }
 
-/// A coarse unit ball, its texture four times around and twice from pole to pole.
+/// A coarse unit ball, with four repeats of the texture around it and two from pole to pole.
 fn ball() -> Mesh {
     const AROUND: u32 = 24;
     const DOWN: u32 = 12;
@@ -178,7 +178,7 @@ fn ball() -> Mesh {
     mesh
 }
 
-/// No flip or turn leaves it as it is.
+/// A texture without symmetries: every flip or turn changes it.
 fn checks() -> Texture {
     let light = [0.9, 0.85, 0.7, 1.0];
     let dark = [0.25, 0.2, 0.2, 1.0];
@@ -191,7 +191,7 @@ fn checks() -> Texture {
     }
 }
 
-/// Heights 0 to 1: four waves one way, two the other.
+/// Heights 0 to 1: four waves in one direction, two in the other.
 fn waves() -> Texture {
     let wave =
         |i: u32, count: f32| 0.5 + 0.5 * (i as f32 / 32.0 * count * std::f32::consts::TAU).sin();

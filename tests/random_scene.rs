@@ -11,24 +11,24 @@ use umbrage_techniques::{
     BeyondFar, Bias, Border, MapFormat, Pattern, ShadowMap, Surface, TechniquePreset,
 };
 
-/// Something to render: one scene, one technique.
+/// An input of rendering: one scene, one technique.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// With one light and one camera.
+    /// The scene, with one light and one camera.
     pub scene: Scene,
-    /// How to shade it.
+    /// The technique.
     pub technique: TechniquePreset,
 }
 
-/// Scenes, of which some have holes, with techniques whose kernels are bit-equal on drivers that
+/// Scenes, some of them alpha-tested, with techniques whose kernels are bit-equal on drivers that
 /// keep the order of operations.
 pub fn cases() -> impl Strategy<Value = Case> {
     let scenes = prop_oneof![5 => scenes().boxed(), 1 => scenes_with_holes().boxed()];
     (scenes, techniques()).prop_map(|(scene, technique)| Case { scene, technique })
 }
 
-/// Scenes as those of [`scenes`]; an alpha texture, hashed in half of them, cuts holes into about
-/// half of their objects.
+/// Scenes like those of [`scenes`], with about half of their objects alpha-tested. Half of the
+/// scenes use the hashed filter.
 pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
     let texture = (1..9_u32, 1..9_u32)
         .prop_flat_map(|(width, height)| {
@@ -43,17 +43,17 @@ pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
     let are_cut_out = vec(any::<bool>(), 6);
     (scenes(), texture, 0.2..0.8_f32, -3.0..3.0_f32, are_cut_out).prop_map(
         |(mut scene, texture, cutoff, repeats, are_cut_out)| {
-            // The last bit is as good as a number drawn for it.
+            // Use the last bit as a random one.
             let is_hashed = cutoff.to_bits() & 1 == 1;
             let filter = if is_hashed {
                 AlphaFilter::Hashed
             } else {
                 AlphaFilter::Nearest
             };
-            // So that several texels lie in a pixel.
+            // Put several texels into a pixel.
             let repeats = if is_hashed { 10.0 * repeats } else { repeats };
             for mesh in &mut scene.meshes {
-                // Across two sides of boxes at once, so that none is a line of one texel.
+                // Map across two sides of boxes, so that none is a line of one texel.
                 let uv = |p: &Vec3| Vec2::new(p.x + 0.3 * p.y, p.z - 0.7 * p.y) * repeats;
                 mesh.uvs = mesh.positions.iter().map(uv).collect();
             }
@@ -153,7 +153,7 @@ fn cuboid() -> Mesh {
     )
 }
 
-/// Any triangles: they cross, touch, repeat and degenerate.
+/// Arbitrary triangles that intersect, touch, repeat and degenerate.
 fn soup() -> impl Strategy<Value = Mesh> {
     vec((vec3(-1.0..1.0), vec3(-1.0..1.0), vec3(-1.0..1.0)), 1..30).prop_map(|corners| {
         let positions: Vec<Vec3> = corners
@@ -197,7 +197,7 @@ fn placements() -> impl Strategy<Value = (Affine3A, bool, bool)> {
         )
 }
 
-/// Axis-aligned ones are likely: they bring ties.
+/// Rotations, many of them axis-aligned, which cause ties.
 fn rotations() -> impl Strategy<Value = Quat> {
     prop_oneof![
         Just(Quat::IDENTITY),
@@ -230,14 +230,14 @@ fn lights() -> impl Strategy<Value = Light> {
             radius,
         }),
         1 => (above(), radii()).prop_map(|(position, radius)| Light::Point { position, radius }),
-        // Amid the objects: only a cube can hold its surroundings.
+        // Among the objects, so that only a cube can cover its surroundings.
         2 => (vec3(-1.5..1.5), radii()).prop_map(|(position, radius)| Light::Point { position, radius }),
         1 => above().prop_map(|center| Light::Rect { center, half_u: Vec3::X * 0.4, half_v: Vec3::Z * 0.3 }),
         1 => above().prop_map(|center| Light::Disc { center, normal: Vec3::NEG_Y, radius: 0.5 }),
     ]
 }
 
-/// Ideal lights, and lights with an extent.
+/// Radii of lights without extent, and of area lights.
 fn radii() -> impl Strategy<Value = f32> {
     prop_oneof![2 => Just(0.0), 1 => 0.01..0.6_f32]
 }
@@ -278,8 +278,7 @@ fn cameras() -> impl Strategy<Value = Camera> {
         )
 }
 
-/// Any built-in technique, as often as its row of the catalogue says, with the settings that it
-/// makes of drawn numbers.
+/// Built-in techniques, weighted by their rows of the catalogue, with settings from random numbers.
 fn techniques() -> impl Strategy<Value = TechniquePreset> {
     let weighted = catalogue::all()
         .iter()
@@ -337,7 +336,7 @@ fn maps() -> impl Strategy<Value = ShadowMap> {
         )
 }
 
-/// Cascades follow the camera, which not all fits do.
+/// Fits and layouts. Cascades follow the camera, which not all fits do.
 fn fits_and_layouts() -> impl Strategy<Value = (Fit, Layout)> {
     let layouts =
         prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
@@ -378,7 +377,7 @@ fn formats() -> impl Strategy<Value = MapFormat> {
     prop_oneof![4 => Just(MapFormat::Depth32), 1 => Just(MapFormat::Depth16), 1 => Just(MapFormat::Rgba8)]
 }
 
-/// Manual ones cut through casters and receivers, in depth, too.
+/// Fits. Manual ones clip casters and receivers, also in depth.
 fn fits() -> impl Strategy<Value = Fit> {
     let manual = (vec3(-3.0..3.0), 0.5..5.0_f32, 0.1..4.0_f32, 1.0..12.0_f32).prop_map(
         |(eye, half, near, depth)| {
@@ -400,7 +399,7 @@ fn fits() -> impl Strategy<Value = Fit> {
     prop_oneof![4 => Just(Fit::Tight), 1 => Just(Fit::Whole), 1 => stable, 1 => manual]
 }
 
-/// The presets, and mixtures of everything.
+/// Biases: the presets, and random combinations.
 fn biases() -> impl Strategy<Value = Bias> {
     let presets = (0..Bias::PRESETS.len()).prop_map(|i| Bias::PRESETS[i].1);
     let culls = prop_oneof![Just(Cull::None), Just(Cull::Front), Just(Cull::Back)];

@@ -1,14 +1,14 @@
-//! The smallest scene with a shadow, for tests that don't care which.
+//! A minimal scene with a shadow, for tests that need no specific one.
 
 use umbrage_core::{
     Camera, Geometry, Instance, Mesh, Scene,
     glam::{Affine3A, UVec2, Vec3},
 };
 
-/// A unit box a metre above a floor of 8 x 8 metres; then everything scaled, then moved.
+/// A unit box a metre above a floor of 8 x 8 metres, all of it scaled and then moved.
 ///
 /// # Panics
-/// Panics never: the scene is a good one.
+/// Never panics, since the scene is valid.
 pub fn geometry(scale: f32, offset: Vec3) -> Geometry {
     let place = |height| {
         let p = offset + Vec3::Y * height * scale;
@@ -30,7 +30,7 @@ pub fn geometry(scale: f32, offset: Vec3) -> Geometry {
     Geometry::bake(&scene).expect("a good scene")
 }
 
-/// Returns four sides of a box around the origin; those towards +z and -z are open.
+/// Returns four sides of a box around the origin. Those towards +z and -z are open.
 fn sides_of_box(name: &str, half: Vec3) -> Mesh {
     let mut corners = Vec::new();
     for z in [-1.0, 1.0] {
@@ -56,7 +56,7 @@ fn sides_of_box(name: &str, half: Vec3) -> Mesh {
 /// Returns a camera that looks at the box of scale 1 from the front, right and above.
 ///
 /// # Panics
-/// Panics never: the camera is a good one.
+/// Never panics, since the camera is valid.
 pub fn camera() -> Camera {
     let near_far = [0.1, 100.0];
     Camera::perspective(

@@ -1,8 +1,8 @@
-//! The README's table of techniques, which is made from the registry.
+//! The README's table of techniques, which is generated from the registry.
 
 use std::{fs, path::PathBuf};
 
-/// What `cargo xtask bless` calls it.
+/// Name of the table for `cargo xtask bless`.
 pub const NAME: &str = "techniques";
 
 /// The lines around the table.
@@ -11,16 +11,29 @@ const MARKS: [&str; 2] = [
     "<!-- end of techniques -->\n",
 ];
 
-/// Returns the file that holds the table.
+/// Returns the path of the file with the table.
 pub fn path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../README.md")
 }
 
-/// Returns the table as it should be.
+macro_rules! type_names {
+    ($($technique:ty,)*) => { vec![$(std::any::type_name::<$technique>(),)*] };
+}
+
+/// Returns `Pcf` of `a::MapTechnique<b::Pcf>`, and `Exact` of `c::Exact`.
+fn short_name(type_name: &str) -> &str {
+    let innermost = type_name.rsplit('<').next().unwrap_or(type_name);
+    let path = innermost.trim_end_matches('>');
+    path.rsplit("::").next().unwrap_or(path)
+}
+
+/// Returns the current table.
 pub fn table() -> String {
-    let mut out = "| name | what it does |\n|---|---|\n".to_owned();
-    for entry in umbrage_techniques::all() {
-        out += &format!("| `{}` | {} |\n", entry.name, entry.summary);
+    let types = umbrage_techniques::for_each_technique!(type_names);
+    let mut out = "| name | Rust type | what it does |\n|---|---|---|\n".to_owned();
+    for (entry, type_name) in umbrage_techniques::all().iter().zip(types) {
+        let type_name = short_name(type_name);
+        out += &format!("| `{}` | `{type_name}` | {} |\n", entry.name, entry.summary);
     }
     out
 }
@@ -28,7 +41,7 @@ pub fn table() -> String {
 /// Returns `text` with the table between its marks replaced by `table`.
 ///
 /// # Errors
-/// Errors if a mark is missing.
+/// Returns an error if a mark is missing.
 pub fn with_table(text: &str, table: &str) -> Result<String, String> {
     let missing = |mark: &str| format!("the README has no line `{}`", mark.trim_end());
     let [begin, end] = MARKS;
@@ -37,10 +50,10 @@ pub fn with_table(text: &str, table: &str) -> Result<String, String> {
     Ok([before, begin, table, end, after].concat())
 }
 
-/// Objects unless the README holds the table.
+/// Checks that the README has the table.
 ///
 /// # Errors
-/// Errors if it doesn't, or can't be read; in words.
+/// Returns an error message if it doesn't, or can't be read.
 pub fn check() -> Result<(), String> {
     let text = read()?;
     if with_table(&text, &table())? == text {
@@ -53,7 +66,7 @@ pub fn check() -> Result<(), String> {
 /// Writes the table into the README.
 ///
 /// # Errors
-/// Errors if it can't be read or written; in words.
+/// Returns an error message if it can't be read or written.
 pub fn bless() -> Result<(), String> {
     let text = with_table(&read()?, &table())?;
     fs::write(path(), text).map_err(|e| format!("{}: {e}", path().display()))

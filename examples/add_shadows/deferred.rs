@@ -5,13 +5,14 @@ use anyhow::Result;
 use std::sync::Arc;
 use umbrage::{
     ShadowTechnique,
-    wgpu::{
-        DepthBuffer, MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers,
+    gpu::{
+        DepthBuffer, MaskFormat, MaskInputs, MaskReceivers, NormalCoding, SetNormals,
         wgpu::{
             self, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureView,
             TextureViewDimension,
         },
     },
+    techniques::{MapTechnique, Pcf},
 };
 use umbrage_examples::{
     renderer::{self, BoxScene, Boxes, COLOR, DEPTH, Graphics, NORMAL},
@@ -80,7 +81,7 @@ impl Deferred {
         // Masks: positions come from the depth buffer, in the lookup itself.
         let inputs = MaskInputs {
             size: self.boxes.scene.camera.size,
-            receivers: SetReceivers::Depth {
+            receivers: MaskReceivers::Depth {
                 depth: DepthBuffer {
                     depth: &self.depth,
                     world_from_clip: self.boxes.scene.clip_from_world().inverse(),
@@ -119,7 +120,8 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
     let graphics = Graphics::open()?;
     let boxes = Boxes::new(&graphics, BoxScene::small()?);
     let color = graphics.target(boxes.scene.camera.size, COLOR);
-    let shadows = BoxShadows::new(&graphics, &boxes, technique)?;
+    let mut shadows = BoxShadows::new(&graphics, &boxes)?;
+    shadows.add_lights(&boxes.scene.lights, technique)?;
     let mut program = Deferred::new(&graphics, boxes, shadows);
     let mut pixels = Vec::new();
     for seconds in [0.0, 1.0] {
@@ -132,6 +134,12 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
 
 fn main() -> Result<()> {
     let technique = renderer::technique_by_argument()?;
+    let technique = technique.unwrap_or_else(|| Arc::new(MapTechnique::<Pcf>::default()));
     let pixels = picture(&technique)?;
-    renderer::save("deferred.png", &pixels, &BoxScene::small()?, &*technique)
+    renderer::save(
+        "deferred.png",
+        &pixels,
+        &BoxScene::small()?,
+        technique.name(),
+    )
 }

@@ -1,5 +1,5 @@
-// Depth, normals, and the set's masks: a layer for each light, in the order in which they were
-// asked for.
+// Depth, normals, and the set's masks, which have a layer for each requested light, in the order of
+// the request.
 @group(1) @binding(0) var depths: texture_2d<f32>;
 @group(1) @binding(1) var normals: texture_2d<f32>;
 @group(1) @binding(2) var masks: texture_2d_array<f32>;

@@ -1,11 +1,15 @@
 //! Shadows in a forward renderer: `cargo run --release --example forward [PRESET.toml]` writes
 //! `forward.png`. `docs/add_shadows.md` explains it.
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use std::sync::Arc;
 use umbrage::{
-    ShadowTechnique,
-    wgpu::wgpu::{self, CommandEncoder, RenderPipeline, TextureView},
+    Cascades, Layout, Light, ShadowTechnique,
+    gpu::{
+        SetFrame, ShadowedLight,
+        wgpu::{self, CommandEncoder, RenderPipeline, TextureView},
+    },
+    techniques::{MapFilter as _, Pcf, ShadowMap},
 };
 use umbrage_examples::{
     renderer::{self, BoxScene, Boxes, COLOR, DEPTH, Graphics},
@@ -16,7 +20,7 @@ use umbrage_examples::{
 struct Forward {
     boxes: Boxes,
     shadows: BoxShadows,
-    /// Made for this revision of the set's WGSL.
+    /// The pipeline, and the revision of the set's WGSL that it was built for.
     pipeline: Option<(u64, RenderPipeline)>,
 }
 
@@ -32,14 +36,18 @@ impl Forward {
         let placements = self.boxes.scene.placements(seconds);
         self.boxes.place(graphics, &placements);
         self.shadows.place(&placements)?;
-        // Record the shadows' passes into your encoder: none if nothing changed.
-        self.shadows.prepare(graphics, &self.boxes)?;
-        self.shadows.set.encode(encoder)?;
-
-        // The set's text stands before the program's. It changes with the kinds of techniques and
-        // the sizes of maps.
-        let set = &self.shadows.set;
+        let frame = SetFrame {
+            camera: &self.boxes.scene.camera,
+            geometry: None,
+        };
+        // Record the shadow passes into your encoder. Only what changed is drawn again.
+        let set = &mut self.shadows.set;
+        set.prepare(&graphics.device, &graphics.queue, &frame)?;
+        set.encode(encoder)?;
         let (shadows, layout) = set.bind_group()?;
+
+        // Put the set's WGSL before the program's. It changes with the kinds of techniques and the
+        // sizes of maps.
         let revision = set.wgsl_revision();
         if self.pipeline.as_ref().is_none_or(|made| made.0 != revision) {
             let scene = self.boxes.scene.wgsl();
@@ -63,13 +71,41 @@ impl Forward {
     }
 }
 
-/// Draws two frames, between which boxes turn, and returns the second one's pixels.
-pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
+/// Adds a sun with cascades, and a spot with one map.
+fn add_lights(shadows: &mut BoxShadows, sun: Light, spot: Light) -> Result<()> {
+    let set = &mut shadows.set;
+    // A sun with four cascades of 1024 x 1024 texels and 3x3 comparisons. There is no bias to tune.
+    let cascades = ShadowMap {
+        layout: Layout::Cascades(Cascades::default()),
+        ..ShadowMap::default()
+    };
+    let technique = Pcf { radius: 1 }.on(cascades);
+    let sun = set.add_light(ShadowedLight::new(sun, technique))?;
+
+    // A spot with one such map.
+    let technique = Pcf { radius: 1 }.on(ShadowMap::default());
+    let spot = set.add_light(ShadowedLight::new(spot, technique))?;
+    shadows.lights = vec![sun, spot];
+    Ok(())
+}
+
+/// Draws two frames, between which boxes turn, and returns the second one's pixels. All lights have
+/// the technique, if there is one.
+pub(crate) fn picture(technique: Option<&Arc<dyn ShadowTechnique>>) -> Result<Vec<u8>> {
     let graphics = Graphics::open()?;
     let boxes = Boxes::new(&graphics, BoxScene::small()?);
+    let mut shadows = BoxShadows::new(&graphics, &boxes)?;
+    match technique {
+        Some(technique) => shadows.add_lights(&boxes.scene.lights, technique)?,
+        None => {
+            let lights = boxes.scene.lights[..].try_into();
+            let [sun, spot]: [Light; 2] = lights.context("the scene has a sun and a spot")?;
+            add_lights(&mut shadows, sun, spot)?;
+        }
+    }
     let size = boxes.scene.camera.size;
     let mut program = Forward {
-        shadows: BoxShadows::new(&graphics, &boxes, technique)?,
+        shadows,
         boxes,
         pipeline: None,
     };
@@ -87,6 +123,10 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
 
 fn main() -> Result<()> {
     let technique = renderer::technique_by_argument()?;
-    let pixels = picture(&technique)?;
-    renderer::save("forward.png", &pixels, &BoxScene::small()?, &*technique)
+    let pixels = picture(technique.as_ref())?;
+    let label = match &technique {
+        Some(technique) => technique.name(),
+        None => "pcf: a sun with cascades, a spot with one map",
+    };
+    renderer::save("forward.png", &pixels, &BoxScene::small()?, label)
 }

@@ -1,4 +1,4 @@
-// Stands behind the set's text, which has `shadow`.
+// Follows the set's text, which defines `shadow`.
 @fragment fn shade(seen: Surface) -> @location(0) vec4f {
     let normal = normalize(seen.normal);
     let pixel = vec2u(seen.at.xy);

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use umbrage::{
     Camera, Light, ShadowTechnique,
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3},
-    techniques::{MapTechnique, Pcf, TechniquePreset},
-    wgpu::wgpu::{self, util::DeviceExt as _},
+    gpu::wgpu::{self, util::DeviceExt as _},
+    techniques::TechniquePreset,
 };
 
-/// Format of images that are shown.
+/// Format of displayed images.
 pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Format of the camera's depth.
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -54,18 +54,17 @@ pub const fn floats(view_dimension: wgpu::TextureViewDimension) -> wgpu::Binding
 
 /// A floor with a square of boxes on it, under some lights.
 pub struct BoxScene {
-    /// The camera; its size is that of the image.
+    /// The camera. Its size is that of the image.
     pub camera: Camera,
-    /// At least one light. Shaders index them in this order.
+    /// The lights, at least one. Shaders index them in this order.
     pub lights: Vec<Light>,
-    /// Boxes along each side of the square.
+    /// Number of boxes along each side of the square.
     boxes_per_side: usize,
-    /// Metres from box to box.
+    /// Distance between boxes, metres.
     spacing: f32,
     /// Half of a box's width, metres.
     half_width: f32,
-    /// Half of the lowest box's height, and by how much each of four higher ones exceeds the one
-    /// before, metres.
+    /// Half of the lowest box's height, and the increment for each of four higher ones, metres.
     half_heights: [f32; 2],
 }
 
@@ -157,7 +156,7 @@ impl BoxScene {
         self.camera.clip_from_view * Mat4::from(self.camera.world_from_view.inverse())
     }
 
-    /// Returns the part of every shader that declares the scene.
+    /// Returns the part of all shaders that declares the scene.
     pub fn wgsl(&self) -> String {
         let count = self.lights.len();
         format!("const LAMPS = {count}u;\n{}", include_str!("scene.wgsl"))
@@ -176,11 +175,11 @@ fn camera(eye: Vec3, size: UVec2) -> Result<Camera> {
     )?)
 }
 
-/// A device of the program's own.
+/// A device for the program alone.
 pub struct Graphics {
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The queue.
     pub queue: wgpu::Queue,
 }
 
@@ -188,9 +187,9 @@ pub struct Graphics {
 pub struct Boxes {
     /// The scene.
     pub scene: BoxScene,
-    /// A box from -1 to 1, every three vertices a triangle.
+    /// A box from -1 to 1, three vertices for each triangle.
     pub vertices: wgpu::Buffer,
-    /// Vertices of the box.
+    /// Number of vertices of the box.
     pub vertex_count: u32,
     /// Placements of the boxes, 48 bytes each.
     pub instances: wgpu::Buffer,
@@ -218,13 +217,13 @@ impl Graphics {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    /// Waits until all that was submitted is done.
+    /// Waits until all submitted work is done.
     pub fn wait(&self) -> Result<()> {
         self.device.poll(wgpu::PollType::wait_indefinitely())?;
         Ok(())
     }
 
-    /// Returns a buffer with these bytes, which can be written again.
+    /// Returns a buffer with these bytes, which can be rewritten.
     pub fn buffer(&self, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
         let desc = wgpu::util::BufferInitDescriptor {
             label: None,
@@ -240,7 +239,7 @@ impl Graphics {
             .create_view(&wgpu::TextureViewDescriptor::default())
     }
 
-    /// Returns several such textures as layers of one.
+    /// Returns a texture like that of [`Graphics::target`] with several layers.
     pub fn target_array(
         &self,
         size: UVec2,
@@ -304,8 +303,8 @@ impl Graphics {
         self.device.create_bind_group(&desc)
     }
 
-    /// Returns a pipeline that draws the boxes, or else a triangle around the screen without a
-    /// depth buffer.
+    /// Returns a pipeline that draws the boxes, or else a full-screen triangle without a depth
+    /// buffer.
     pub fn pipeline(
         &self,
         text: String,
@@ -350,7 +349,7 @@ impl Graphics {
         })
     }
 
-    /// Submits the encoder, and returns the picture's pixels, four bytes each.
+    /// Submits the encoder, and returns the pixels of the image, four bytes each.
     pub fn read(
         &self,
         mut encoder: wgpu::CommandEncoder,
@@ -423,7 +422,7 @@ impl Boxes {
         }
     }
 
-    /// Moves what is drawn.
+    /// Sets the placements of the boxes.
     pub fn place(&self, graphics: &Graphics, placements: &[Affine3A]) {
         let columns = columns(placements);
         let bytes = bytemuck::cast_slice(&columns);
@@ -445,7 +444,7 @@ impl Boxes {
     }
 }
 
-/// Returns placements as vertex buffers hold them.
+/// Returns placements in the layout of vertex buffers.
 fn columns(placements: &[Affine3A]) -> Vec<[f32; 12]> {
     placements.iter().map(Affine3A::to_cols_array).collect()
 }
@@ -512,27 +511,22 @@ pub fn depth_attachment(
     })
 }
 
-/// Returns the technique in the preset file that the program's first argument names, 3x3
-/// comparisons without one.
-pub fn technique_by_argument() -> Result<Arc<dyn ShadowTechnique>> {
+/// Returns the technique in the preset file that the program's first argument names, if there is
+/// one.
+pub fn technique_by_argument() -> Result<Option<Arc<dyn ShadowTechnique>>> {
     let Some(file) = std::env::args().nth(1) else {
-        return Ok(Arc::new(MapTechnique::<Pcf>::default()));
+        return Ok(None);
     };
     let text = std::fs::read_to_string(&file).with_context(|| format!("can't read `{file}`"))?;
     let preset = TechniquePreset::from_toml(&text).with_context(|| format!("in `{file}`"))?;
-    Ok(preset.technique())
+    Ok(Some(preset.technique()))
 }
 
 /// Writes an image of a scene and reports it.
-pub fn save(
-    file: &str,
-    pixels: &[u8],
-    scene: &BoxScene,
-    technique: &dyn ShadowTechnique,
-) -> Result<()> {
+pub fn save(file: &str, pixels: &[u8], scene: &BoxScene, label: &str) -> Result<()> {
     let size = scene.camera.size;
     image::save_buffer(file, pixels, size.x, size.y, image::ColorType::Rgba8)
         .with_context(|| format!("can't write `{file}`"))?;
-    println!("{file}, {} x {}, {}", size.x, size.y, technique.name());
+    println!("{file}, {} x {}, {label}", size.x, size.y);
     Ok(())
 }

@@ -1,12 +1,11 @@
-// The scene without shadows: its numbers, what the camera sees, and how much of a light would
-// arrive.
+// The scene without shadows: its uniforms, the camera's surface, and the unshadowed light.
 
 struct Lamp {
     // Position (w = 1), or direction to the light (w = 0).
     place: vec4f,
-    // The way a spot points; w: brightness.
+    // Axis of a spot; w: brightness.
     axis: vec4f,
-    // Cosines of the angles where full light ends, and all light.
+    // Cosines of the angles at which full light ends, and at which all light ends.
     cone: vec4f,
 }
 struct Scene {
@@ -34,7 +33,7 @@ struct Surface {
     return Surface(scene.clip_from_world * vec4f(world, 1.0), world, world_from_local * normal);
 }
 
-// Light of a lamp that would arrive without shadows.
+// Returns the unshadowed light from a lamp.
 fn arriving(i: u32, position: vec3f, normal: vec3f) -> f32 {
     let lamp = scene.lamps[i];
     let offset = lamp.place.xyz - position * lamp.place.w;

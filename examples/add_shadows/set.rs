@@ -1,14 +1,15 @@
-//! The light set of the scene: what both renderers do once, and the first steps of every frame.
+//! The light set of the scene: the setup that both renderers share, and the first steps of every
+//! frame.
 
 use crate::renderer::{Boxes, Graphics, VERTEX_BYTES};
 use anyhow::Result;
 use std::sync::Arc;
 use umbrage::{
-    Aabb, ShadowTechnique,
+    Aabb, Light, ShadowTechnique,
     glam::{Affine3A, Vec3},
-    wgpu::{
+    gpu::{
         CasterId, CasterMesh, LightId, LightSet, LightSetOptions, PositionFormat, SetFrame,
-        SetLight, VertexLayout,
+        ShadowedLight, VertexLayout,
     },
 };
 
@@ -16,19 +17,15 @@ use umbrage::{
 pub struct BoxShadows {
     /// The set.
     pub set: LightSet,
-    /// One for each placement.
+    /// The casters, one for each placement.
     pub casters: Vec<CasterId>,
-    /// In the order of the scene's lights.
+    /// The lights, in the order of the scene's.
     pub lights: Vec<LightId>,
 }
 
 impl BoxShadows {
-    /// Adds all boxes and lights to a new set.
-    pub fn new(
-        graphics: &Graphics,
-        boxes: &Boxes,
-        technique: &Arc<dyn ShadowTechnique>,
-    ) -> Result<Self> {
+    /// Adds all boxes to a new set.
+    pub fn new(graphics: &Graphics, boxes: &Boxes) -> Result<Self> {
         // The bind group that the set's WGSL declares; the program has group 0.
         let options = LightSetOptions {
             group: 1,
@@ -49,8 +46,8 @@ impl BoxShadows {
             indices: None,
             range: 0..boxes.vertex_count,
             base_vertex: 0,
-            // Around the mesh's positions, as they are in the buffer: casters outside a map are not
-            // drawn into it.
+            // The bounds of the mesh's positions, as they are in the buffer. Casters outside a map
+            // are not drawn into it.
             bounds: Aabb {
                 min: Vec3::NEG_ONE,
                 max: Vec3::ONE,
@@ -61,32 +58,41 @@ impl BoxShadows {
         for world_from_local in boxes.scene.placements(0.0) {
             casters.push(set.add_caster(mesh, world_from_local)?);
         }
-
-        let mut lights = Vec::new();
-        for &light in &boxes.scene.lights {
-            lights.push(set.add_light(SetLight {
-                light,
-                technique: Arc::clone(technique),
-                priority: 1.0,
-            })?);
-        }
         Ok(Self {
             set,
             casters,
-            lights,
+            lights: Vec::new(),
         })
+    }
+
+    /// Adds lights that share a technique.
+    pub fn add_lights(
+        &mut self,
+        lights: &[Light],
+        technique: &Arc<dyn ShadowTechnique>,
+    ) -> Result<()> {
+        for &light in lights {
+            let id = self.set.add_light(ShadowedLight {
+                light,
+                technique: Arc::clone(technique),
+                // Lights of higher priority come first where a budget can't serve all.
+                priority: 1.0,
+            })?;
+            self.lights.push(id);
+        }
+        Ok(())
     }
 
     /// Moves all casters.
     pub fn place(&mut self, placements: &[Affine3A]) -> Result<()> {
-        // Say what moved. Nothing is drawn again for casters that stay.
+        // Report every move. Casters that don't move are not redrawn.
         for (&caster, &world_from_local) in self.casters.iter().zip(placements) {
             self.set.move_caster(caster, world_from_local)?;
         }
         Ok(())
     }
 
-    /// Finds out what has to be drawn for a frame.
+    /// Determines the work for a frame.
     pub fn prepare(&mut self, graphics: &Graphics, boxes: &Boxes) -> Result<()> {
         let frame = SetFrame {
             camera: &boxes.scene.camera,

@@ -1,18 +1,18 @@
-//! Contact shadows, written as a user of the library would: what the camera's own depth image says
-//! about the last centimetres between a receiver and its blocker, multiplied with a shadow map's
-//! answer.
+//! Contact shadows, written like a technique of a user of the library. The camera's depth image
+//! supplies the last centimetres between a receiver and its blocker, and the result is multiplied
+//! with that of a shadow map.
 //!
 //! After Aldridge 2023, "Inside Bend: Screen space shadows" (Bend Studio, of the game Days Gone):
-//! from the receiver's pixel walk pixel by pixel towards the light's place on the image, and
-//! compare the depth of the ray with the depth that is seen there. What is seen counts as a solid
-//! of a certain thickness, a share of its distance from the camera. The nearest pixels decide
-//! alone; farther ones decide together, four groups of a quarter each, and the last ones fade out.
-//! Two seen depths beside the ray are blended where they are of one surface. Bend's own program
-//! shares the depths that it loads between the receivers of a ray, by a compute pass whose groups
-//! lie along rays; a receive kernel works for one receiver, so that this one loads them anew.
+//! from the receiver's pixel, walk pixel by pixel towards the light's position on the image, and
+//! compare the depth of the ray with the depth of the image. Visible surfaces count as solids of a
+//! certain thickness, a fraction of their distance from the camera. Each of the nearest pixels can
+//! block by itself; farther ones are combined into four groups of a quarter each, and the last ones
+//! fade out. The two depths next to the ray are blended if they belong to one surface. Bend's
+//! implementation shares loaded depths between the receivers of a ray, in a compute pass whose
+//! groups follow rays. A receive kernel processes one receiver, so this one loads them repeatedly.
 //!
-//! What it can't know: what lies outside the image or behind something, and how thick anything is.
-//! Lights with an extent count as their middle.
+//! It has no data about geometry outside the image or behind other geometry, or about thicknesses.
+//! Area lights count as their centre.
 
 use serde::{Deserialize, Serialize};
 use umbrage::{
@@ -33,28 +33,28 @@ use umbrage_plan::catalogue::{CataloguedKernel, CataloguedTechnique, KernelCost,
 pub const MAX_PIXELS: u32 = 512;
 /// Greatest radius of the square of comparisons with the map.
 pub const MAX_RADIUS: u32 = 8;
-/// How many of the nearest pixels decide alone. Aldridge's value.
+/// Number of the nearest pixels that can block by themselves. Aldridge's value.
 const PIXELS_ALONE: i32 = 4;
-/// Over how many of the last pixels the answer fades out. Aldridge's value.
+/// Number of the last pixels over which the result fades out. Aldridge's value.
 const PIXELS_FADING: i32 = 8;
-/// How far two neighbouring depths may lie apart to be of one surface, as a share of the distance.
+/// Greatest difference of two neighbouring depths of one surface, as a fraction of the distance.
 /// Aldridge's value.
 const SAME_SURFACE: f32 = 0.02;
-/// How far before the ray something must lie to block it, as a share of the thickness: more than
-/// what rounding of the depth image moves a lit surface by.
+/// Least distance of a blocker in front of the ray, as a fraction of the thickness. It exceeds the
+/// effect of rounding in the depth image on a lit surface.
 const LEAST_DEPTH: f32 = 1.0 / 32.0;
 
 /// A shadow map, and a walk over the camera's depth image.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactShadows {
-    /// The map looked up.
+    /// Settings of the map.
     pub map: ShadowMap,
     /// Comparisons with the map: texels to each side, 0 to [`MAX_RADIUS`].
     pub radius: u32,
     /// Length of the walk, 0 to [`MAX_PIXELS`].
     pub pixels: u32,
-    /// How thick whatever is seen is, as a share of its distance from the camera.
+    /// Thickness of visible surfaces, as a fraction of their distance from the camera.
     pub thickness: f32,
 }
 
@@ -69,7 +69,8 @@ impl Default for ContactShadows {
     }
 }
 
-/// With this, `compare`, `stability`, `plan` and presets take it like one of the library's own.
+/// Makes the technique available in `compare`, `stability`, `plan` and presets, like those of the
+/// library.
 impl ListedTechnique for ContactShadows {
     const SUMMARY: &'static str = "a map, and a walk over the camera's depth image (Aldridge 2023)";
 
@@ -97,7 +98,7 @@ impl CataloguedTechnique for ContactShadows {
         Some(self.radius as f32)
     }
 
-    /// Each map without the walk, with the one of Aldridge's length, and with a long one.
+    /// Returns each map without the walk, with a walk of Aldridge's length, and with a long one.
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut all = Vec::new();
         for &size in map_sizes {
@@ -130,10 +131,10 @@ impl ShadowTechnique for ContactShadows {
         self.validate()?;
         let space = view.camera.space();
         let clip_from_world = space.clip_from_world();
-        // Without perspective, clip depth is no measure of the distance from the camera.
+        // Without perspective, clip depth is not proportional to the distance from the camera.
         if space.clip_from_view.row(3) == Vec4::W {
             return Err(RecipeError::unsupported(
-                "contact shadows take thickness as a share of the distance from the camera, and this camera has no perspective",
+                "contact shadows need a perspective camera: thickness is a fraction of the distance from the camera",
             ));
         }
         let light = homogeneous(view.light);
@@ -189,14 +190,14 @@ impl ContactShadows {
             return Err(Invalid::new(
                 what,
                 why,
-                "use a share of the distance, such as 0.005",
+                "use a fraction of the distance, such as 0.005",
             ));
         }
         Ok(())
     }
 }
 
-/// Returns the light's middle: (position, 1), or for directional light (unit direction to it, 0).
+/// Returns the light's centre: (position, 1), or for a directional light (unit direction to it, 0).
 fn homogeneous(light: &Light) -> Vec4 {
     match light.position() {
         Some(position) => position.extend(1.0),
@@ -207,17 +208,17 @@ fn homogeneous(light: &Light) -> Vec4 {
 uniforms! {
     /// Uniforms of [`ContactKernel`].
     pub struct ContactUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// The map: its layers and comparison settings.
         pub lookup: ShadowMapUniforms,
-        /// Row of the camera's clip-from-world matrix that makes clip x.
+        /// Row of the camera's clip-from-world matrix for clip x.
         pub x_from_world: Vec4,
-        /// The row that makes clip y.
+        /// Row for clip y.
         pub y_from_world: Vec4,
-        /// The row that makes clip z.
+        /// Row for clip z.
         pub z_from_world: Vec4,
-        /// The row that makes clip w.
+        /// Row for clip w.
         pub w_from_world: Vec4,
-        /// The light's middle in the camera's clip space.
+        /// The light's centre in the camera's clip space.
         pub light_on_image: Vec4,
         /// Size of the camera's image, pixels.
         pub image_size: UVec2,
@@ -225,7 +226,7 @@ uniforms! {
         pub radius: i32,
         /// Length of the walk, pixels.
         pub pixels: i32,
-        /// Thickness of what is seen, as a share of its distance.
+        /// Thickness of visible surfaces, as a fraction of their distance.
         pub thickness: f32,
     }
 }
@@ -257,7 +258,7 @@ impl ReceiveKernel for ContactKernel {
 }
 
 impl CataloguedKernel for ContactKernel {
-    /// A pixel of the walk takes two loads.
+    /// Returns the cost. A pixel of the walk takes two loads.
     fn cost_per_receiver(&self) -> KernelCost {
         let side = 2 * self.0.radius.unsigned_abs() + 1;
         KernelCost::taps(side * side + 2 * self.0.pixels.unsigned_abs())
@@ -287,15 +288,15 @@ impl Taps for MapAndWalk<'_> {
     }
 }
 
-/// Where a ray towards the light goes on the camera's image, a pixel at a time.
+/// The path of a ray towards the light on the camera's image, in steps of a pixel.
 struct Walk {
-    /// From one place to the next: 1 or -1 along x or y, at most as much along the other.
+    /// Step: 1 or -1 along x or y, and at most as much along the other axis.
     step: [f32; 2],
     /// Depth at the receiver.
     start_depth: f32,
     /// Change of the ray's depth a step.
     depth_step: f32,
-    /// How many steps lie before the light itself.
+    /// Number of steps before the light.
     steps: i32,
 }
 
@@ -322,7 +323,8 @@ impl MapAndWalk<'_> {
         lit / (side * side)
     }
 
-    /// Returns where the ray from `p` to the light goes; none if that is no way along the image.
+    /// Returns the path of the ray from `p` to the light. `None` if it does not extend over the
+    /// image.
     #[inline(always)]
     fn walk(&self, p: Vec3) -> Option<Walk> {
         let u = self.uniforms;
@@ -331,9 +333,9 @@ impl MapAndWalk<'_> {
         let z = row_times_point(u.z_from_world, p);
         let w = row_times_point(u.w_from_world, p);
         let light = u.light_on_image;
-        // The ray's points are p + s light in clip space, s from 0 on. What follows are the
-        // derivatives at s = 0 of x / w, y / w and z / w, each times w²; on the image the ray is
-        // straight, and so is its depth.
+        // Points of the ray are p + s light in clip space, with s from 0 on. The following
+        // derivatives at s = 0 are those of x / w, y / w and z / w, each times w². The ray and its
+        // depth are linear on the image.
         let right = (light.x * w - x * light.w) * (0.5 * u.image_size.x as f32);
         let down = (y * light.w - light.y * w) * (0.5 * u.image_size.y as f32);
         let deeper = light.z * w - z * light.w;
@@ -343,7 +345,7 @@ impl MapAndWalk<'_> {
         }
         let mut steps = u.pixels;
         if light.w > 0.0 {
-            // The light's own place lies ahead on the image. From (x, y) / w to there it is the
+            // If the light's position is ahead on the image, its distance from (x, y) / w is the
             // derivative times w / light.w.
             let pixels_to_light = longer / (w * light.w);
             steps = steps.min(pixels_to_light.min(MAX_PIXELS as f32) as i32);
@@ -356,8 +358,8 @@ impl MapAndWalk<'_> {
         })
     }
 
-    /// Returns the depth that is seen at a place on the image; none beside it. `along_x` says which
-    /// coordinate is a pixel's centre.
+    /// Returns the depth of the image at a position. `None` outside. `along_x` selects the
+    /// coordinate that is at a pixel's centre.
     #[inline(always)]
     fn seen_depth(&self, x: f32, y: f32, along_x: bool) -> Option<f32> {
         let size = self.uniforms.image_size.as_ivec2();
@@ -367,7 +369,7 @@ impl MapAndWalk<'_> {
             return None;
         }
         let near = self.seen_depth.load(column, row, 0);
-        // The other of the two pixels between whose centres the place lies.
+        // Find the other of the two pixels whose centres enclose the position.
         let across = if along_x {
             y - row as f32 - 0.5
         } else {
@@ -388,7 +390,7 @@ impl MapAndWalk<'_> {
         })
     }
 
-    /// Returns the visibility that the camera's depth image tells of.
+    /// Returns the visibility according to the camera's depth image.
     #[inline(always)]
     fn by_walk(&self, p: Vec3, pixel: UVec2) -> f32 {
         let Some(walk) = self.walk(p) else {
@@ -405,7 +407,7 @@ impl MapAndWalk<'_> {
                 break;
             };
             let ray = walk.start_depth + walk.depth_step * steps;
-            // 1 - depth is proportional to 1 / distance, so this is a share of the distance.
+            // 1 - depth is proportional to 1 / distance, so this is a fraction of the distance.
             let before = (ray - seen) / ((1.0 - seen) * self.uniforms.thickness);
             if !(before > LEAST_DEPTH && before < 1.0) {
                 continue;

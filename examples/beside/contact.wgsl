@@ -45,7 +45,7 @@ fn by_map(l: ShadowCoord) -> f32 {
     return lit / (side * side);
 }
 
-// `steps` is 0 if the ray is no way along the image.
+// Returns the path of the ray. `steps` is 0 if the ray does not extend over the image.
 fn walk_from(p: vec3f) -> Walk {
     let x = row_times_point(kernel.x_from_world, p);
     let y = row_times_point(kernel.y_from_world, p);

@@ -1,9 +1,9 @@
-//! Lookups of `exact` in turn with rays of Embree 4 to the same light from the same pixels:
-//! `embree.sh` fetches Embree's library, compiles `embree.c` and calls this.
+//! Lookups of `exact` compared with rays of Embree 4 to the same light from the same pixels, in
+//! turn. `embree.sh` fetches Embree's library, compiles `embree.c` and runs this program.
 //!
 //! `cargo run --release --example embree PROGRAM LIBRARY FOLDER [SCENE]...`: the compiled program,
-//! the library, a folder for triangles and rays, and built-in scenes (all speed and content scenes
-//! if none is named). Each ideal light is a row.
+//! the library, a folder for triangles and rays, and built-in scenes (by default all speed and
+//! content scenes). Each light without extent is a row.
 
 use anyhow::{Context, ensure};
 use std::{
@@ -34,11 +34,11 @@ const BUILDS: Repetitions = Repetitions {
     warm_up: 1,
     runs: 3,
 };
-/// How many times as fast as Embree a lookup is to be, in the geometric mean of all rows.
+/// Required speed of a lookup relative to Embree, as the geometric mean of all rows.
 const MEAN_BAR: f64 = 1.5;
-/// If more of the rays have another answer, the two didn't trace the same.
+/// Greatest fraction of rays with different results. Beyond it, the two traced different rays.
 const MOST_OTHER: f64 = 0.01;
-/// A light whose lists are made beforehand, so that what is made once a scene isn't timed.
+/// A light whose lists are built first, so that the work done once for a scene isn't timed.
 const OTHER_LIGHT: Light = Light::Point {
     position: Vec3::ZERO,
     radius: 0.0,
@@ -104,27 +104,27 @@ fn main() -> anyhow::Result<()> {
             name_of_library.clone_from(&embree.name);
         }
     }
-    ensure!(!ratios.is_empty(), "none of the scenes has an ideal light");
+    ensure!(!ratios.is_empty(), "none of the scenes has a light without extent");
 
     let logarithms: f64 = ratios.iter().map(|ratio| ratio.ln()).sum();
     let mean = (logarithms / ratios.len() as f64).exp();
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     println!("\n{name_of_library}, {} threads each.", threads());
-    println!("Lookups are {mean:.2} times as fast in the geometric mean, {least:.2} at least.");
+    println!("Lookups are {mean:.2} times as fast in the geometric mean, at least {least:.2}.");
     ensure!(
         mean >= MEAN_BAR && least > 1.0,
-        "the bars are {MEAN_BAR} in the mean, and 1 everywhere"
+        "required: {MEAN_BAR} in the mean, and 1 everywhere"
     );
     Ok(())
 }
 
-/// What was measured of one light.
+/// Measurements of one light.
 struct Row {
     makes: Paired,
     lookups: Paired,
-    /// Pixels whose ray is stopped, by `exact`.
+    /// Number of pixels whose ray is blocked, by `exact`.
     hidden: usize,
-    /// Pixels whose ray Embree answers otherwise.
+    /// Number of pixels for which Embree's result differs.
     differ: usize,
 }
 
@@ -158,7 +158,7 @@ fn measure(
     let asked = rays.asked.iter().filter(|&&asked| asked).count();
     ensure!(
         differ as f64 <= MOST_OTHER * asked as f64,
-        "{differ} of {asked} rays have other answers: these are not the same rays"
+        "{differ} of {asked} rays have different results: the rays are not the same"
     );
     let none = vec![false; ours.len()];
     Ok(Row {
@@ -169,10 +169,10 @@ fn measure(
     })
 }
 
-/// Makes the lists as if for the first time, and returns how long that takes.
+/// Builds the lists from scratch, and returns the time.
 fn make_anew(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
     let fresh = geometry.without_hierarchies();
-    // What is made once a scene: its boxes, the extent of receivers, the table of corners.
+    // Do the work of a new scene first: its boxes, the extent of receivers, the table of corners.
     let warm = View::new(view.camera, &OTHER_LIGHT, &fresh);
     drop(Exact {}.recipe(&warm)?);
     let view = View {
@@ -186,7 +186,7 @@ fn make_anew(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
     Ok(taken)
 }
 
-/// Returns how many of the rays have another answer.
+/// Returns the number of rays with different results.
 fn count_other(ours: &[bool], theirs: &[bool], asked: &[bool]) -> usize {
     let answers = ours.iter().zip(theirs).zip(asked);
     answers
@@ -194,7 +194,7 @@ fn count_other(ours: &[bool], theirs: &[bool], asked: &[bool]) -> usize {
         .count()
 }
 
-/// Errors if the comparison doesn't see that every seventh answer is spoilt.
+/// Returns an error if the comparison doesn't detect that every seventh result is wrong.
 fn check_comparison(ours: &[bool], theirs: &[bool], asked: &[bool]) -> anyhow::Result<()> {
     let is_spoilt = |i: usize| i.is_multiple_of(7);
     let spoilt: Vec<bool> = (0..theirs.len())
@@ -206,16 +206,16 @@ fn check_comparison(ours: &[bool], theirs: &[bool], asked: &[bool]) -> anyhow::R
         .count();
     ensure!(
         found == expected && count_other(ours, ours, asked) == 0,
-        "{found} spoilt answers were seen, and {expected} were there"
+        "{found} of {expected} wrong results were detected"
     );
     Ok(())
 }
 
-/// The rays that `exact` answers, pixel by pixel.
+/// The rays that `exact` replaces, pixel by pixel.
 struct Rays {
-    /// Origin, and what leads from there to the light.
+    /// Origins, and vectors from there to the light.
     rays: Vec<[Vec3; 2]>,
-    /// Whether the answer is not known without a ray.
+    /// `true` for results that require a ray.
     asked: Vec<bool>,
 }
 
@@ -224,7 +224,7 @@ impl Rays {
         let eye = view.camera.eye();
         let light = LightSampler::new(view.light);
         let extent = geometry.max_receiver_extent();
-        // Beyond all triangles, from wherever a ray towards a directional light starts.
+        // A length beyond all triangles from every origin, for directional lights.
         let far = 2.0 * geometry.bounds().union(&Aabb::around([eye])).diagonal();
         let mut out = Self {
             rays: Vec::with_capacity(receivers.len()),
@@ -242,7 +242,7 @@ impl Rays {
     }
 }
 
-/// Writes casters and rays as `embree.c` reads them, little-endian.
+/// Writes casters and rays in the format of `embree.c`, little-endian.
 fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Result<()> {
     let casters = geometry.run(&geometry.casters());
     let counts = format!(
@@ -265,7 +265,7 @@ fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Resu
     Ok(())
 }
 
-/// `embree.c`, running.
+/// The running process of `embree.c`.
 struct Embree {
     name: String,
     folder: PathBuf,
@@ -283,8 +283,8 @@ impl Embree {
             .stdout(Stdio::piped())
             .spawn()
             .with_context(|| format!("{} can't be started", program.display()))?;
-        let orders = child.stdin.take().context("it takes orders")?;
-        let answers = child.stdout.take().context("it answers")?;
+        let orders = child.stdin.take().context("the process has no standard input")?;
+        let answers = child.stdout.take().context("the process has no standard output")?;
         let mut out = Self {
             name: String::new(),
             folder: folder.to_owned(),
@@ -303,7 +303,7 @@ impl Embree {
         Ok(line.trim_end().to_owned())
     }
 
-    /// Gives an order, and returns how long it says that it took.
+    /// Sends a command, and returns the time that it reports.
     fn asked(&mut self, order: &str) -> anyhow::Result<Duration> {
         writeln!(self.orders, "{order}")?;
         self.orders.flush()?;
@@ -311,7 +311,7 @@ impl Embree {
         Ok(Duration::from_secs_f64(milliseconds / 1e3))
     }
 
-    /// Returns whether each pixel's ray was stopped when it was traced last.
+    /// Returns whether each pixel's ray was blocked in the last trace.
     fn answers(&self) -> anyhow::Result<Vec<bool>> {
         let bytes = fs::read(self.folder.join("hidden.u8"))?;
         Ok(bytes.iter().map(|&byte| byte != 0).collect())
@@ -320,7 +320,7 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // It may have ended already; then there is nothing to do.
+        // Ignore errors: the process may have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,4 +1,4 @@
-//! An image of each cause of error: the mask next to what is wrong with it.
+//! An image of each cause of error: the mask, and its errors next to it.
 
 use anyhow::Result;
 use std::path::Path;

@@ -11,15 +11,14 @@ use umbrage::{
 };
 use umbrage_examples::sheet::Sheet;
 
-/// Metres, each way along the normal.
+/// Amplitude of the noise in each direction along the normal, metres.
 const NOISE: f32 = 0.02;
 const MAP: UVec2 = UVec2::splat(256);
-/// How far around a vertex the clean shape is averaged: see
-/// `DisplacementMap::from_noisy_keeping_shape`.
+/// Number of averaging rounds for the clean shape: see `DisplacementMap::from_noisy_keeping_shape`.
 const ROUNDS: u32 = 8;
 
-/// Writes maps and images of a sphere and a torus, and prints how far their vertices are from the
-/// clean surface.
+/// Writes maps and images of a sphere and a torus, and prints the distances of their vertices from
+/// the clean surface.
 pub(crate) fn write(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
@@ -43,7 +42,7 @@ pub(crate) fn write(folder: &Path) -> Result<()> {
         let map = DisplacementMap::from_noisy_keeping_shape(&noisy, MAP, ROUNDS)?;
         let path = folder.join(format!("{name}.map.png"));
         map.save(&path)?;
-        // What is applied is what the file holds.
+        // Apply the map from its file.
         let clean = DisplacementMap::load(&path)?.applied(&noisy, -1.0)?;
         let before = 1e3 * solid.mean_distance(&noisy);
         let after = 1e3 * solid.mean_distance(&clean);

@@ -20,7 +20,7 @@ pub(crate) fn write(given: Option<&Path>) -> Result<()> {
         played.images.save(&folder.join(format!("{name}.png")))?;
         let [none, fault, cure] = [&played.no_shadow, &played.fault, &played.cure].map(label);
         println!("{name}: no shadow {none}, fault {fault}, cure {cure}");
-        // As addresses name headings; titles have no other signs than these.
+        // Titles only have letters and spaces, so this matches the anchors of headings.
         let anchor = failure.title.to_lowercase().replace(' ', "-");
         let link = format!("[{}](#{anchor})", failure.title);
         let scene = failure.scene;
@@ -33,7 +33,7 @@ pub(crate) fn write(given: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Returns the root mean square error in words.
+/// Formats the root mean square error.
 fn label(errors: &Errors) -> String {
     match errors.rmse {
         0.0 => "0".to_owned(),
@@ -41,7 +41,7 @@ fn label(errors: &Errors) -> String {
     }
 }
 
-/// Puts the table between its marks.
+/// Writes the table between its marks.
 fn write_table(table: &str) -> Result<()> {
     let page = fs::read_to_string(PAGE).with_context(|| format!("cannot read {PAGE}"))?;
     let parts = page.split_once(BEGINS).and_then(|(before, rest)| {

@@ -13,7 +13,7 @@ use umbrage_examples::sheet::{Sheet, colored};
 /// Size of each of three images in a row.
 const SIZE: UVec2 = UVec2::new(320, 180);
 
-/// Colours of lists of up to 1, 2, 4, 8, 16, 32 casters, and of more.
+/// Colours of lists of up to 1, 2, 4, 8, 16, 32 casters, and of longer ones.
 const SCALE: [[u8; 3]; 7] = [
     [13, 8, 135],
     [84, 2, 163],
@@ -24,10 +24,10 @@ const SCALE: [[u8; 3]; 7] = [
     [252, 206, 37],
 ];
 
-/// Of receivers behind the cover of their cell.
+/// Colour of receivers behind the cover of their cell.
 const COVERED: [u8; 3] = [40, 40, 40];
 
-/// Of receivers that face away, or that nothing can hide.
+/// Colour of receivers that face away, or that nothing can hide.
 const NOT_ASKED: [u8; 3] = [225, 225, 225];
 
 pub(crate) fn write(file: &Path) -> Result<()> {
@@ -60,7 +60,7 @@ fn length_color(cell: &Option<AskedCell>) -> [u8; 3] {
     }
 }
 
-/// A colour of each cell's own, darker where it covers.
+/// Returns a distinct colour for each cell, darker if the cell has a cover.
 fn cell_color(cell: &Option<AskedCell>) -> [u8; 3] {
     let Some(cell) = cell else {
         return NOT_ASKED;
@@ -71,7 +71,7 @@ fn cell_color(cell: &Option<AskedCell>) -> [u8; 3] {
     color.map(|c| if cell.is_covered { c / 3 } else { c })
 }
 
-/// Returns how long the lists are.
+/// Returns the lengths of the lists.
 fn summary(cells: &[Option<AskedCell>]) -> String {
     let asked: Vec<&AskedCell> = cells.iter().flatten().collect();
     let covered = asked.iter().filter(|cell| cell.is_covered).count();

@@ -13,10 +13,10 @@ use image::{Rgb, RgbImage};
 use std::path::{Path, PathBuf};
 use umbrage_examples::sheet::Sheet;
 
-/// Size of the part that `--crop` takes, pixels.
+/// Size of the crop of `--crop`, pixels.
 const CROP: [u32; 2] = [320, 240];
 
-/// Makes the images of the documentation's pages.
+/// Generates the images of the documentation's pages.
 #[derive(Parser)]
 enum Gallery {
     /// Textbook shadow effects, artefacts next to fixes, as an HTML page.
@@ -27,15 +27,15 @@ enum Gallery {
     },
     /// Failures next to fixes, and the table of their errors in `docs/failures.md`.
     Failures {
-        /// Folder for the images; with a name the table is not written.
+        /// Folder for the images. If it is set, the table is not written.
         folder: Option<PathBuf>,
     },
-    /// A mask for each cause of error, and where it is wrong.
+    /// A mask and its errors for each cause of error.
     Causes {
         #[arg(default_value = "docs/causes.png")]
         file: PathBuf,
     },
-    /// Penumbrae of `pcss`, of as many rays as take about as long as `soft`, and of `soft`.
+    /// Penumbrae of `pcss`, of rays in about the time of `soft`, and of `soft`.
     Penumbrae {
         #[arg(default_value = "docs/soft.png")]
         file: PathBuf,
@@ -45,7 +45,7 @@ enum Gallery {
         #[arg(default_value = "docs/exact.png")]
         file: PathBuf,
     },
-    /// Noisy meshes and the same without their noise, which becomes a displacement map.
+    /// Noisy meshes, and the same meshes after denoising by displacement maps.
     Denoise {
         /// Folder for maps and images.
         #[arg(default_value = "target/denoise")]
@@ -54,13 +54,13 @@ enum Gallery {
     /// Images in rows, as one file.
     Sheet {
         file: PathBuf,
-        /// PNG files of one size; `-` leaves a place empty.
+        /// PNG files of one size; `-` leaves a position empty.
         #[arg(required = true)]
         images: Vec<PathBuf>,
-        /// Images in a row.
+        /// Number of images in a row.
         #[arg(long, default_value_t = 2)]
         columns: u32,
-        /// Takes 320x240 pixels of each image from this place on: LEFT,TOP.
+        /// Crops each image to 320x240 pixels from this corner: LEFT,TOP.
         #[arg(long, value_parser = parse_corner)]
         crop: Option<[u32; 2]>,
     },
@@ -84,7 +84,7 @@ fn main() -> Result<()> {
 }
 
 fn parse_corner(text: &str) -> Result<[u32; 2], String> {
-    let help = || format!("`{text}` is no place: use LEFT,TOP, such as 60,170");
+    let help = || format!("`{text}` is not a position: use LEFT,TOP, such as 60,170");
     let (left, top) = text.split_once(',').ok_or_else(help)?;
     let number = |text: &str| text.parse().map_err(|_| help());
     Ok([number(left)?, number(top)?])

@@ -13,7 +13,7 @@ use umbrage_examples::sheet::Sheet;
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
 const CROP: UVec2 = UVec2::new(320, 240);
-/// Pixels between the places that are tried for a crop.
+/// Distance between candidate positions of a crop, pixels.
 const STEP: usize = 40;
 
 pub(crate) fn write(file: &Path) -> Result<()> {
@@ -48,7 +48,7 @@ pub(crate) fn write(file: &Path) -> Result<()> {
     sheet.save(file)
 }
 
-/// Returns the corner of the crop with the most half-shadow in it.
+/// Returns the corner of the crop with the largest penumbra.
 fn most_penumbra(mask: &[f32]) -> [usize; 2] {
     let size = SIZE.as_usizevec2();
     let crop = CROP.as_usizevec2();

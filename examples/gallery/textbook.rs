@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use std::{fs, path::Path};
-use umbrage::wgpu::AdapterChoice;
+use umbrage::gpu::AdapterChoice;
 use umbrage_lab::{
     compare::Backends,
     textbook::{all, html, play},

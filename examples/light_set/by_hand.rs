@@ -1,5 +1,5 @@
-//! The same shadows, written by hand for this image alone. It keeps nothing from frame to frame:
-//! all maps are drawn again.
+//! Shadows written by hand for this image alone. The program keeps nothing from frame to
+//! frame: it redraws all maps.
 
 use super::program::{SceneShadows, SurfaceBuffer};
 use crate::renderer::{self, BOX_BUFFERS, Boxes, DEPTH, Graphics, UNIFORMS, floats};
@@ -7,7 +7,7 @@ use anyhow::Result;
 use umbrage::{
     ShadowTechnique, View,
     glam::{Affine3A, Mat4, UVec2},
-    wgpu::wgpu::{
+    gpu::wgpu::{
         self, BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, Texture,
         TextureFormat, TextureView, TextureViewDescriptor, TextureViewDimension,
     },
@@ -15,21 +15,21 @@ use umbrage::{
 
 const MASK: TextureFormat = TextureFormat::R8Unorm;
 
-/// Bias and reach of the lookup.
+/// Bias and radius of the lookup.
 #[derive(Clone, Copy)]
 pub(crate) struct HandLookup {
-    /// Clip depth.
+    /// Bias in clip depth.
     pub(crate) bias: f32,
-    /// Texels to each side.
+    /// Radius in texels.
     pub(crate) radius: i32,
     /// Side of the maps, texels.
     pub(crate) map_size: u32,
 }
 
-/// All that it keeps from frame to frame.
+/// State that is kept from frame to frame.
 pub(crate) struct ByHand {
     cast: RenderPipeline,
-    /// A light's matrix and its layer each.
+    /// Bind group of a light's matrix, and the light's layer.
     maps: Vec<(BindGroup, TextureView)>,
     text: String,
     group: BindGroup,
@@ -39,7 +39,7 @@ pub(crate) struct ByHand {
 }
 
 impl ByHand {
-    /// Places maps as the technique does: what is compared is the work.
+    /// Places maps like the technique, so that only the work is compared.
     pub(crate) fn new(
         graphics: &Graphics,
         boxes: &Boxes,

@@ -1,5 +1,5 @@
-// The same shadows, written for this picture alone: four maps in one array, a square of comparisons
-// with a constant bias. `RADIUS` is put before this text.
+// Shadows written for this image alone: four maps in one array, a square of comparisons
+// with a constant bias. `RADIUS` is defined in front of this text.
 
 struct Maps {
     clip_from_world: array<mat4x4f, 4>,

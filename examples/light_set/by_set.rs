@@ -1,4 +1,4 @@
-//! SceneShadows by a light set.
+//! The shadows of a light set.
 
 use super::program::{SceneShadows, SurfaceBuffer};
 use crate::{
@@ -8,8 +8,8 @@ use crate::{
 use anyhow::Result;
 use umbrage::{
     glam::Affine3A,
-    wgpu::{
-        DepthBuffer, MaskFormat, MaskInputs, SetReceivers,
+    gpu::{
+        DepthBuffer, MaskFormat, MaskInputs, MaskReceivers,
         wgpu::{BindGroup, BindGroupLayout, CommandEncoder, TextureView},
     },
 };
@@ -46,7 +46,7 @@ impl SceneShadows for BoxShadows {
     ) -> Result<TextureView> {
         let inputs = MaskInputs {
             size: boxes.scene.camera.size,
-            receivers: SetReceivers::Depth {
+            receivers: MaskReceivers::Depth {
                 depth: DepthBuffer {
                     depth: &gbuffer.depth,
                     world_from_clip: boxes.scene.clip_from_world().inverse(),

@@ -1,5 +1,5 @@
-// Shades the image from depth and normals. Stands behind the texts of the scene, of the receivers,
-// and of `shadow`.
+// Shades the image from depth and normals. Follows the texts of the scene, of the receivers, and of
+// `shadow`.
 
 @fragment fn shade(seen: FullscreenPixel) -> @location(0) vec4f {
     let pixel = vec2u(seen.at.xy);

@@ -1,5 +1,4 @@
-// A light's mask, written for this picture alone. It stands behind the texts of the receivers and
-// of `shadow`.
+// A light's mask, written for this image alone. Follows the texts of the receivers and of `shadow`.
 
 @fragment fn store_mask(seen: FullscreenPixel) -> @location(0) f32 {
     let texel = vec2i(seen.at.xy);

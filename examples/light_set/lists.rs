@@ -1,5 +1,5 @@
-//! What shadows of casters that all move take on frames of real size: a map that is drawn anew, and
-//! lists that the device makes anew.
+//! Cost of shadows if all casters move, on frames of real size: redrawing a map, and rebuilding
+//! lists on the device.
 
 use super::{open, timed};
 use crate::renderer::Graphics;
@@ -9,21 +9,22 @@ use umbrage::{
     Camera, Geometry, Light, Receivers, ShadowTechnique,
     cpu::Cpu,
     glam::{Affine3A, UVec2},
-    scenes,
-    techniques::{Exact, Hard, MapFilter as _, ShadowMap, Traced},
-    wgpu::{
+    gpu::{
         AdapterChoice, CasterMesh, FrameGeometry, GBuffer, Indices, LightId, LightSet,
-        LightSetOptions, MaskFormat, MaskInputs, SetFrame, SetLight, SetReceivers, VertexLayout,
+        LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, SetFrame, ShadowedLight,
+        VertexLayout,
         wgpu::{self, util::DeviceExt as _},
     },
+    scenes,
+    techniques::{Exact, Hard, MapFilter as _, ShadowMap, Traced},
 };
 
-/// Frames of each kind, in turn, after one that compiles.
+/// Number of frames of each kind, alternating, after one that compiles.
 const RUNS: usize = 5;
-/// Scenes that are played if none is named.
+/// Default scenes.
 const SCENES: [&str; 5] = ["night-room", "dancer", "street", "nave", "valley"];
 
-/// Plays the scenes, and prints what each frame's parts take.
+/// Runs the scenes, and prints the times of each frame's parts.
 pub fn lists(names: &[String]) -> Result<()> {
     let (adapter, graphics) = open(&AdapterChoice::from_env())?;
     println!("{adapter}: least of {RUNS} frames, milliseconds");
@@ -86,7 +87,7 @@ fn scene(graphics: &Graphics, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// What the camera sees, as textures.
+/// Textures of the camera's visible surfaces.
 struct SeenImages {
     position: wgpu::TextureView,
     normal: wgpu::TextureView,
@@ -124,7 +125,7 @@ impl SeenImages {
 struct LitScene {
     set: LightSet,
     light: LightId,
-    /// Whether the set is given the triangles on the CPU, too.
+    /// `true` if the set has the triangles on the CPU, too.
     has_triangles: bool,
 }
 
@@ -161,7 +162,7 @@ impl LitScene {
             bounds: geometry.caster_bounds(),
         })?;
         set.add_caster(mesh, Affine3A::IDENTITY)?;
-        let light = set.add_light(SetLight {
+        let light = set.add_light(ShadowedLight {
             light,
             technique,
             priority: 1.0,
@@ -173,8 +174,8 @@ impl LitScene {
         })
     }
 
-    /// Draws a frame in which all casters moved. Returns milliseconds of making maps or lists, and
-    /// of the lookup.
+    /// Draws a frame in which all casters moved. Returns the times of updating maps or lists, and
+    /// of the lookup, milliseconds.
     fn frame(
         &mut self,
         graphics: &Graphics,
@@ -200,7 +201,7 @@ impl LitScene {
             &graphics.queue,
             &MaskInputs {
                 size: seen.size,
-                receivers: SetReceivers::Positions(GBuffer {
+                receivers: MaskReceivers::Positions(GBuffer {
                     position: &seen.position,
                     normal: &seen.normal,
                     triangle: Some(&seen.triangle),
@@ -217,14 +218,14 @@ impl LitScene {
     }
 }
 
-/// Returns how long commands take, from their submission to their end.
+/// Returns the time of commands from submission to completion.
 fn submitted(
     graphics: &Graphics,
     record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<()>,
 ) -> Result<Duration> {
     let mut encoder = graphics.encoder();
     record(&mut encoder)?;
-    // What was written before isn't timed.
+    // Submit pending writes first, so that they aren't timed.
     graphics.queue.submit([]);
     graphics.wait()?;
     timed(graphics, || {
@@ -233,7 +234,7 @@ fn submitted(
     })
 }
 
-/// Returns a texture with these texels, to be read.
+/// Returns a texture with these texels, for reading.
 fn upload(
     graphics: &Graphics,
     size: UVec2,

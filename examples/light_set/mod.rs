@@ -23,17 +23,17 @@ use std::{
 };
 use umbrage::{
     ShadowTechnique,
+    gpu::{AdapterChoice, Gpu},
     techniques::{Bias, Hard, MapFilter as _, Pcf, ShadowMap},
-    wgpu::{AdapterChoice, Gpu},
 };
 use umbrage_lab::bench::{Repetitions, paired};
 
-/// Frames of each program, in turn. Shaders are compiled in those that don't count.
+/// Number of frames of each program, alternating. Shaders are compiled in the warm-up frames.
 const PAIRS: Repetitions = Repetitions {
     warm_up: 3,
     runs: 24,
 };
-/// Most pixels that may differ, of 921,600: those where the two round the edge of a map
+/// Greatest number of different pixels, of 921,600. The two programs round the edge of a map
 /// differently.
 const MOST_DIFFERING: usize = 2000;
 /// Constant bias of all maps, clip depth.
@@ -41,7 +41,7 @@ const BIAS: f32 = 0.002;
 /// Side of all maps, texels.
 const MAP_SIZE: u32 = 1024;
 
-/// Opens the device of an adapter, with all that the adapter can hold: lists of many triangles are
+/// Opens the device of an adapter with all limits of the adapter, since lists of many triangles are
 /// long.
 fn open(choice: &AdapterChoice) -> Result<(String, Graphics)> {
     let gpu = Gpu::new(choice)?;
@@ -81,7 +81,7 @@ struct Ratios {
 /// Prints times of the set over times by hand.
 ///
 /// # Errors
-/// Errors if the device fails, or the two programs draw different images.
+/// Returns an error if the device fails, or the two programs draw different images.
 pub fn compare() -> Result<()> {
     let (name, graphics) = open(&AdapterChoice::from_env())?;
     let pairs = PAIRS.runs;
@@ -95,11 +95,11 @@ pub fn compare() -> Result<()> {
     Ok(())
 }
 
-/// Returns times of the set over times by hand on an adapter, by what was drawn and whether casters
-/// move.
+/// Returns ratios of the set's times to those of the program by hand, by what was drawn and whether
+/// casters move.
 ///
 /// # Errors
-/// Errors if the device fails, or the two programs draw different images.
+/// Returns an error if the device fails, or the two programs draw different images.
 pub fn ratios(choice: &AdapterChoice) -> Result<BTreeMap<String, f64>> {
     let (_, graphics) = open(choice)?;
     let mut out = BTreeMap::new();
@@ -131,7 +131,8 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
     let technique = technique(radius);
     let boxes = || Ok::<_, anyhow::Error>(Boxes::new(graphics, BoxScene::large()?));
     let of_set = boxes()?;
-    let set = BoxShadows::new(graphics, &of_set, &technique)?;
+    let mut set = BoxShadows::new(graphics, &of_set)?;
+    set.add_lights(&of_set.scene.lights, &technique)?;
     let casters = set.set.casters_box();
     let of_hand = boxes()?;
     let lookup = HandLookup {
@@ -145,7 +146,7 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
     let differing = check_alike(graphics, &mut set, &mut hand)?;
 
     let frames = Cell::new(0.0);
-    // No two frames are alike.
+    // Every frame differs.
     let seconds = || frames.replace(frames.get() + 0.01);
     let moving = paired(
         PAIRS,
@@ -170,7 +171,7 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
     })
 }
 
-/// Returns how long a frame takes until its commands are done.
+/// Returns the time of a frame until its commands are done.
 fn timed(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
     let start = Instant::now();
     frame()?;
@@ -178,7 +179,7 @@ fn timed(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Dura
     Ok(start.elapsed())
 }
 
-/// Returns how long a frame takes until its commands are submitted.
+/// Returns the time of a frame until its commands are submitted.
 fn recorded(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
     let start = Instant::now();
     frame()?;
@@ -187,7 +188,8 @@ fn recorded(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<D
     Ok(recording)
 }
 
-/// Returns how many pixels differ. Errors if many do: then their times are of different work.
+/// Returns the number of different pixels. Returns an error if there are many, since the times are
+/// then of different work.
 fn check_alike(
     graphics: &Graphics,
     set: &mut TimedRenderer<impl SceneShadows>,
@@ -208,16 +210,17 @@ fn check_alike(
     Ok(differing)
 }
 
-/// Prints how long preparing takes with 10,000 casters of which 100 move.
+/// Prints the time of preparing 10,000 casters of which 100 move.
 ///
 /// # Errors
-/// Errors if the device fails.
+/// Returns an error if the device fails.
 pub fn casters() -> Result<()> {
     const MOVED: usize = 100;
     const FRAMES: usize = 60;
     let (_, graphics) = open(&AdapterChoice::from_env())?;
     let boxes = Boxes::new(&graphics, BoxScene::crowded()?);
-    let mut shadows = BoxShadows::new(&graphics, &boxes, &technique(1))?;
+    let mut shadows = BoxShadows::new(&graphics, &boxes)?;
+    shadows.add_lights(&boxes.scene.lights, &technique(1))?;
     let count = shadows.casters.len();
     let mut times = Vec::new();
     for frame in 0..FRAMES {

@@ -1,33 +1,33 @@
-//! A renderer whose shadows come from a light set or from code written by hand: everything else is
-//! the same.
+//! A renderer with shadows from a light set or from code written by hand. Everything else is the
+//! same.
 
 use crate::renderer::{self, Boxes, COLOR, DEPTH, Graphics, NORMAL, UNIFORMS, floats};
 use anyhow::Result;
 use umbrage::{
     glam::Affine3A,
-    wgpu::wgpu::{
+    gpu::wgpu::{
         self, BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline,
         TextureView, TextureViewDimension,
     },
 };
 
-/// The stage of a frame that looks shadows up.
+/// The stage of a frame that uses the shadows.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum LookupStage {
     /// The pass that draws surfaces.
     Forward,
     /// The pass that shades from depth and normals.
     Deferred,
-    /// Passes of their own, one a light, before the one that shades.
+    /// Separate passes, one for each light, before the one that shades.
     Masks,
 }
 
-/// SceneShadows of the scene.
+/// The shadows of the scene.
 pub(crate) trait SceneShadows {
     /// Moves all casters.
     fn place(&mut self, placements: &[Affine3A]) -> Result<()>;
 
-    /// Records what draws the maps.
+    /// Records the passes that draw the maps.
     fn encode(
         &mut self,
         graphics: &Graphics,
@@ -38,10 +38,10 @@ pub(crate) trait SceneShadows {
     /// Returns the text that declares `shadow`, and a number that changes with it.
     fn wgsl(&self) -> (u64, &str);
 
-    /// Returns what the text binds as group 1.
+    /// Returns the bind group of the text, group 1.
     fn group(&self) -> Result<(&BindGroup, &BindGroupLayout)>;
 
-    /// Records what makes masks, and returns them: a layer for each light.
+    /// Records the passes that draw masks, and returns them: a layer for each light.
     fn masks(
         &mut self,
         graphics: &Graphics,
@@ -51,7 +51,7 @@ pub(crate) trait SceneShadows {
     ) -> Result<TextureView>;
 }
 
-/// Depth and normals of what the camera sees.
+/// Depth and normals of the camera's visible surfaces.
 pub(crate) struct SurfaceBuffer {
     pipeline: RenderPipeline,
     pub(crate) depth: TextureView,
@@ -108,9 +108,9 @@ pub(crate) struct TimedRenderer<S> {
     gbuffer: SurfaceBuffer,
     /// The layout of `mask_group`.
     mask_layout: BindGroupLayout,
-    /// Made for these masks.
+    /// The bind group, and the masks that it was built for.
     mask_group: Option<(TextureView, BindGroup)>,
-    /// Made for this revision of the text that declares `shadow`.
+    /// The pipeline, and the revision of the text of `shadow` that it was built for.
     pipeline: Option<(u64, RenderPipeline)>,
 }
 
@@ -128,7 +128,7 @@ impl<S: SceneShadows> TimedRenderer<S> {
         }
     }
 
-    /// Moves all casters to their places after some seconds, and draws a frame.
+    /// Moves all casters to their positions after some seconds, and draws a frame.
     pub(crate) fn frame(&mut self, graphics: &Graphics, seconds: f32) -> Result<()> {
         let placements = self.boxes.scene.placements(seconds);
         self.shadows.place(&placements)?;

@@ -1,4 +1,4 @@
-// What the camera sees at a pixel, from the depth buffer.
+// The camera's visible surface at a pixel, from the depth buffer.
 
 @group(2) @binding(0) var<uniform> world_from_clip: mat4x4f;
 @group(2) @binding(1) var depth_of_pixel: texture_2d<f32>;

@@ -1,6 +1,6 @@
-//! Bring your own technique: variance shadow maps, made of one cast, three filters and one receive,
-//! on both backends. `cargo run --example variance` writes `variance-cpu.png` and, where there is
-//! an adapter, `variance-wgpu.png`.
+//! Bring your own technique: variance shadow maps, consisting of one cast, three filters and one
+//! receive, on both backends. `cargo run --example variance` writes `variance-cpu.png` and, if
+//! there is an adapter, `variance-wgpu.png`.
 
 use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::ShadowMap};
 use umbrage_examples::variance::Variance;

@@ -1,7 +1,7 @@
-//! Variance shadow maps, written as a user of the library would: Donnelly and Lauritzen 2006,
-//! "Variance shadow maps". Depth and its square are averaged over a square of texels; Chebyshev's
-//! inequality bounds the share of it that is farther than the receiver. Bleeds light where casters
-//! overlap in depth.
+//! Variance shadow maps, written like a technique of a user of the library: Donnelly and Lauritzen
+//! 2006, "Variance shadow maps". Depth and its square are averaged over a square of texels.
+//! Chebyshev's inequality bounds the fraction that is farther than the receiver. Light bleeds where
+//! casters overlap in depth.
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -19,15 +19,15 @@ use umbrage::{
 };
 use umbrage_plan::catalogue::CataloguedTechnique;
 
-/// The technique: its parameters are its fields.
+/// The technique. Its fields are its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Variance {
-    /// The depth map behind the moments.
+    /// Settings of the depth map for the moments.
     pub map: ShadowMap,
     /// Blur radius, texels.
     pub radius: u32,
-    /// Least variance, squared clip depth: hides rounding.
+    /// Least variance, squared clip depth. It hides rounding errors.
     pub least_variance: f32,
 }
 
@@ -41,7 +41,7 @@ impl Default for Variance {
     }
 }
 
-/// With this, presets and lists take it like one of the library's own.
+/// Makes the technique available in presets and lists, like those of the library.
 impl ListedTechnique for Variance {
     const SUMMARY: &'static str =
         "Chebyshev's bound on blurred moments of depth (Donnelly, Lauritzen 2006)";
@@ -59,9 +59,9 @@ impl ListedTechnique for Variance {
     }
 }
 
-/// With this, `compare`, `stability` and `plan` take its default settings.
+/// Adds its default settings to `compare`, `stability` and `plan`.
 impl CataloguedTechnique for Variance {
-    /// The one texel that is looked up holds what the blur took from around it.
+    /// Returns the radius of the blur, since the lookup reads one blurred texel.
     fn kernel_reach(&self) -> Option<f32> {
         Some(self.radius as f32)
     }
@@ -73,7 +73,7 @@ impl ShadowTechnique for Variance {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        // One map of plain depth: the filters below would do for six as well.
+        // One map of plain depth. The filters below would also work for six.
         let map = ShadowMap {
             layout: Layout::Single,
             surface: Surface::Nearest,
@@ -109,7 +109,7 @@ impl ShadowTechnique for Variance {
     }
 }
 
-/// Depth to depth and its square.
+/// Maps depth to depth and its square.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments;
 
@@ -131,9 +131,9 @@ impl FilterKernel for Moments {
 uniforms! {
     /// Uniforms of [`Blur`].
     pub struct BlurUniforms {
-        /// (1, 0) along rows, (0, 1) along columns.
+        /// Direction: (1, 0) along rows, (0, 1) along columns.
         pub step: IVec2,
-        /// Texels to each side.
+        /// Radius in texels.
         pub radius: i32,
         /// Side of the image, texels.
         pub size: i32,
@@ -178,14 +178,14 @@ impl FilterKernel for Blur {
 uniforms! {
     /// Uniforms of [`Chebyshev`].
     pub struct ChebyshevUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// The map: its layers and comparison settings.
         pub lookup: ShadowMapUniforms,
         /// Least variance, squared clip depth.
         pub least_variance: f32,
     }
 }
 
-/// The bound on the lit share.
+/// The bound on the lit fraction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chebyshev(ChebyshevUniforms);
 
@@ -205,8 +205,7 @@ impl ReceiveKernel for Chebyshev {
             uniforms: &self.0,
             moments: inputs.images[0],
         };
-        // Finds each receiver's place on the map, in vector lanes, as the library's own techniques
-        // do.
+        // Find each receiver's position on the map, in vector lanes, like the library's techniques.
         look_up_span(inputs.simd, &self.0.lookup, span, out, &bound);
     }
 }

@@ -327,7 +327,7 @@ def planned(window):
     window.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     window.click("Close")
     window.shot("planned")
-    stale = "Made for another view, light or setting: find it again."
+    stale = "Outdated: view, light or settings changed. Search again."
     parts = [part["label"] or part["value"] for part in window.told()["widgets"]]
     assert stale not in parts, parts
     window.move(900, 600)

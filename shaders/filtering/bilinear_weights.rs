@@ -1,19 +1,20 @@
-//! Where samples of four texels each lie, what they weigh, and which depth they compare.
+//! Bilinear samples of four texels each: their positions, weights and compared depths.
 //!
 //! # Merging texels into samples
 //!
-//! A filter over texels is a row of weights k₀ .. k₂ᵣ (and its product with itself in y), made
-//! continuous by a tent one texel wide: at the fraction s between two texel centres, texel i weighs
-//! aᵢ = (1 - s) kᵢ + s kᵢ₋₁, i from 0 to 2r + 1. A bilinear sample at the fraction f between texels
-//! i and i + 1 answers (1 - f) cᵢ + f cᵢ₊₁. With f = aᵢ₊₁/(aᵢ + aᵢ₊₁) and the weight aᵢ + aᵢ₊₁ it
-//! stands for both texels exactly; f lies within 0..=1, since no aᵢ is negative. The row has an
-//! even count of texels, so r + 1 samples make it up; in two dimensions, where weights are
-//! products, (r + 1)² samples stand for (2r + 2)² texels. Castaño 2013, "Shadow mapping summary,
-//! part 1" (The Witness), has 3x3 in four samples and 5x5 in nine this way.
+//! A filter over texels is a row of weights k₀ .. k₂ᵣ; in two dimensions, the product of two such
+//! rows. A tent one texel wide makes it continuous. At the fraction s between two texel centres,
+//! texel i has the weight aᵢ = (1 - s) kᵢ + s kᵢ₋₁, i from 0 to 2r + 1. A bilinear sample at the
+//! fraction f between texels i and i + 1 returns (1 - f) cᵢ + f cᵢ₊₁. With f = aᵢ₊₁/(aᵢ + aᵢ₊₁) and
+//! the weight aᵢ + aᵢ₊₁ it replaces both texels exactly; f is within 0..=1, since no aᵢ is
+//! negative. The row has an even number of texels, so r + 1 samples replace it. In two dimensions,
+//! where weights are products, (r + 1)² samples replace (2r + 2)² texels. Castaño 2013, "Shadow
+//! mapping summary, part 1" (The Witness), computes 3x3 with four samples and 5x5 with nine in this
+//! way.
 //!
-//! The rows here: 1 2 1, a box three texels wide over it, 1 3 4 3 1, and once more, 1 4 8 10 8 4 1:
-//! ever closer to a Gaussian (boxes of boxes), with standard deviations of .71, 1.08 and 1.35
-//! texels (and .41 more, added in squares, from the tent).
+//! The rows here are 1 2 1, then 1 3 4 3 1 (widened by a box of three texels), then 1 4 8 10 8 4 1
+//! (widened again). These approach a Gaussian, with standard deviations of .71, 1.08 and 1.35
+//! texels. The tent adds .41, in squares.
 
 use glam::{Vec2, Vec4};
 use umbrage_core::{Module, module};
@@ -21,11 +22,14 @@ use umbrage_core::{Module, module};
 /// The WGSL half.
 pub const BILINEAR_WEIGHTS: Module = module!("bilinear_weights");
 
-/// Returns the clip depth that a sample `step` texels from the receiver compares, given the
-/// receiver's `depth` and its change per texel. One depth serves four texels, whose centres lie up
-/// to one texel from the sample along each axis: the receiver's plane may gain |gx| + |gy| up to
-/// there, of which `share` is taken off (all of it in Isidoro 2006, "Shadow mapping: GPU-based tips
-/// and techniques"; nothing where casters move away by as much). Never beyond `deepest`.
+/// Returns the clip depth that a sample `step` texels from the receiver compares. `depth` is the
+/// receiver's depth, `gradient` its change per texel.
+///
+/// One depth is compared with four texels, whose centres are up to one texel from the sample along
+/// each axis. The receiver's plane may gain |gx| + |gy| over that distance. The fraction `share` of
+/// this gain is subtracted: all of it in Isidoro 2006, "Shadow mapping: GPU-based tips and
+/// techniques"; nothing if casters move away by the same amount. The result is never beyond
+/// `deepest`.
 #[inline(always)]
 pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32 {
     let gain = share * (gradient.x.abs() + gradient.y.abs());
@@ -33,10 +37,12 @@ pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, ste
     moved.min(deepest)
 }
 
-/// Returns the weight of the sample that stands for two texels, and where it lies between them
-/// (0..=1 from the first one's centre). `row` holds each texel's weight kᵢ and its change kᵢ₋₁ -
-/// kᵢ, the first one's before the second one's; `s` is 0..=1. (Changes are handed in ready-made,
-/// since drivers know `(1 - s) a + s b` as a blend and put their own in its place.)
+/// Returns the weight of the sample that replaces two texels (x), and its position between them
+/// (y), 0..=1 from the first one's centre.
+///
+/// `row` holds each texel's weight kᵢ and its change kᵢ₋₁ - kᵢ, first texel first; `s` is 0..=1.
+/// The changes are precomputed, because drivers recognise `(1 - s) a + s b` as a blend and replace
+/// it.
 #[inline(always)]
 pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
     let first = row.x + s * row.y;
@@ -45,8 +51,8 @@ pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
     Vec2::new(weight, second / weight)
 }
 
-/// Returns the row of weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each
-/// further texel of reach.
+/// Returns the weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each further
+/// texel of reach.
 pub fn filter_row(reach: usize) -> Vec<f32> {
     let mut row = vec![1.0, 2.0, 1.0];
     for _ in 1..reach {
@@ -68,8 +74,8 @@ fn widened(row: &[f32]) -> Vec<f32> {
     wider
 }
 
-/// Returns what [`merged_sample`] takes for each of `reach` + 1 samples (up to four), and zeros
-/// after them.
+/// Returns the `row` argument of [`merged_sample`] for each of `reach` + 1 samples (up to four),
+/// followed by zeros.
 pub fn merged_rows(reach: usize) -> [Vec4; 4] {
     let row = filter_row(reach);
     std::array::from_fn(|sample| {
@@ -101,7 +107,7 @@ mod tests {
         assert_eq!(filter_row(3), [1.0, 4.0, 8.0, 10.0, 8.0, 4.0, 1.0]);
     }
 
-    /// Samples stand for the tent between the row and the row shifted by a texel.
+    /// The samples must equal the tent between the row and the row shifted by a texel.
     #[test]
     fn samples_stand_for_all_texels() {
         for reach in 1..=3 {
@@ -119,7 +125,7 @@ mod tests {
                     let texels =
                         [2 * j as i32, 2 * j as i32 + 1].map(|i| (1.0 - s) * at(i) + s * at(i - 1));
                     let parts = [merged.x * (1.0 - merged.y), merged.x * merged.y];
-                    // Weights up to 18, a few roundings each.
+                    // Weights are up to 18, with a few roundings each.
                     assert!(
                         (texels[0] - parts[0]).abs() < 4e-6 && (texels[1] - parts[1]).abs() < 4e-6,
                         "{reach} {s}"

@@ -1,5 +1,4 @@
-// Twin of bilinear_weights.rs: where samples of four texels lie, what they weigh, and which depth
-// they compare.
+// Twin of bilinear_weights.rs: positions, weights and compared depths of samples of four texels.
 
 fn reference_depth(depth: f32, gradient: vec2f, deepest: f32, share: f32, step: vec2f) -> f32 {
     let gain = share * (abs(gradient.x) + abs(gradient.y));

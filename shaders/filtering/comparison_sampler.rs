@@ -1,11 +1,10 @@
-//! The comparison sampler: one lookup compares with four texels and blends the answers by where it
-//! lies between them.
+//! Comparison sampler: one lookup compares with four texels and blends the results bilinearly.
 //!
-//! Graphics APIs fix only in part what samplers do. The arithmetic here is what Mesa's software
-//! driver was measured to do: with c = max(min(u W, W) - .5, 0), x₀ = ⌊c⌋, x₁ = min(x₀ + 1, W - 1),
-//! s = c - x₀, and the same for t in y, a row answers (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0), and
-//! the sample top + t (bottom - top), rounded once. Weights have the precision of 32-bit floats
-//! there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
+//! Graphics APIs specify samplers only in part. The arithmetic here was measured on Mesa's software
+//! driver. Let c = max(min(u W, W) - .5, 0), x₀ = ⌊c⌋, x₁ = min(x₀ + 1, W - 1), s = c - x₀, and
+//! likewise t in y. A row returns (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0). The sample returns top +
+//! t (bottom - top), rounded once. The weights there are 32-bit floats; graphics chips use 8 bits:
+//! see [`WEIGHT_ERROR`].
 
 use crate::{
     filtering::bilinear_weights::{BILINEAR_WEIGHTS, reference_depth},
@@ -14,47 +13,48 @@ use crate::{
 use glam::Vec2;
 use umbrage_core::{Kernel, Module, module};
 
-/// How far a sampler with weights of 8 bits may be from the exact blend: each of two weights is off
-/// by less than 1/256, and answers differ by at most 1 along each axis. (7.3e-3 was the most over
-/// 786,432 random lookups.) Means of samples are no farther off, since their weights add to 1.
+/// Greatest error of a sampler with 8-bit weights compared with the exact blend. Each of two
+/// weights has an error below 1/256, and comparisons differ by at most 1 along each axis. (The
+/// greatest error over 786,432 random lookups was 7.3e-3.) The bound also holds for means of
+/// samples, since their weights add up to 1.
 pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
 
-/// Returns how far apart the answers of a kernel's halves may be, 0..=1, beyond what rounding does:
-/// more than 0 if it reads through the comparison sampler.
+/// Returns the tolerance, 0..=1, between the two halves of a kernel in addition to rounding. It is
+/// more than 0 if the kernel uses the comparison sampler.
 pub fn sampler_tolerance(kernel: &dyn Kernel) -> f32 {
     if kernel.compares() { WEIGHT_ERROR } else { 0.0 }
 }
 
-/// The most samples along one side of the square.
+/// Maximum number of samples along one side of the square.
 pub(crate) const LANES: usize = 4;
 
 /// The WGSL half.
 const COMPARISON_SAMPLER: Module = module!("comparison_sampler");
 
-/// Returns the map's modules and, after them, the WGSL of `sampled` and the technique's `own`.
+/// Returns the map's modules, followed by the WGSL of `sampled` and the technique's `own`.
 pub(crate) fn modules(m: &ShadowMapUniforms, own: Module) -> Vec<Module> {
     m.modules(&[BILINEAR_WEIGHTS, COMPARISON_SAMPLER, own])
 }
 
-/// The samples along one axis of a square. Lanes after the last sample weigh 0.
+/// Samples along one axis of a square. Lanes after the last sample have weight 0.
 #[derive(Clone, Copy)]
 pub(crate) struct Axis {
-    /// Where the samples lie, texels from the map's left or top edge.
+    /// Positions of the samples, texels from the map's left or top edge.
     pub(crate) at: [f32; LANES],
-    /// What they weigh.
+    /// Weights of the samples.
     pub(crate) weight: [f32; LANES],
 }
 
-/// A square of `N` by `N` samples whose neighbours lie about `STRIDE` texels apart.
+/// Square of `N` by `N` samples, about `STRIDE` texels apart.
 ///
-/// `FOLLOWS_PLANE` is whether the depth compared follows the receiver's plane, so that it differs
-/// from sample to sample. It is a constant, since the loop for one case slows the other down where
-/// both are compiled into one function.
+/// `FOLLOWS_PLANE` is whether the compared depth follows the receiver's plane, so that it differs
+/// from sample to sample. It is a constant, because compiling both loops into one function slows
+/// them down.
 pub(crate) struct Samples<'a, const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool> {
     pub(crate) map: DepthMap<'a>,
 }
 
-/// The two texels between whose centres a sample lies along one axis, and the weight of the second.
+/// Two texels around a sample along one axis, and the weight of the second.
 #[derive(Clone, Copy, Default)]
 struct TexelPair {
     low: i32,
@@ -62,12 +62,12 @@ struct TexelPair {
     weight: f32,
 }
 
-/// Returns the texels of a sample that lies `at` texels from the map's edge, for a map with this
-/// side.
+/// Returns the texels around a sample `at` texels from the edge of a map with this side.
 #[inline(always)]
 fn texel_pair(at: f32, size: i32) -> TexelPair {
     let w = size as f32;
-    // `at / w * w` and not `at`: samplers take coordinates from 0 to 1, and the division rounds.
+    // Compute `at / w * w` and not `at`: samplers take coordinates from 0 to 1, and the division
+    // rounds.
     let c = ((at / w * w).min(w) - 0.5).max(0.0);
     let low = c.floor() as i32;
     TexelPair {
@@ -77,7 +77,7 @@ fn texel_pair(at: f32, size: i32) -> TexelPair {
     }
 }
 
-/// Returns the blend of two comparisons side by side; `weight` is the right one's.
+/// Returns the blend of two horizontally adjacent comparisons; `weight` is that of the right one.
 #[inline(always)]
 fn blend_row(left_lit: bool, right_lit: bool, weight: f32) -> f32 {
     let right = if right_lit { weight } else { 0.0 };
@@ -88,7 +88,7 @@ fn blend_row(left_lit: bool, right_lit: bool, weight: f32) -> f32 {
 impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
     Samples<'_, N, STRIDE, FOLLOWS_PLANE>
 {
-    /// Returns the weighted sum of the samples' answers, 0 to the sum of all weights.
+    /// Returns the weighted sum of the samples, 0 to the sum of all weights.
     #[inline(always)]
     pub(crate) fn sum(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         if FOLLOWS_PLANE || N == 1 {
@@ -100,17 +100,17 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         }
     }
 
-    /// As [`one_by_one`](Self::one_by_one), not inlined, for the few that need it: those at the
-    /// map's edge.
+    /// Calls [`one_by_one`](Self::one_by_one) without inlining, for the few lookups at the map's
+    /// edge.
     #[inline(never)]
     fn one_by_one_apart(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         self.one_by_one(l, x, y)
     }
 
-    /// Returns the sum, sample by sample in the order of the shader's loop.
+    /// Returns the weighted sum, sample by sample in the order of the shader's loop.
     ///
-    /// Always inlined: by itself it would be compiled without the instructions for `floor` and
-    /// `mul_add`, as calls.
+    /// It must be inlined. Compiled separately, it would lack the vector instructions for `floor`
+    /// and `mul_add`, and call functions instead.
     #[expect(
         clippy::needless_range_loop,
         reason = "one index into the places, the weights and the texels of an axis"
@@ -131,8 +131,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         lit
     }
 
-    /// Returns the sum with a lane for each column of samples; `None` at the map's edge and where
-    /// each sample has a depth of its own.
+    /// Returns the weighted sum, with a lane for each column of samples; `None` at the map's edge
+    /// and if each sample has its own depth.
     #[inline(always)]
     fn in_lanes(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> Option<f32> {
         if l.gradient != Vec2::ZERO || l.depth > 1.0 {
@@ -159,8 +159,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         Some(lit)
     }
 
-    /// Returns the first texel's column of the first sample; `None` unless the other samples follow
-    /// it in steps of exactly `STRIDE` texels and all lie inside the map's rim.
+    /// Returns the first texel's column of the first sample. Returns `None` unless the other
+    /// samples follow in steps of exactly `STRIDE` texels and all are inside the map's border.
     #[inline(always)]
     fn first_column(&self, x: &Axis) -> Option<i32> {
         let first = self.inner_texel_pair(x.at[0])?.low;
@@ -168,7 +168,7 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         if last.high != last.low + 1 {
             return None;
         }
-        // Texel coordinates are rounded, so samples may fall a texel beside their place in the row.
+        // Texel coordinates are rounded, so a sample may be one texel off its expected column.
         for i in 1..N {
             if texel_pair(x.at[i], self.map.size).low != first + (STRIDE * i) as i32 {
                 return None;
@@ -177,8 +177,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         Some(first)
     }
 
-    /// Returns the texels of a sample; `None` if it lies within half a texel of the map's edge or
-    /// beyond it.
+    /// Returns the texels of a sample; `None` if it is within half a texel of the map's edge or
+    /// outside.
     #[inline(always)]
     fn inner_texel_pair(&self, at: f32) -> Option<TexelPair> {
         if at >= 0.5 && at <= self.map.size as f32 - 0.5 {
@@ -189,8 +189,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
     }
 }
 
-/// Returns one row's answers for samples `STRIDE` texels apart, from the texel with index `first`
-/// on; `None` if fewer than eight texels are left.
+/// Returns the results of one row for samples `STRIDE` texels apart, starting at the texel with
+/// index `first`; `None` if fewer than eight texels are left.
 #[inline(always)]
 fn compare_row<const STRIDE: usize>(
     texels: &[f32],
@@ -206,8 +206,8 @@ fn compare_row<const STRIDE: usize>(
     }))
 }
 
-/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner,
-/// between these columns and rows.
+/// Returns the result of one sample, 0..=1, at `at` texels from the map's top left corner, between
+/// these columns and rows.
 #[inline(always)]
 fn sampled_between(
     map: &DepthMap<'_>,
@@ -236,15 +236,15 @@ fn sampled_between(
     rows.weight.mul_add(bottom - top, top)
 }
 
-/// Returns whether a texel of the map lets light to `depth`. Nothing beyond the far plane is lit,
-/// whatever is stored.
+/// Returns whether a texel of the map leaves `depth` lit. Nothing beyond the far plane is lit,
+/// whatever depth is stored.
 #[inline(always)]
 fn is_lit(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32) -> bool {
     depth <= 1.0 && depth <= map.load(x, y, layer)
 }
 
-/// Returns the answer of a sample that touches the lit border, blended by hand: no sampler of
-/// WebGPU's has such a border.
+/// Returns the result of a sample that touches the lit border. It is blended explicitly, because
+/// WebGPU has no sampler with such a border.
 #[inline(never)]
 fn sampled_at_rim(map: &DepthMap<'_>, layer: i32, at: Vec2, depth: f32) -> f32 {
     let c = at - 0.5;
@@ -257,14 +257,14 @@ fn sampled_at_rim(map: &DepthMap<'_>, layer: i32, at: Vec2, depth: f32) -> f32 {
     above + (below - above) * weight.y
 }
 
-/// Returns the blend of the answers of texels (x, y) and (x + 1, y).
+/// Returns the blend of the results of texels (x, y) and (x + 1, y).
 fn rim_row(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32, weight: f32) -> f32 {
     let left = rim_answer(map, x, y, layer, depth);
     let right = rim_answer(map, x + 1, y, layer, depth);
     left + (right - left) * weight
 }
 
-/// Returns the answer of one texel, 1 beside the map.
+/// Returns the result of one texel; 1 outside the map.
 fn rim_answer(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32) -> f32 {
     if !map.has(x, y) || is_lit(map, x, y, layer, depth) {
         1.0

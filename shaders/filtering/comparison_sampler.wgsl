@@ -7,9 +7,8 @@ fn compared(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
     return compare_0(at / size, l.layer, depth);
 }
 
-// Samplers repeat the map's edge by themselves. Those that know borders are not in WebGPU: where
-// all beside the map is lit, samples that touch the border are blended by hand from four answers of
-// texels that surely lie within the map.
+// Samplers repeat the map's edge. WebGPU has no samplers with a border. If everything outside the
+// map is lit, blend samples that touch the border explicitly, from four texels within the map.
 fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
     let depth = reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel);
     if EDGE_REPEATS {
@@ -40,7 +39,8 @@ fn rim_row(size: f32, first: f32, inner: f32, part: f32, pair: vec2f) -> f32 {
     return left + (right - left) * part;
 }
 
-// What coordinate `at` answers, of which the pair knows `inner` and the next one.
+// Returns the result of coordinate `at`. `pair` holds the results of texel `inner` and the next
+// one.
 fn rim_answer(size: f32, at: f32, inner: f32, pair: vec2f) -> f32 {
     if at < 0.0 || at >= size {
         return 1.0;

@@ -29,7 +29,7 @@ fn layer(receiver_plane: f32) -> MapLayer {
     }
 }
 
-/// Clip space is world space here: x and y -1..1 across the map, z the depth.
+/// Clip space equals world space here: x and y are -1..1 across the map, z is the depth.
 fn lookup(border: Border, receiver_plane: f32) -> ShadowMapUniforms {
     ShadowMapUniforms {
         layer_count: 1,
@@ -70,7 +70,7 @@ fn noisy() -> Image {
     image(|x, y| noise((y * SIZE + x) as u32))
 }
 
-/// Visibility at points (texels) with these depths and this normal.
+/// Returns the visibility at points (texels) with these depths and this normal.
 fn ask(
     kernel: &dyn ReceiveKernel,
     image: &Image,
@@ -108,7 +108,7 @@ fn ask(
     out
 }
 
-/// Points on and around the map, at random depths.
+/// Returns points on and around the map, at random depths.
 fn points() -> Vec<Vec3> {
     let at = |i: u32| noise(i) * (SIZE as f32 + 8.0) - 4.0;
     (0..4000)
@@ -132,7 +132,8 @@ fn merged(radius: i32, border: Border) -> MergedKernel {
     })
 }
 
-/// The filter written out over texels: each weighs a tent's share of the row's two nearest weights.
+/// Computes the filter explicitly over texels: each has a tent's share of the row's two nearest
+/// weights.
 fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
     let reach = row.len() as f64 / 2.0 + 1.0;
     let weight = |d: f64| -> f64 {
@@ -164,7 +165,7 @@ fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
     lit / total
 }
 
-/// Greatest difference from the filter written out.
+/// Returns the greatest difference from the explicit filter.
 fn off(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
     let image = noisy();
     let points = points();
@@ -174,9 +175,9 @@ fn off(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
     points.iter().zip(&mask).map(wrong).fold(0.0, f64::max)
 }
 
-/// Coordinates up to 27 texels round to 2^-20, on the way there and back to the map's side and
-/// twice in the sampler; each texel's weight follows them with slope 1, and answers differ by 1
-/// along each of two axes.
+/// Rounding bound. Coordinates up to 27 texels round to 2^-20, when divided and multiplied by the
+/// map's side and twice in the sampler. Each texel's weight follows them with slope 1. Comparisons
+/// differ by 1 along each of two axes.
 const ROUNDING: f64 = 2.0 * 4.0 / 1_048_576.0;
 
 #[test]
@@ -241,7 +242,7 @@ fn lanes_equal_the_plain_loop() {
     assert!(in_lanes > 3000, "only {in_lanes} lookups ran in lanes");
 }
 
-/// Whether the lookup runs in lanes, where it must give the same bits.
+/// Returns whether the lookup runs in lanes, where it must give the same bits.
 fn same<const N: usize, const STRIDE: usize>(map: DepthMap<'_>, l: &ShadowCoord) -> bool {
     let axis = |at: f32| Axis {
         at: std::array::from_fn(|i| {
@@ -284,7 +285,7 @@ fn instructions_do_not_matter() {
     }
 }
 
-/// Beside a map that holds depth 0, all is lit, or dark if the edge repeats.
+/// Around a map that holds depth 0, everything is lit, or dark if the edge repeats.
 #[test]
 fn borders() {
     let black = image(|_, _| 0.0);
@@ -299,7 +300,7 @@ fn borders() {
             [visibility; 3]
         );
     }
-    // A quarter of a texel within the edge, a sample blends a quarter of the border.
+    // A sample a quarter of a texel within the edge contains a quarter of the border.
     let near = [
         Vec3::new(0.25, 5.5, 0.5),
         Vec3::new(SIZE as f32 - 0.25, 5.5, 0.5),
@@ -321,14 +322,14 @@ fn borders() {
     );
 }
 
-/// A sloping plane, seen by a map that holds it at texel centres, is lit everywhere if its depth is
-/// followed, and isn't if it is not or if the footprint's own reach is forgotten.
+/// A sloping plane, stored exactly at texel centres, is fully lit if its depth is followed. It is
+/// not if its depth isn't followed or the footprint's own reach is ignored.
 #[test]
 fn receiver_planes_are_free_of_acne() {
     let slope = Vec2::new(0.011, -0.007);
     let depth = |at: Vec2| 0.5 + slope.x * (at.x - 11.0) + slope.y * (at.y - 11.0);
     let plane = image(|x, y| depth(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)));
-    // Rounding: depths near .5, coordinates near 20.
+    // Allow for rounding: depths near .5, coordinates near 20.
     let on_plane = |p: &Vec3| p.truncate().extend(depth(p.truncate()) - 1e-6);
     let inside = |p: &&Vec3| {
         p.truncate().min_element() > 4.0 && p.truncate().max_element() < SIZE as f32 - 4.0
@@ -358,7 +359,7 @@ fn receiver_planes_are_free_of_acne() {
         acne(0.1, Vec3::Z)
             .iter()
             .all(|dark| *dark > points.len() / 2),
-        "another plane must not do"
+        "another plane must cause acne"
     );
     let l = ShadowCoord {
         texel: Vec2::new(9.9, 9.9),
@@ -372,7 +373,7 @@ fn receiver_planes_are_free_of_acne() {
     assert!(least.iter().all(|d| reference < *d) && least.iter().any(|d| l.depth > *d));
 }
 
-/// Weights cut to 8 bits stay within the bound, and it is no larger than it need be.
+/// Weights truncated to 8 bits stay within the bound, and the bound is tight.
 #[test]
 fn weights_of_chips_stay_within_the_bound() {
     let cut = |v: f32| (v * 256.0).floor() / 256.0;

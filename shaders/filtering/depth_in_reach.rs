@@ -1,13 +1,13 @@
-//! How near to the light the first blocker may be: a coarse grid over a map. Each cell holds the
-//! least depth of what may hide some of the light from a receiver in it: of the casters that lie,
-//! seen from there, before the light.
+//! Lower bound of blocker depths: a coarse grid over a map. Each cell holds the least depth of all
+//! casters that may block part of the light for a receiver in it. These are the casters that appear
+//! in front of the light from there.
 //!
 //! Guennebaud, Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection", bound the
-//! search for blockers by a pyramid of least depths; here that is done once for each cell instead
-//! of once for each receiver. The bound holds for all receivers before the far plane: with a
-//! receiver at the far plane, a caster at the depth z moves the light's rim by `1 - z` times the
-//! half axes of [`LightExtent`], and less with one before it. Gaps between cells count as no wider
-//! than they are anywhere.
+//! search for blockers by a pyramid of least depths. Here this is done once per cell instead of
+//! once per receiver. The bound holds for all receivers before the far plane. For a receiver at the
+//! far plane, a caster at the depth z moves the light's edge by `1 - z` times the half axes of
+//! [`LightExtent`]. It moves the edge less for nearer receivers. Gaps between cells count with
+//! their least width.
 
 use crate::{
     filtering::{
@@ -24,24 +24,24 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// Most cells along a side. More cells tell casters apart better, but the work grows with the
-/// fourth power of their number.
+/// Maximum number of cells along a side. More cells separate casters better, but the cost grows
+/// with the fourth power of their number.
 const MAX_CELLS: u32 = 32;
 
-/// A grid of square cells over a map.
+/// Grid of square cells over a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cells {
-    /// Side of the tiles that are reduced to one texel, texels. The reduction is done twice, so a
-    /// cell's side is the square of it.
+    /// Side of the tiles that are reduced to one texel, texels. The reduction runs twice, so a
+    /// cell's side is the square of this.
     ratio: u32,
-    /// Cells along a side.
+    /// Number of cells along a side.
     pub(crate) count: u32,
 }
 
 impl Cells {
     /// Returns the grid over a map with this side, texels.
     pub(crate) fn over(size: u32) -> Self {
-        // Two even steps rather than one: a single reduction would read too many texels for each it
+        // Use two even steps: a single reduction would read too many texels for each texel it
         // writes.
         let mut ratio = size.div_ceil(MAX_CELLS).isqrt().max(1);
         while ratio * ratio * MAX_CELLS < size {
@@ -59,8 +59,8 @@ impl Cells {
     }
 }
 
-/// Adds the images and filters of the grid to `maps`, and returns the image with the least depth in
-/// each cell's reach. `size` is the map's side, texels; `packed` says whether its depths take four
+/// Adds the images and filters of the grid to `maps`. Returns the image with the least depth in
+/// each cell's reach. `size` is the map's side, texels; `packed` is whether its depths occupy four
 /// channels.
 pub(crate) fn add(
     maps: &mut Maps,
@@ -69,6 +69,7 @@ pub(crate) fn add(
     shape: PatternShape,
     extent: LightExtent,
 ) -> ImageId {
+    // Describe the three filters.
     let cells = Cells::over(size);
     let tile_count = size.div_ceil(cells.ratio);
     let tile_kernel = LeastDepthKernel {
@@ -94,6 +95,7 @@ pub(crate) fn add(
             extent,
         },
     };
+    // Chain them: map, tiles, cells, reach.
     let map = maps.map;
     let of_tiles = add_step(
         maps,
@@ -118,7 +120,7 @@ pub(crate) fn add(
     )
 }
 
-/// Adds an image with this side, texels, and the filter that makes it from the image `input`.
+/// Adds an image with this side, texels, and the filter that computes it from the image `input`.
 fn add_step(
     maps: &mut Maps,
     input: ImageId,
@@ -139,21 +141,22 @@ fn add_step(
 uniforms! {
     /// Uniforms of [`DepthInReachKernel`].
     pub struct DepthInReachUniforms {
-        /// 1 if the light is a square's image, 0 if it is a disc's. It comes first: see
-        /// [`ShadowMapUniforms::layer_count`](crate::shadow_map::layers::ShadowMapUniforms::layer_count).
+        /// Set to 1 if the light's projection is a parallelogram, 0 if it is an ellipse. It must be
+        /// first: see
+        /// [`layer_count`](crate::shadow_map::layers::ShadowMapUniforms::layer_count).
         pub square: u32,
-        /// Cells along a side.
+        /// Number of cells along a side.
         pub cells: u32,
         /// Side of a cell, texels of the map.
         pub cell: f32,
         /// Half of the map's side, texels.
         pub half: f32,
-        /// The light on the map.
+        /// Extent of the light on the map.
         pub extent: LightExtent,
     }
 }
 
-/// From the least depth in each cell to the least depth in its reach.
+/// Filter from the least depth in each cell to the least depth in its reach.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthInReachKernel {
     uniforms: DepthInReachUniforms,
@@ -185,10 +188,10 @@ impl FilterKernel for DepthInReachKernel {
     }
 }
 
-/// A row of cells.
+/// Row of cells.
 struct Row<'a> {
     kernel: &'a DepthInReachKernel,
-    /// The least depth in each cell.
+    /// Least depth in each cell.
     depths: &'a [f32],
     y: usize,
     layer: usize,
@@ -205,7 +208,7 @@ impl SimdTask for Row<'_> {
         let max_difference = u.extent.half_axis_v[self.layer].w.min(1.0 - nearest);
         for x in 0..self.out.len() {
             let reach = self.kernel.cell_reach(x, self.y, self.layer);
-            // No cell beyond is reached; one more makes up for rounding.
+            // Add a cell for rounding; no cell farther away is reached.
             let beyond = (reach.y * max_difference / u.cell) as usize + 2;
             let first = self.y.saturating_sub(beyond);
             let end = (self.y + beyond + 1).min(u.cells as usize);
@@ -215,9 +218,9 @@ impl SimdTask for Row<'_> {
 }
 
 impl Row<'_> {
-    /// Returns the least depth of what is in reach of cell `column` of this row, among the cells of
-    /// these rows. `reach` is for a unit of clip depth, and no greater difference of clip depths
-    /// than `max_difference` is followed.
+    /// Returns the least depth in reach of cell `column` of this row, among the cells of these
+    /// rows. `reach` is for a unit of clip depth. Differences of clip depths are limited to
+    /// `max_difference`.
     #[inline(always)]
     fn least_in_reach(
         &self,
@@ -231,13 +234,13 @@ impl Row<'_> {
         for (x, across) in across.iter_mut().enumerate() {
             *across = gap(column, x, u.cell);
         }
-        // One for each column, so that columns are lanes.
+        // One value per column, so that columns are lanes.
         let mut least = [1.0; MAX_CELLS as usize];
         for y in rows {
             let down = gap(self.y, y, u.cell);
             let row = &self.depths[y * u.cells as usize..][..u.cells as usize];
             for ((least, &across), &depth) in least.iter_mut().zip(&across).zip(row) {
-                // With the receiver at the far plane, where the light's rim moves farthest.
+                // Assume the receiver at the far plane, where the light's edge moves farthest.
                 let nearer = if 1.0 - depth < max_difference {
                     1.0 - depth
                 } else {
@@ -260,9 +263,9 @@ fn gap(a: usize, b: usize, side: f32) -> f32 {
 }
 
 impl DepthInReachKernel {
-    /// Returns how far the light's rim lies from any receiver in cell (x, y), right and down,
-    /// texels for a unit of clip depth. The half axes are convex over the map, so the greatest are
-    /// at the cell's corners.
+    /// Returns the greatest distance of the light's edge from any receiver in cell (x, y), right
+    /// and down, texels per unit of clip depth. The half axes are convex over the map, so their
+    /// maxima are at the cell's corners.
     #[inline(always)]
     fn cell_reach(&self, x: usize, y: usize, layer: usize) -> Vec2 {
         let u = &self.uniforms;

@@ -1,4 +1,4 @@
-// Twin of depth_in_reach.rs: the least depth that may hide some of the light from a receiver in a
+// Twin of depth_in_reach.rs: the least depth that may hide part of the light from a receiver in a
 // cell.
 
 struct DepthInReachUniforms {
@@ -28,7 +28,7 @@ fn filter_texel(cell: vec2i, layer: i32) -> vec4f {
     let reach = cell_reach(cell, layer);
     let most = kernel.extent.half_axis_v[layer].w;
     let cells = i32(kernel.cells);
-    // No cell beyond is reached, since no depth is below 0; one more makes up for rounding.
+    // Add a cell for rounding; no cell farther away is reached, since no depth is below 0.
     let beyond = vec2i(min(reach * (min(most, 1.0) / kernel.cell), vec2f(f32(cells)))) + 2;
     let first = max(cell - beyond, vec2i(0));
     let end = min(cell + beyond + 1, vec2i(cells));

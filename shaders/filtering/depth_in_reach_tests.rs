@@ -3,10 +3,10 @@ use crate::{filtering::sample_pattern::spread, shadow_map::layers::MAX_LAYERS};
 use glam::Vec4;
 use umbrage_core::{Image, Simd, light_sample::hash};
 
-/// No multiple of a cell's side, so that the last cells are cut.
+/// Not a multiple of a cell's side, so that the last cells are cut.
 const SIZE: u32 = 150;
 
-/// Deep nearly everywhere, with something nearer here and there.
+/// Returns a map that is deep nearly everywhere, with some nearer texels.
 fn map() -> Image {
     let desc = ImageDesc {
         label: "map",
@@ -26,7 +26,7 @@ fn map() -> Image {
     map
 }
 
-/// A disc's image whose half axes are 40 texels, and grow to the right.
+/// Returns an ellipse whose half axes are 40 texels, and grow to the right.
 fn extent() -> LightExtent {
     let half_axis_u = Vec4::new(40.0, 5.0, 0.1, 0.0);
     let half_axis_v = Vec4::new(-3.0, 30.0, 0.05, 1.5);
@@ -60,8 +60,8 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
     image
 }
 
-/// What hides any of the light from a receiver is not nearer than its cell says; and cells say more
-/// than the map's nearest.
+/// No blocker is nearer than its cell's bound, and the bounds are tighter than the map's least
+/// depth.
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
     let map = map();
@@ -82,7 +82,7 @@ fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
             let [x, y] = at.to_array().map(|v| (v as u32 / cell) as i32);
             let bound = grid.view().load(x, y, 0);
             for q in &points {
-                // Along the ray to the light's point, at every depth.
+                // Sample the ray to the light's point, at every depth.
                 for step in 1..40 {
                     let nearer = depth * step as f32 / 40.0;
                     let p = at
@@ -92,8 +92,8 @@ fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
                         break;
                     }
                     let stored = map.view().load(p.x as i32, p.y as i32, 0);
-                    // It lies at least as far before the receiver as the ray is there: in the
-                    // light's way.
+                    // The stored depth blocks the light if it is at least as far before the
+                    // receiver as the ray.
                     if depth - stored >= nearer {
                         checked += 1;
                         assert!(
@@ -109,13 +109,13 @@ fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
         let tighter = grid.texels.iter().filter(|&&depth| depth > nearest).count();
         assert!(
             2 * tighter > grid.texels.len(),
-            "{shape:?}: {tighter} of {} cells say more",
+            "{shape:?}: {tighter} of {} cells have a tighter bound",
             grid.texels.len()
         );
     }
 }
 
-/// Cells cover the map, are few, and no reduction reads too much at once.
+/// Cells cover the map, are few, and no reduction reads too many texels at once.
 #[test]
 fn cells_cover_maps_of_all_sizes() {
     for size in 1..=4096 {

@@ -1,10 +1,9 @@
-//! The light's horizon: which part of a light with an extent lies above a receiver's own tangent
-//! plane. A light point below the plane is not seen ([`light_sample`](umbrage_core::light_sample)),
-//! whatever a map holds.
+//! Light horizon: the part of an area light above a receiver's tangent plane. A light point below
+//! the plane is not visible ([`light_sample`](umbrage_core::light_sample)), whatever a map holds.
 //!
-//! Over the plane of a receiver, the light's point at (x, y) of -1..1 along its half axes has the
-//! height `h.x + h.y x + h.z y`: metres, or for suns sines. So the horizon is a straight line
-//! across the square or the disc, and the share above it has a closed form.
+//! The light's point at (x, y) of -1..1 along its half axes has the height `h.x + h.y x + h.z y`
+//! over the receiver's plane. Heights are metres, or sines for directional lights. So the horizon
+//! is a straight line across the square or the disc, and the fraction above it has a closed form.
 
 use crate::filtering::light_extent::{HalfAxes, half_axes};
 use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
@@ -14,17 +13,18 @@ use umbrage_core::{Light, LightSpaces, Module, math::dot3, module, uniforms};
 pub(crate) const HORIZON: Module = module!("horizon");
 
 uniforms! {
-    /// The light's half axes in the world.
+    /// Half axes of a light in world space.
     pub struct Horizon {
-        /// Metres, or for suns tangents; w: a ball's radius (then the rest is 0), else 0.
+        /// Metres, or tangents for directional lights; w: radius of a ball (the other components
+        /// are then 0), else 0.
         pub half_u: Vec4,
-        /// The other half axis. w: 0.
+        /// Second half axis. w: 0.
         pub half_v: Vec4,
     }
 }
 
 impl Horizon {
-    /// Returns the half axes of `light`, whose maps lie in `spaces`.
+    /// Returns the half axes of `light`, whose maps have the light spaces `spaces`.
     ///
     /// Panics if there are no spaces.
     pub fn new(light: &Light, spaces: &LightSpaces) -> Self {
@@ -41,8 +41,8 @@ impl Horizon {
         }
     }
 
-    /// Returns the share of the light, 0..=1, above the plane with unit normal `n` through `p`.
-    /// `light` is its middle, homogeneous; `square`: see [`share_above`].
+    /// Returns the fraction of the light, 0..=1, above the plane with unit normal `n` through `p`.
+    /// `light` is its centre, homogeneous; `square`: see [`share_above`].
     #[inline(always)]
     pub(crate) fn share(&self, square: u32, light: Vec4, p: Vec3, n: Vec3) -> f32 {
         let middle = height_over_plane(light, p, n);
@@ -56,10 +56,10 @@ impl Horizon {
         share_above(square, Vec3::new(middle, along_u, along_v))
     }
 
-    /// Returns heights over that plane: of the light's middle, and by how much they grow along the
-    /// half axes that [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` is
-    /// the transform of the layer in which `p` lies, `t` are the receiver's tangents right and down
-    /// there, and `half_tangent` is the tangent of half the layer's angle.
+    /// Returns heights over that plane: of the light's centre, and their growth along the half axes
+    /// that [`light_axes`](crate::filtering::light_extent::light_axes) returns. `face` is the
+    /// transform of the layer that contains `p`. `t` are the receiver's tangents right and down
+    /// there. `half_tangent` is the tangent of half the layer's angle.
     #[inline(always)]
     pub(crate) fn heights(
         &self,
@@ -72,8 +72,8 @@ impl Horizon {
     ) -> Vec3 {
         let middle = height_over_plane(light, p, n);
         if self.half_u.w > 0.0 {
-            // The normal's parts along the layer's x and y, as rows of its transform have them, in
-            // units of the tangent.
+            // Compute the normal's components along the layer's x and y, in the scale of its
+            // transform's rows: units of the tangent.
             let right = face.x_axis.x * n.x + face.y_axis.x * n.y + face.z_axis.x * n.z;
             let up = face.x_axis.y * n.x + face.y_axis.y * n.y + face.z_axis.y * n.z;
             let right_down = Vec2::new(right * half_tangent, -up * half_tangent);
@@ -86,7 +86,7 @@ impl Horizon {
     }
 }
 
-/// Returns the height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous))
+/// Returns the height of a light's centre ([`homogeneous`](crate::shading::facing::homogeneous))
 /// over the plane with unit normal `n` through `p`.
 #[inline(always)]
 pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
@@ -98,9 +98,9 @@ pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
     dot3(n, to_light)
 }
 
-/// Returns by how much heights grow along a ball's half axes (see
-/// [`light_axes`](crate::filtering::light_extent::light_axes), whose factors these are): `n` are
-/// the normal's parts right and down on the map, `t` the receiver's tangents.
+/// Returns the growth of heights along a ball's half axes, those of
+/// [`light_axes`](crate::filtering::light_extent::light_axes). `n` are the normal's components
+/// right and down on the map, `t` the receiver's tangents.
 #[inline(always)]
 pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     let a = (1.0 + t.x * t.x).sqrt();
@@ -111,28 +111,28 @@ pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     )
 }
 
-/// Returns how much higher than its middle a ball is at the rim of the disc that faces the
-/// receiver, if the middle is `height` over the receiver's plane, and as far from the receiver as
-/// the root of `distance_squared`.
+/// Returns how much higher than its centre a ball is at the edge of the disc that faces the
+/// receiver. The centre is `height` over the receiver's plane; its squared distance from the
+/// receiver is `distance_squared`.
 #[inline(always)]
 pub(crate) fn ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32 {
     radius * (1.0 - height * height / distance_squared).max(0.0).sqrt()
 }
 
-/// Returns the share of the square -1..1 that lies above the horizon `h.x + h.y x + h.z y = 0`:
-/// below it is a trapezium, or a triangle at a corner.
+/// Returns the fraction of the square -1..1 above the horizon `h.x + h.y x + h.z y = 0`. The part
+/// below is a trapezium, or a triangle at a corner.
 #[inline(always)]
 pub(crate) fn square_share(h: Vec3) -> f32 {
     let a = h.y.abs().max(h.z.abs());
     let b = h.y.abs().min(h.z.abs());
-    // The share if the horizon did not cross the square: the side on which the middle lies has all.
+    // Start from the result without a crossing: the side of the centre has everything.
     let whole = if h.x >= 0.0 { 1.0 } else { 0.0 };
     if h.x.abs() >= a + b {
         return whole;
     }
     let height = h.x.abs() / a;
     let slant = b / a;
-    // What the horizon cuts off on the side that the middle is not on.
+    // Subtract the area beyond the horizon, on the side without the centre.
     let mut cut_off = 0.5 - height * 0.5;
     if height > 1.0 - slant {
         let corner = 1.0 + slant - height;
@@ -141,9 +141,9 @@ pub(crate) fn square_share(h: Vec3) -> f32 {
     (whole - cut_off).abs()
 }
 
-/// Returns the share of the unit disc that lies above the horizon: below it is a segment, of area
+/// Returns the fraction of the unit disc above the horizon. The part below is a segment of area
 /// acos t - t sqrt(1 - t^2). The arc cosine is Hastings' polynomial (Abramowitz and Stegun 1964,
-/// 4.4.45), wrong by 7e-5 at most.
+/// 4.4.45), with an error of at most 7e-5.
 #[inline(always)]
 pub(crate) fn disc_share(h: Vec3) -> f32 {
     let radius = (h.y * h.y + h.z * h.z).sqrt();
@@ -158,7 +158,7 @@ pub(crate) fn disc_share(h: Vec3) -> f32 {
     (whole - cut_off).abs()
 }
 
-/// Returns the share of a square (`square` is 1) or a disc (0) that lies above the horizon.
+/// Returns the fraction of a square (`square` is 1) or a disc (0) above the horizon.
 #[inline(always)]
 pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
     if square != 0 {

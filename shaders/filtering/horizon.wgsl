@@ -1,4 +1,4 @@
-// Twin of horizon.rs: how much of a light a receiver's own tangent plane leaves.
+// Twin of horizon.rs: the fraction of a light above a receiver's tangent plane.
 
 struct Horizon {
     half_u: vec4f,
@@ -55,7 +55,7 @@ fn share_above(square: u32, h: vec3f) -> f32 {
     return disc_share(h);
 }
 
-// The share of the light above the plane with unit normal `n` through `p`.
+// Returns the fraction of the light above the plane with unit normal `n` through `p`.
 fn light_share(h: Horizon, square: u32, light: vec4f, p: vec3f, n: vec3f) -> f32 {
     let middle = height_over_plane(light, p, n);
     if h.half_u.w > 0.0 {

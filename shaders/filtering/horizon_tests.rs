@@ -5,10 +5,10 @@ use umbrage_core::{
     math::unit3,
 };
 
-/// Points along each side of a grid that stands for a light.
+/// Number of points along each side of a grid that represents a light.
 const SIDE: i32 = 400;
 
-/// The share of even points of a square or disc whose height is not negative.
+/// Returns the fraction of even points of a square or disc whose height is not negative.
 fn counted(square: bool, h: Vec3) -> f32 {
     let at = |i: i32| (i as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0;
     let points = (0..SIDE * SIDE).map(|i| Vec2::new(at(i % SIDE), at(i / SIDE)));
@@ -20,8 +20,8 @@ fn counted(square: bool, h: Vec3) -> f32 {
     above as f32 / points.len() as f32
 }
 
-/// Shares against counting. A line crosses at most 2 sqrt(2) SIDE of SIDE^2 points, of which half
-/// are on the wrong side at worst.
+/// Compares fractions with counts. A line crosses at most 2 sqrt(2) SIDE of SIDE^2 points, of which
+/// half are on the wrong side at worst.
 #[test]
 fn shares_are_areas() {
     let axes = [
@@ -44,7 +44,7 @@ fn shares_are_areas() {
     }
 }
 
-/// A light edge-on to its own plane, or ideal: all or nothing, never NaN.
+/// A light edge-on to its own plane, or without extent, is fully visible or not at all, never NaN.
 #[test]
 fn without_extent_all_or_nothing_is_seen() {
     for (height, share) in [(1.0, 1.0), (0.0, 1.0), (-1.0, 0.0)] {
@@ -70,7 +70,7 @@ fn heights(light: &Light, spaces: &LightSpaces, p: Vec3, n: Vec3) -> Vec3 {
     Horizon::new(light, spaces).heights(middle, &space.clip_from_world(), p, n, t, tangent)
 }
 
-/// Heights of points of flat lights, by the rule and by their places.
+/// Compares the computed heights of points of flat lights with those from their positions.
 #[test]
 fn heights_are_those_of_the_lights_points() {
     let center = Vec3::new(1.0, 6.0, -2.0);
@@ -91,8 +91,8 @@ fn heights_are_those_of_the_lights_points() {
     }
 }
 
-/// A plane through a ball's middle cuts its disc in half, and the rim's height over it is the
-/// radius, wherever on the map the receiver lies.
+/// A plane through a ball's centre cuts its disc in half. The edge's height over the plane is the
+/// radius, anywhere on the map.
 #[test]
 fn a_balls_rim_is_as_high_as_its_radius() {
     let position = Vec3::new(1.0, 6.0, -2.0);
@@ -119,8 +119,8 @@ fn a_balls_rim_is_as_high_as_its_radius() {
     }
 }
 
-/// Over a plane that a ball's middle lies above, its highest and lowest points are found by
-/// searching the disc that faces the receiver.
+/// For a plane below a ball's centre, the test searches the disc that faces the receiver for its
+/// highest and lowest points.
 #[test]
 fn a_balls_share_is_that_of_the_disc_that_faces_the_receiver() {
     let position = Vec3::new(1.0, 6.0, -2.0);
@@ -144,7 +144,7 @@ fn a_balls_share_is_that_of_the_disc_that_faces_the_receiver() {
     }
 }
 
-/// A sun's rim is as high as its tangent over a plane along its rays.
+/// The edge of a directional light is as high as its tangent over a plane along its rays.
 #[test]
 fn a_suns_rim_is_as_high_as_its_tangent() {
     let light = Light::Directional {

@@ -1,4 +1,4 @@
-//! The least depth of each tile of a map: a level of a pyramid of minima.
+//! Least depth of each tile of a map: one level of a min pyramid.
 
 use crate::shadow_map::{packing::unpack_depth, variants::stored_depth};
 use glam::{UVec2, Vec4};
@@ -16,12 +16,12 @@ uniforms! {
     }
 }
 
-/// The filter from a square map to a smaller one whose texels hold the least depth of `ratio` x
-/// `ratio` texels.
+/// Filter from a square map to a smaller one whose texels hold the least depth of `ratio` x `ratio`
+/// texels.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastDepthKernel {
     pub(crate) uniforms: LeastDepthUniforms,
-    /// Whether each depth of the input takes four channels.
+    /// True if each depth of the input occupies four channels.
     pub(crate) packed: bool,
 }
 
@@ -45,7 +45,7 @@ impl FilterKernel for LeastDepthKernel {
             let row = image.index(0, y as i32, layer);
             &image.texels[row..row + size as usize * image.desc.format.channels()]
         });
-        // Whole rows first: that runs in lanes, and leaves little to do within tiles.
+        // Reduce whole rows first: that runs in lanes, and leaves little work within tiles.
         let mut column = vec![1.0_f32; size as usize];
         for row in rows {
             if self.packed {
@@ -67,7 +67,7 @@ impl FilterKernel for LeastDepthKernel {
     }
 }
 
-/// Lowers each number of `least` to that of `row`.
+/// Elementwise minimum of `row` and `least`, stored in `least`.
 struct MinOfRows<'a> {
     least: &'a mut [f32],
     row: &'a [f32],

@@ -1,17 +1,21 @@
-//! A light's extent as a shadow map sees it: how far its rim moves a blocker's shadow, texels.
+//! Extent of a light on a shadow map: the distance, texels, by which a blocker moves the light's
+//! edge.
 //!
-//! Let a map with perspective look along -z from the light's middle. A receiver at distance d_r
-//! sees a light point s (from the middle, in the map's view space) through a blocker's plane at
-//! distance d_b at the tangent coordinates t + (s.xy + s.z t) (1/d_b - 1/d_r) / (1 + s.z/d_r),
-//! where t are the receiver's own. Without perspective, the light's rim at the angle a moves it by
-//! tan(a) (d_r - d_b) metres. With perspective, clip depth is linear in 1/d, and without in d: so
-//! **both are linear in the difference of clip depths**, and the light's half axes turn into texels
-//! per unit of clip depth once for a whole map.
+//! Let a map with perspective look along -z from the light's centre. A receiver at distance d_r has
+//! the tangent coordinates t. A light point s is relative to the centre, in the map's view space.
+//! From the receiver, s appears in a blocker's plane at distance d_b at the tangent coordinates t +
+//! (s.xy + s.z t) (1/d_b - 1/d_r) / (1 + s.z/d_r). Without perspective, the light's edge at the
+//! angle a moves it by tan(a) (d_r - d_b) metres. Clip depth is linear in 1/d with perspective, and
+//! in d without. So **both are linear in the difference of clip depths**. The light's half axes are
+//! converted to texels per unit of clip depth once for a whole map.
 //!
-//! What is neglected: the divisor 1 + s.z/d_r, which is 1 for lights parallel to the map and wrong
-//! by the light's depth along the axis over the receiver's distance else; that a ball's disc faces
-//! each receiver, not the map, beyond first order; and for suns that the cap of directions is flat
-//! (an angle's tangent for the angle).
+//! Approximations:
+//!
+//! - The divisor 1 + s.z/d_r is ignored. It is 1 for lights parallel to the map. Otherwise its
+//!   error is the light's depth along the axis over the receiver's distance.
+//! - A ball's disc faces each receiver, not the map; this is exact only to first order.
+//! - The cap of directions of a directional light is treated as flat (an angle's tangent for the
+//!   angle).
 
 use crate::{
     filtering::sample_pattern::PatternShape,
@@ -25,32 +29,32 @@ use umbrage_core::{
 /// The WGSL half.
 pub(crate) const LIGHT_EXTENT: Module = module!("light_extent");
 
-/// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers.
-/// Wider lights lose the shadows of casters outside the map on its outermost receivers.
+/// Greatest fraction of a map's half side that is reserved for the reach of kernels beyond the
+/// receivers. Wider lights lose the shadows of casters outside the map on its outermost receivers.
 const MAX_REACH: f32 = 0.5;
-/// How often the fit is made: its margin depends on the texels' size, which depends on the margin.
-/// Each fit after the first corrects for what the one before changed.
+/// Number of fits. The margin of a fit depends on the texels' size, which depends on the margin.
+/// Each fit after the first corrects for the change of the previous one.
 const FITS: usize = 3;
 
 uniforms! {
-    /// The light's half axes on each layer of a map, texels per unit of clip depth.
+    /// Half axes of a light on each layer of a map, texels per unit of clip depth.
     pub struct LightExtent {
         /// x, y: right and down in the map's plane. z: towards the light's back, times texels from
-        /// the map's middle. w: 0; for balls the tangent that a texel from the middle spans, and y
-        /// and z are 0.
+        /// the map's centre. w: 0. For balls, w is the tangent that a texel from the centre spans,
+        /// and y and z are 0.
         pub half_axis_u: [Vec4; MAX_LAYERS],
-        /// The other half axis, x, y, z as before (unused for balls). w: greatest difference of
-        /// clip depths that is followed; beyond, a tap could be half a map away.
+        /// Second half axis, with the same x, y, z (unused for balls). w: greatest difference of
+        /// clip depths that is followed. Beyond it, a tap could be half a map away.
         pub half_axis_v: [Vec4; MAX_LAYERS],
     }
 }
 
-/// Returns the half axes, texels per unit of clip depth, for a receiver `from_middle` texels right
-/// and down of the map's middle: x and y of the first, then x and y of the second.
+/// Returns the half axes, texels per unit of clip depth: x and y of the first, then x and y of the
+/// second. The receiver is `from_middle` texels right and down of the map's centre.
 ///
-/// A ball counts as the disc of its radius that faces the receiver. Along the receiver's ray it
-/// falls on the map's plane as the ellipse with the matrix R^2 (1 + t t^T); any two axes whose
-/// outer products add up to it do, and these are its Cholesky factor.
+/// A ball counts as the disc of its radius that faces the receiver. Its projection along the
+/// receiver's ray onto the map's plane is the ellipse with the matrix R^2 (1 + t t^T). Any two axes
+/// whose outer products add up to this matrix describe it. These are its Cholesky factor.
 #[inline(always)]
 pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4 {
     let x = from_middle.x;
@@ -75,7 +79,7 @@ pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2
     )
 }
 
-/// Returns the shape over which the light's points are spread.
+/// Returns the shape of a light's points.
 pub(crate) fn shape(light: &Light) -> PatternShape {
     match light {
         Light::Rect { .. } => PatternShape::Square,
@@ -87,7 +91,8 @@ pub(crate) fn shape(light: &Light) -> PatternShape {
 }
 
 impl LightExtent {
-    /// Returns the extent of `light` on maps with the side `size`, texels, that lie in `spaces`.
+    /// Returns the extent of `light` on maps with the side `size`, texels, and the light spaces
+    /// `spaces`.
     ///
     /// Panics if there are no spaces.
     pub fn new(light: &Light, spaces: &LightSpaces, size: u32) -> Self {
@@ -104,7 +109,7 @@ impl LightExtent {
         }
     }
 
-    /// Returns how far taps reach beyond the receiver's texel on the faces that are needed, texels.
+    /// Returns the greatest distance of taps from the receiver's texel on the faces in use, texels.
     fn reach(&self, light: &Light, spaces: &LightSpaces, size: u32) -> f32 {
         let mut farthest = 0.0_f32;
         for i in 0..spaces.spaces.len() {
@@ -117,16 +122,15 @@ impl LightExtent {
     }
 }
 
-/// Returns light spaces with room around them for what the light's extent makes a search reach: the
-/// region in which something at the near plane would hide a part of the light from a receiver at
-/// the far plane. The room is bounded, so that at least half of a map's side is left to what it is
-/// for.
+/// Returns light spaces that are enlarged by the reach of a search over the light's extent.
+/// Anything at the near plane in that margin could hide a part of the light from a receiver at the
+/// far plane. The margin is bounded: at least half of a map's side remains for the original extent.
 ///
 /// # Errors
 /// Errors if [`ShadowMap::spaces`] does.
 pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, RecipeError> {
     let mut margin = 0.0;
-    // What the fits have in common is found once.
+    // Compute the common part of all fits once.
     let memory = FitMemory::default();
     let view = &match view.fits {
         Some(_) => *view,
@@ -134,14 +138,14 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
     };
     let mut spaces = map.spaces(view, margin)?;
     for _ in 1..FITS {
-        // The margin leaves `inner` texels of the map, less one texel at each border.
+        // The margin leaves `inner` texels of the map, minus one texel at each border.
         let inner = (map.size as f32 - 2.0 * margin - 2.0).max(1.0);
         let extent = LightExtent::new(view.light, &spaces, map.size);
         let reach = extent.reach(view.light, &spaces, map.size);
-        // The reach as a multiple of half the inner side: this ratio stays the same when the margin
-        // changes the texels' size.
+        // Express the reach as a multiple of half the inner side. This ratio stays the same when
+        // the margin changes the texels' size.
         let ratio = (2.0 * reach / inner).min(MAX_REACH / (1.0 - MAX_REACH));
-        // Solves margin = ratio (half - margin) for the margin, where half is the map's half side.
+        // Solve margin = ratio (half - margin) for the margin, where half is the map's half side.
         let wanted = (map.size as f32 - 2.0) * 0.5 * ratio / (1.0 + ratio);
         if wanted <= margin * 1.01 {
             break;
@@ -153,7 +157,7 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
 }
 
 /// Returns the greatest distance along one axis, texels, from a receiver anywhere on the map to a
-/// tap that follows a difference of clip depths of 1. The half axes grow towards the map's corners.
+/// tap at a difference of clip depths of 1. The half axes grow towards the map's corners.
 fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
     let corners = [
@@ -168,8 +172,8 @@ fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -
         .fold(0.0, f32::max)
 }
 
-/// Returns the same distance for a receiver `from_middle` texels right and down of the map's
-/// middle.
+/// Returns the greatest distance along one axis, texels, for a receiver `from_middle` texels right
+/// and down of the map's centre.
 pub(crate) fn reach_at(
     shape: PatternShape,
     half_axis_u: Vec4,
@@ -180,8 +184,8 @@ pub(crate) fn reach_at(
     reach_along(square, light_axes(half_axis_u, half_axis_v, from_middle)).max_element()
 }
 
-/// Returns how far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches
-/// from its middle, right and down.
+/// Returns the greatest extent, right and down, of a parallelogram (`square` is 1) or an ellipse
+/// (0) with these half axes.
 #[inline(always)]
 pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     let a = axes;
@@ -194,8 +198,9 @@ pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     )
 }
 
-/// Returns the difference of clip depths that moves the light's rim by one texel; `reach` is
-/// [`reach_along`] for a difference of 1. Bounded to 1e-9..=1e9, so that its square is finite.
+/// Returns the difference of clip depths that moves the light's edge by one texel. `reach` is
+/// [`reach_along`] for a difference of 1. The result is clamped to 1e-9..=1e9, so that its square
+/// is finite.
 #[inline(always)]
 pub(crate) fn texel_depth(reach: Vec2) -> f32 {
     let farthest = if reach.x > reach.y { reach.x } else { reach.y };
@@ -206,7 +211,7 @@ pub(crate) fn texel_depth(reach: Vec2) -> f32 {
 fn half_axes_on_map(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     let projection = space.clip_from_view.as_dmat4();
     let half = f64::from(size) * 0.5;
-    // Texels right and down per metre (or tangent) along the view's x and y.
+    // Convert metres (or tangents) along the view's x and y to texels right and down.
     let right = projection.x_axis.x * half;
     let down = -projection.y_axis.y * half;
     let per_depth = per_depth(&space.clip_from_view);
@@ -228,10 +233,11 @@ fn half_axes_on_map(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
             Vec4::ZERO,
         ],
     };
-    // A ball without a radius is a point: w would still mark it as a ball.
+    // A ball without a radius is a point, but w would still mark it as a ball.
     if half_axis_u.x == 0.0 && half_axis_u.w > 0.0 {
         half_axis_u = Vec4::ZERO;
     }
+    // Limit the reach to half a map.
     let reach = reach(shape(light), half_axis_u, half_axis_v, size);
     half_axis_v.w = if reach > 0.0 {
         half as f32 / reach
@@ -241,8 +247,8 @@ fn half_axes_on_map(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     [half_axis_u, half_axis_v]
 }
 
-/// Returns what a unit of clip depth makes of 1/distance (with perspective) or of distance
-/// (without), per metre: positive.
+/// Returns the change per unit of clip depth, positive, of 1/distance with perspective (1/metre) or
+/// of distance without (metres).
 fn per_depth(clip_from_view: &Mat4) -> f64 {
     // Clip z is a z + b; with perspective, where clip w is -z, clip depth is -a - b / z.
     let a = f64::from(clip_from_view.z_axis.z);
@@ -251,16 +257,16 @@ fn per_depth(clip_from_view: &Mat4) -> f64 {
     if is_orthographic { -1.0 / a } else { -1.0 / b }
 }
 
-/// A light's half axes, world space.
+/// Half axes of a light, world space.
 pub(crate) enum HalfAxes {
-    /// Of a parallelogram or an ellipse: metres, or tangents for suns.
+    /// Half axes of a parallelogram or an ellipse: metres, or tangents for directional lights.
     Flat(DVec3, DVec3),
-    /// A ball's radius.
+    /// Radius of a ball.
     Ball(f64),
 }
 
-/// Returns a light's half axes. A sun's lie along the x and y of the light's map, whose transform
-/// is `world_from_view`.
+/// Returns a light's half axes. For directional lights they are along the x and y of the light's
+/// map, whose transform is `world_from_view`.
 pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
     match *light {
         Light::Directional {
@@ -280,7 +286,7 @@ pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
     }
 }
 
-/// Returns the half axes of a disc with this normal, of any length, and this radius, metres.
+/// Returns the half axes of a disc with this normal (of any length) and this radius, metres.
 fn disc(normal: Vec3, radius: f32) -> HalfAxes {
     let normal = normal.as_dvec3().normalize_or(DVec3::Y);
     let (u, v) = normal.any_orthonormal_pair();

@@ -20,15 +20,15 @@ fn one(space: LightSpace) -> LightSpaces {
     LightSpaces::with_all_casters(vec![space])
 }
 
-/// Texel coordinates and depth.
+/// Returns texel coordinates and depth.
 fn project(space: &LightSpace, p: Vec3) -> Vec3 {
     let clip_from_world = space.clip_from_world();
     let w = clip_w(&clip_from_world, p);
     texel_from_point(point_over_w(&clip_from_world, p, w), SIZE as f32)
 }
 
-/// Where the ray from `receiver` to the light's point `q` (of its half axes) passes `blocker_y`, as
-/// texels away from the receiver's own: by the rule, and by geometry.
+/// Returns two offsets, texels from the receiver, of the ray to the light's point `q` (of its half
+/// axes) at `blocker_y`: by the formula, and by geometry.
 fn both(
     light: &Light,
     space: &LightSpace,
@@ -52,8 +52,9 @@ fn both(
     [rule, passed.truncate() - from.truncate()]
 }
 
-/// A lamp parallel to the map: nothing is neglected, so all that differs is rounding (depths to
-/// 6e-8, by 300 texels a unit of depth times 4 for the near plane).
+/// For an area light parallel to the map nothing is approximated, so differences come from
+/// rounding. (Depths round to 6e-8, times 300 texels per unit of depth, times 4 for the near
+/// plane.)
 #[test]
 fn parallel_lamps_are_exact() {
     let eye = Vec3::new(1.0, 6.0, -2.0);
@@ -70,13 +71,13 @@ fn parallel_lamps_are_exact() {
             let point = eye + u * q.x + v * q.y;
             let [rule, truth] = both(&light, &space, Vec3::new(x, 0.0, z), point, q, 2.5);
             assert!((rule - truth).length() < 2e-3, "{rule} instead of {truth}");
-            assert!(truth.length() > 5.0, "{truth}: too short to tell anything");
+            assert!(truth.length() > 5.0, "{truth}: too short for a comparison");
         }
     }
 }
 
-/// A lamp at right angles to the map, seen from the side: wrong by its depth over the receiver's
-/// distance, 0.3 of 6, and no more; without the tilt's term it would be wrong by all of its length.
+/// For an area light perpendicular to the map, the error is its depth over the receiver's distance,
+/// 0.3 of 6. Without the tilt's term, the error would be its whole length.
 #[test]
 fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
     let eye = Vec3::new(0.0, 6.0, 0.0);
@@ -102,7 +103,7 @@ fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
     );
 }
 
-/// The rim of a ball's disc, which faces the receiver, projected along the ray onto the map's
+/// Projects the edge of a ball's disc, which faces the receiver, along the ray onto the map's
 /// plane.
 #[test]
 fn balls_are_ellipses() {
@@ -114,7 +115,8 @@ fn balls_are_ellipses() {
         Vec4::ZERO,
         t * scale,
     );
-    // Of a point s on the map's plane the part across the ray (t, 1) must be as long as the radius.
+    // The component of a point s on the map's plane perpendicular to the ray (t, 1) must equal the
+    // radius.
     let ray = Vec3::new(t.x, t.y, 1.0).normalize();
     for i in 0..16 {
         let q = Vec2::from_angle(i as f32 * 0.4);
@@ -124,7 +126,8 @@ fn balls_are_ellipses() {
     }
 }
 
-/// The sun's rim moves a blocker 2 m above the receiver by 2 tan(angle / 2) metres.
+/// The edge of a directional light moves a blocker 2 m above the receiver by 2 tan(angle / 2)
+/// metres.
 #[test]
 fn suns_move_blockers_by_their_tangent() {
     let extents = Extents {

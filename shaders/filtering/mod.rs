@@ -1,5 +1,5 @@
-//! Filters: where samples lie, what they weigh and compare, and how wide a light's extent makes
-//! them.
+//! Filters: positions, weights and compared depths of samples, and the filter width that a light's
+//! extent requires.
 
 pub mod bilinear_weights;
 pub(crate) mod comparison_sampler;

@@ -1,13 +1,13 @@
-//! Comparisons at the taps of a pattern that is laid over an ellipse or a parallelogram of the map.
-//! Every filter over a pattern uses them.
+//! Comparisons at the taps of a pattern that covers an ellipse or a parallelogram of the map. Every
+//! filter with a pattern uses them.
 //!
-//! One vector lane per receiver: all receivers of a batch take their first tap, then all their
-//! second. Each lane adds up its taps in the order of the shader's loop, so both halves agree to
-//! the bit. Functions with the parameter `N` compute the first `N` lanes.
+//! There is one vector lane per receiver. All receivers of a batch take their first tap, then all
+//! take their second. Each lane adds its taps in the order of the shader's loop, so both halves
+//! agree bit for bit. Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "one index into many arrays: that is what compilers turn into vector lanes"
+    reason = "compilers vectorise one index into many arrays"
 )]
 
 use crate::{
@@ -25,16 +25,15 @@ use umbrage_core::{Module, module};
 /// [`PATTERN`](crate::filtering::sample_pattern::PATTERN).
 pub(crate) const PATTERN_TAPS: Module = module!("pattern_taps");
 
-/// The depth that taps outside the map read: farther than any stored depth, so such taps are lit
+/// Depth that taps outside the map read. It is farther than any stored depth, so such taps are lit
 /// and block nothing.
 const OUTSIDE_DEPTH: f32 = 2.0;
-/// The texel index of taps outside the map. All its bits are set, so a bitwise or with it gives it
-/// again.
+/// Texel index of taps outside the map. All its bits are set, so a bitwise or with it returns it.
 const NO_TEXEL: u32 = u32::MAX;
-/// Batches with at most this many receivers go through loops of half the width.
+/// Maximum number of receivers for which loops of half the width are used.
 pub(crate) const HALF_BATCH: usize = BATCH / 2;
 
-/// How a pixel's noise rotates a disc or shifts a square.
+/// Rotation of a disc or shift of a square by a pixel's noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelRotation {
     /// Cosine and sine of the rotation; (1, 0) for squares.
@@ -46,8 +45,8 @@ pub(crate) struct PixelRotation {
 impl PixelRotation {
     /// Returns the rotation at the pixel `offset` pixels right of `first`.
     ///
-    /// `max_turn` is the greatest index into the table's turns: 0 for no rotation, else one less
-    /// than a power of two.
+    /// `max_turn` is the greatest index into the table's turns: 0 for no rotation, otherwise a
+    /// power of two minus one.
     ///
     /// Panics if the table has no turn `max_turn`.
     #[inline(always)]
@@ -62,7 +61,7 @@ impl PixelRotation {
     }
 }
 
-/// The kernels' half axes, `u` and `v`, of up to [`BATCH`] receivers, texels.
+/// Half axes, `u` and `v`, of the kernels of up to [`BATCH`] receivers, texels.
 #[derive(Clone)]
 pub(crate) struct AxisLanes {
     u_x: Lanes<f32>,
@@ -96,42 +95,42 @@ impl AxisLanes {
     }
 }
 
-/// How a pattern is laid over the map at one receiver.
+/// Placement of a pattern on the map for one receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelPlacement {
     /// Half axes, texels: x and y of the first, then x and y of the second.
     pub(crate) axes: Vec4,
-    /// The shift of a square pattern, 0..2; zero for discs.
+    /// Shift of a square pattern, 0..2; zero for discs.
     pub(crate) shift: Vec2,
 }
 
-/// Up to [`BATCH`] receivers, an array for each field. Only the lanes before `count` hold
+/// Up to [`BATCH`] receivers, with an array for each field. Only the lanes before `count` hold
 /// receivers.
 #[derive(Clone)]
 pub(crate) struct ReceiverLanes {
-    /// How many receivers there are.
+    /// Number of receivers.
     pub(crate) count: usize,
-    /// [`ShadowCoord::depth`].
+    /// Value of [`ShadowCoord::depth`].
     pub(crate) depth: Lanes<f32>,
-    /// [`KernelPlacement::axes`].
+    /// Value of [`KernelPlacement::axes`].
     pub(crate) axes: AxisLanes,
-    /// Each receiver's index in its batch.
+    /// Index of each receiver in its batch.
     pub(crate) batch_index: Lanes<usize>,
-    /// x of [`ShadowCoord::texel`].
+    /// Texel coordinate x: see [`ShadowCoord::texel`].
     x: Lanes<f32>,
-    /// y of [`ShadowCoord::texel`].
+    /// Texel coordinate y: see [`ShadowCoord::texel`].
     y: Lanes<f32>,
-    /// x of [`KernelPlacement::shift`].
+    /// Shift right: see [`KernelPlacement::shift`].
     pub(crate) shift_x: Lanes<f32>,
-    /// y of [`KernelPlacement::shift`].
+    /// Shift down: see [`KernelPlacement::shift`].
     pub(crate) shift_y: Lanes<f32>,
-    /// x of [`ShadowCoord::gradient`], per texel right.
+    /// Depth change per texel right: see [`ShadowCoord::gradient`].
     gradient_x: Lanes<f32>,
-    /// y of [`ShadowCoord::gradient`], per texel down.
+    /// Depth change per texel down: see [`ShadowCoord::gradient`].
     gradient_y: Lanes<f32>,
-    /// [`ShadowCoord::deepest`].
+    /// Value of [`ShadowCoord::deepest`].
     deepest: Lanes<f32>,
-    /// The index of the first texel of the receiver's layer.
+    /// Index of the first texel of the receiver's layer.
     layer_start: Lanes<u32>,
 }
 
@@ -156,7 +155,7 @@ impl ReceiverLanes {
         }
     }
 
-    /// Adds a receiver: its place on the map, its index in the batch and the placement of its
+    /// Adds a receiver: its map coordinates, its index in the batch and the placement of its
     /// kernel. `size` is the map's side, texels.
     ///
     /// Panics if there are [`BATCH`] already.
@@ -187,26 +186,26 @@ impl ReceiverLanes {
     }
 }
 
-/// The map and the rules by which taps compare with it.
+/// Map and comparison settings of taps.
 #[derive(Clone, Copy)]
 pub(crate) struct Comparisons<'a> {
     pub(crate) map: DepthMap<'a>,
     /// The pattern's shape.
     pub(crate) shape: PatternShape,
-    /// Whether the depth compared follows the receiver's plane, so that it differs from tap to tap.
+    /// True if the compared depth follows the receiver's plane, so that it differs from tap to tap.
     pub(crate) follows_plane: bool,
 }
 
-/// What many receivers compare at one tap each.
+/// Depths of many receivers at one tap each.
 pub(crate) struct Depths {
-    /// The depth stored in the map, or [`OUTSIDE_DEPTH`].
+    /// Depth stored in the map, or [`OUTSIDE_DEPTH`].
     pub(crate) stored: Lanes<f32>,
-    /// The receiver's own depth there.
+    /// Depth of the receiver at the tap.
     pub(crate) receiver: Lanes<f32>,
 }
 
 impl Comparisons<'_> {
-    /// Returns how many taps of `set` are lit, per receiver.
+    /// Returns the number of lit taps of `set` for each receiver.
     #[inline(always)]
     pub(crate) fn count_lit(&self, r: &ReceiverLanes, set: &TapSet) -> Lanes<i32> {
         if r.count <= HALF_BATCH {
@@ -229,7 +228,7 @@ impl Comparisons<'_> {
         lit
     }
 
-    /// Returns the depths at one point of the pattern for each receiver: `x` and `y`, -1..1,
+    /// Returns the depths at one point of the pattern for each receiver. `x` and `y`, -1..1, are
     /// already shifted.
     #[inline(always)]
     pub(crate) fn depths_at_point<const N: usize>(
@@ -258,8 +257,8 @@ impl Comparisons<'_> {
 
     /// Returns the texel under a tap for each receiver.
     ///
-    /// A square is shifted by the receiver's own shift; a disc is not, so its taps never wrap
-    /// around.
+    /// Squares are shifted by the receiver's own shift. Discs are not shifted, so their taps never
+    /// wrap around.
     #[inline(always)]
     fn texels_at_tap<const N: usize>(&self, r: &ReceiverLanes, tap: Vec2) -> TapTexels {
         let axes = &r.axes;
@@ -280,19 +279,19 @@ impl Comparisons<'_> {
         texels
     }
 
-    /// Returns the index of each texel among all texels of the map; [`NO_TEXEL`] beside the map,
+    /// Returns the index of each texel among all texels of the map; [`NO_TEXEL`] outside the map,
     /// unless its edge repeats.
     #[inline(always)]
     fn texel_indices<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<u32> {
         let size = self.map.size as u32;
         let last = (self.map.size - 1) as f32;
-        // Or-ed onto the index of a texel beside the map: nothing where its edge repeats.
+        // Bits to or onto the index of a texel outside the map; zero if the edge repeats.
         let bits_beside_map = if self.map.clamped { 0 } else { NO_TEXEL };
         let mut indices = [NO_TEXEL; BATCH];
         for i in 0..N {
             let column = clamp_to(texels.x[i], last);
             let row = clamp_to(texels.y[i], last);
-            // `&` and not `&&`, and a mask and not a branch, so that this loop is vectorised.
+            // Use `&` and not `&&`, and a mask and not a branch, so that this loop is vectorised.
             let extra_bits = if (column == texels.x[i]) & (row == texels.y[i]) {
                 0
             } else {
@@ -306,8 +305,8 @@ impl Comparisons<'_> {
         indices
     }
 
-    /// Returns the receivers' own depths at these texels:
-    /// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) in lanes.
+    /// Returns the receivers' depths at these texels. Vectorised
+    /// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane).
     #[inline(always)]
     fn receiver_depths<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<f32> {
         let mut depths = r.depth;
@@ -329,12 +328,12 @@ impl Comparisons<'_> {
     }
 
     /// Returns the depths stored at these indices, for the first `count` lanes; [`OUTSIDE_DEPTH`]
-    /// where there is no such texel.
+    /// if there is no such texel.
     #[inline(always)]
     fn load(&self, indices: &Lanes<u32>, count: usize) -> Lanes<f32> {
         let mut stored = [0.0; BATCH];
         let lanes = stored.iter_mut().zip(indices).take(count);
-        // Two loops: asking in each lane whether the map is packed takes longer than reading it.
+        // Use two loops: testing in each lane whether the map is packed costs more than the load.
         if self.map.packed {
             for (stored, &index) in lanes {
                 *stored = self
@@ -354,7 +353,7 @@ impl Comparisons<'_> {
     }
 }
 
-/// The texel under one tap, per receiver: whole numbers, also beside the map.
+/// Texel under one tap for each receiver, integer-valued, possibly outside the map.
 struct TapTexels {
     x: Lanes<f32>,
     y: Lanes<f32>,

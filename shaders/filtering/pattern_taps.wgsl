@@ -4,8 +4,8 @@ fn pattern_row(i: u32) -> vec4f {
     return bitcast<vec4f>(table_0[i]);
 }
 
-// The depth stored at a place, and the receiver's there. Outside the map nothing is nearer, unless
-// its edge repeats.
+// Returns the depth stored at a position (x) and the receiver's depth there (y). Outside the map
+// nothing is nearer, unless its edge repeats.
 fn place_depths(l: ShadowCoord, size: i32, at: vec2f) -> vec2f {
     let x = i32(floor(at.x));
     let y = i32(floor(at.y));

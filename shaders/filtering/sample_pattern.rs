@@ -1,20 +1,20 @@
-//! Sample patterns: where the taps of a soft filter go, as tables that both halves read.
+//! Sample patterns: tap positions of a soft filter, as tables that both halves read.
 //!
-//! Each pattern exists for the disc and for the square, evenly spread over the area, in coordinates
-//! -1..1:
+//! Each pattern exists for the disc and for the square, evenly distributed over the area, in
+//! coordinates -1..1:
 //!
-//! * **Vogel** (Vogel 1979, "A better way to construct the sunflower head"): on the disc radius
-//!   sqrt((i + 1/2) / n) at i golden angles; on the square the same lattice in x and y, the
-//!   Fibonacci lattice.
-//! * **Poisson**: no two taps close together. Best of many candidates (Mitchell 1991, "Spectrally
-//!   optimal sampling for distribution ray tracing"), drawn from a hash of their number; distances
-//!   wrap around on the square.
-//! * **Grid**: rows of cells of equal area; on the disc through Shirley and Chiu's map, which keeps
-//!   areas.
+//! - **Vogel** (Vogel 1979, "A better way to construct the sunflower head"): on the disc, radius
+//!   sqrt((i + 1/2) / n) at i golden angles. On the square, the same lattice in x and y, which is
+//!   the Fibonacci lattice.
+//! - **Poisson**: no two taps are close together. Best of many candidates (Mitchell 1991,
+//!   "Spectrally optimal sampling for distribution ray tracing"), which are hashes of their number.
+//!   Distances wrap around on the square.
+//! - **Grid**: rows of cells of equal area. Discs use the area-preserving map of Shirley and Chiu.
 //!
-//! A pattern used alike at every pixel shows as bands. So each pixel turns it (disc) or shifts it
-//! around (square) by one of [`TURNS`] steps, chosen by interleaved gradient noise (Jimenez 2014,
-//! "Next generation post processing in Call of Duty: Advanced Warfare"): bands become fine noise.
+//! The same pattern at every pixel would show as bands. So each pixel rotates it (disc) or shifts
+//! it cyclically (square) by one of [`TURNS`] steps, which turns bands into fine noise. The step is
+//! chosen by interleaved gradient noise (Jimenez 2014, "Next generation post processing in Call of
+//! Duty: Advanced Warfare").
 
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use std::{
@@ -30,31 +30,31 @@ use umbrage_core::{
 /// The WGSL half. It reads the kernel's first table.
 pub const PATTERN: Module = module!("sample_pattern");
 
-/// Most taps accepted in a set. Of many more, those around the middle would be nearer to it than
-/// [`from_middle`] distinguishes.
+/// Maximum number of taps in a set. With many more, the innermost taps would be nearer to the
+/// centre than [`from_middle`] can represent.
 pub const MAX_TAPS: u32 = 255;
 
-/// Into how many steps a pixel's turn is divided.
+/// Number of steps in a pixel's full turn.
 pub const TURNS: u32 = 64;
 
-/// Candidates among which the Poisson pattern takes the one farthest from all taps so far.
+/// Number of candidates per Poisson tap. The one farthest from all previous taps is used.
 const CANDIDATES: u32 = 32;
-/// What the Poisson pattern's hash starts from.
+/// Seed of the Poisson pattern's hash.
 const POISSON_SEED: u32 = 0x5eed;
 /// Fraction of a turn between neighbours of Vogel's spiral: 2 minus the golden ratio.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even
-/// ones, sqrt(1/2 / [`MAX_TAPS`]).
+/// Least distance of a tap from the centre. It is less than the radius of the innermost of
+/// [`MAX_TAPS`] even taps, sqrt(1/2 / [`MAX_TAPS`]).
 const MIN_FROM_MIDDLE: f32 = 1.0 / 32.0;
 
-/// One set of taps: x, y, least distance from the middle (see [`from_middle`]).
+/// Set of taps: x, y, least distance from the centre (see [`from_middle`]).
 #[derive(Clone, Debug)]
 pub(crate) struct TapSet {
     pub(crate) taps: Vec<Vec3>,
 }
 
-/// How taps are spread.
+/// Distribution of taps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -62,7 +62,7 @@ pub(crate) struct TapSet {
     serde(rename_all = "snake_case")
 )]
 pub enum Pattern {
-    /// A sunflower's spiral; on squares the Fibonacci lattice.
+    /// Sunflower spiral; on squares the Fibonacci lattice.
     #[default]
     Vogel,
     /// Random, but never close together.
@@ -72,10 +72,10 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// All of them.
+    /// All patterns.
     pub const ALL: [Self; 3] = [Self::Vogel, Self::Poisson, Self::Grid];
 
-    /// Returns its name for tables.
+    /// Returns the name for tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vogel => "vogel",
@@ -85,7 +85,7 @@ impl Pattern {
     }
 }
 
-/// What taps are spread over.
+/// Area of a tap pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PatternShape {
     /// The unit disc.
@@ -94,7 +94,7 @@ pub enum PatternShape {
     Square,
 }
 
-/// Returns `count` taps within -1..1, evenly spread over the shape.
+/// Returns `count` taps within -1..1, evenly distributed over the shape.
 pub fn spread(pattern: Pattern, shape: PatternShape, count: u32) -> Vec<Vec2> {
     match (pattern, shape) {
         (Pattern::Vogel, PatternShape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
@@ -119,7 +119,7 @@ fn fibonacci(i: u32, count: u32) -> Vec2 {
     .as_vec2()
 }
 
-/// From the unit square to -1..1.
+/// Maps the unit square to -1..1.
 fn centred(uv: Vec2) -> Vec2 {
     uv * 2.0 - 1.0
 }
@@ -131,12 +131,12 @@ fn onto(shape: PatternShape, uv: Vec2) -> Vec2 {
     }
 }
 
-/// Cell centres of the unit square: about as many rows as columns, each row as high as its share of
-/// the cells.
+/// Returns cell centres of the unit square: about as many rows as columns, each row as high as its
+/// fraction of the cells.
 fn grid(count: u32) -> impl Iterator<Item = Vec2> {
     let rows = count.isqrt().max(1);
     (0..rows).flat_map(move |row| {
-        // The indices of the row's cells among all cells.
+        // Indices of the row's cells among all cells.
         let first = row * count / rows;
         let end = (row + 1) * count / rows;
         let y = (first + end) as f32 * 0.5 / count as f32;
@@ -188,11 +188,11 @@ fn distance_squared(shape: PatternShape, a: Vec2, b: Vec2) -> f32 {
     }
 }
 
-/// Sets of taps and all turns, as both halves read them.
+/// Sets of taps and all turns, in the layout that both halves read.
 #[derive(Clone, Debug)]
 pub(crate) struct PatternTable {
-    /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row
-    /// (cos, sin, shift x, shift y) for each turn. See [`from_middle`].
+    /// Rows (x, y, least distance from the centre, 0) of all taps, set after set, then a row (cos,
+    /// sin, shift x, shift y) per turn. See [`from_middle`].
     pub(crate) table: Table,
     pub(crate) shape: PatternShape,
     pub(crate) sets: Vec<TapSet>,
@@ -201,14 +201,14 @@ pub(crate) struct PatternTable {
 
 type Key = (Pattern, PatternShape, Vec<u32>);
 
-/// The tables made last, the newest first: so that equal recipes share one and no backend uploads
-/// it twice.
+/// Cache of the latest tables, newest first. Equal recipes share a table, so no backend uploads it
+/// twice.
 static CACHE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
-/// How many of them are kept.
+/// Capacity of the cache.
 const CACHE_SIZE: usize = 32;
 
 impl PatternTable {
-    /// Returns the table with a set of taps for each of `counts`, which also name the sets for
+    /// Returns the table with a set of taps for each of `counts`. Their names identify the sets in
     /// errors.
     ///
     /// # Errors
@@ -271,8 +271,8 @@ impl PatternTable {
     }
 }
 
-/// Returns the least distance of a tap from the middle, whichever way the pattern is turned or
-/// shifted: the third number of its row.
+/// Returns the third number of a tap's row: its least distance from the centre over all rotations
+/// or shifts of the pattern.
 fn least_from_middle(shape: PatternShape, q: Vec2) -> f32 {
     match shape {
         PatternShape::Disc => q.length().max(MIN_FROM_MIDDLE),
@@ -280,8 +280,8 @@ fn least_from_middle(shape: PatternShape, q: Vec2) -> f32 {
     }
 }
 
-/// Returns step `k` of the turns: discs turn by it; squares are shifted by a point of the Fibonacci
-/// lattice.
+/// Returns step `k` of the turns: rotations for discs, shifts by a point of the Fibonacci lattice
+/// for squares.
 fn turn(shape: PatternShape, k: u32) -> Vec4 {
     let part = f64::from(k) / f64::from(TURNS);
     if shape == PatternShape::Disc {
@@ -298,11 +298,11 @@ fn turn(shape: PatternShape, k: u32) -> Vec4 {
     )
 }
 
-/// Returns a pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in
-/// 32-bit fixed point, so that it is the same everywhere.
+/// Returns a pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)).
+/// It uses 32-bit fixed point, so that the result is the same on every device.
 #[inline(always)]
 pub fn noise_index(x: u32, y: u32) -> u32 {
-    // .06711056, .00583715 times 2^32; 52; .9829189 times 2^16.
+    // Constants: .06711056 and .00583715 times 2^32; 52; .9829189 times 2^16.
     let a = x
         .wrapping_mul(288_237_660)
         .wrapping_add(y.wrapping_mul(25_070_368));
@@ -311,7 +311,7 @@ pub fn noise_index(x: u32, y: u32) -> u32 {
         >> 26
 }
 
-/// Returns two half axes (x and y of the first, then of the second), turned by (cos, sin).
+/// Returns two half axes (x and y of the first, then of the second), rotated by (cos, sin).
 #[inline(always)]
 pub fn turned(axes: Vec4, turn: Vec2) -> Vec4 {
     Vec4::new(
@@ -322,16 +322,17 @@ pub fn turned(axes: Vec4, turn: Vec2) -> Vec4 {
     )
 }
 
-/// Returns a coordinate of -1..1 that was shifted by 0..2, brought back into -1..1.
+/// Returns a coordinate of -1..1 that was shifted by 0..2, wrapped back into -1..1.
 #[inline(always)]
 pub fn wrapped(x: f32) -> f32 {
     if x >= 1.0 { x - 2.0 } else { x }
 }
 
-/// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum
-/// goes from left to right: with the offset in parentheses, a driver was seen to add in another
-/// order. (On the CPU, `pattern_taps.rs` does this for many receivers at once, by [`affine`] and
-/// [`wrapped`].)
+/// Returns the position on the map, texels, of the tap `q` (-1..1) for a receiver at `from`.
+///
+/// The sum is evaluated from left to right. With parentheses around the offset, one driver was
+/// observed to reorder the additions. (On the CPU, `pattern_taps.rs` computes this for many
+/// receivers at once with [`affine`] and [`wrapped`].)
 #[cfg(feature = "testing")]
 pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
     Vec2::new(
@@ -348,14 +349,14 @@ pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
     place(from, axes, Vec2::new(x, y))
 }
 
-/// Returns one coordinate of a tap's place: `from + a x + b y`.
+/// Returns one coordinate of a tap's position: `from + a x + b y`.
 #[inline(always)]
 pub(crate) fn affine(from: f32, a: f32, b: f32, x: f32, y: f32) -> f32 {
     from + a * x + b * y
 }
 
-/// Returns how far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number
-/// of its row: for discs, whose taps keep their distance whichever way they are turned, it is the
+/// Returns the distance of a tap from the pattern's centre; 1 is the edge. `least` is the third
+/// number of its row. For discs, whose taps keep their distance in every rotation, it is the
 /// result.
 #[inline(always)]
 pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
@@ -363,19 +364,22 @@ pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
     if farther > least { farther } else { least }
 }
 
-/// Returns the factor that draws a tap at the distance `m` from the middle closer to it, to the
-/// distance m^3: then half of the taps lie within a third of the rim's distance instead of within
-/// seven tenths. Searches for blockers take it, since the nearer a blocker is to the receiver, the
-/// nearer to the middle it must lie to hide any light.
+/// Returns the factor that moves a tap from the distance `m` from the centre to m^3.
+///
+/// Half of the taps are then within a third of the radius instead of within seven tenths. Blocker
+/// searches use it: the nearer a blocker is to the receiver, the nearer to the centre it must be to
+/// hide any light.
 #[inline(always)]
 pub fn closer_by(m: f32) -> f32 {
     m * m
 }
 
-/// Returns the weight of a blocker, `nearer` than the receiver by that much, that is found at a tap
-/// that was at the distance `m`: the share of the light that it hides, times a number that is the
-/// same for all taps. Drawn to the distance m^3, a tap stands for an area in proportion to d(m^6) /
-/// d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as large.
+/// Returns the weight of a blocker that is found at a tap of the distance `m`, `nearer` than the
+/// receiver by this difference.
+///
+/// The weight is the fraction of the light that it hides, times a constant for all taps. A tap that
+/// was moved to the distance m^3 represents an area in proportion to d(m^6) / d(m^2) = 3 m^4.
+/// Beyond a blocker twice as near, the light's area appears four times as large.
 #[inline(always)]
 pub fn tap_weight(m: f32, nearer: f32) -> f32 {
     m * m * (m * m) / (nearer * nearer)

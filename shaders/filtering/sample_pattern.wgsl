@@ -1,5 +1,5 @@
-// Twin of sample_pattern.rs: a pixel's turn or shift of the pattern, where its taps lie on the map,
-// and what they weigh.
+// Twin of sample_pattern.rs: rotation or shift of the pattern per pixel, tap positions on the map,
+// and tap weights.
 
 fn noise_index(x: u32, y: u32) -> u32 {
     let a = x * 288237660u + y * 25070368u;

@@ -2,8 +2,8 @@ use super::*;
 
 const ALL: [Pattern; 3] = [Pattern::Vogel, Pattern::Poisson, Pattern::Grid];
 
-/// Shares of taps in parts of the area whose size is known, for all patterns and both shapes. With
-/// 64 taps, a region's border may gain or lose about as many taps as cross it: an eighth of the
+/// Compares fractions of taps in regions of known area, for all patterns and both shapes. With 64
+/// taps, a region's border may gain or lose about as many taps as cross it: an eighth of the
 /// width's 8.
 #[test]
 fn taps_keep_areas() {
@@ -35,8 +35,8 @@ fn taps_keep_areas() {
     }
 }
 
-/// 1,024 disc-packed taps could at best lie 2 sqrt(pi / (2 sqrt(3) n)) apart; half of that is far
-/// more than random has.
+/// 1,024 hexagonally packed taps could be at most 2 sqrt(pi / (2 sqrt(3) n)) apart. Random taps are
+/// much closer than half of that.
 #[test]
 fn poisson_taps_keep_apart() {
     for (shape, area) in [
@@ -56,7 +56,7 @@ fn poisson_taps_keep_apart() {
     }
 }
 
-/// Against Jimenez's own formula in `f64`, on steps' borders aside.
+/// Compares with Jimenez's own formula in `f64`, except at the borders of steps.
 #[test]
 fn noise_is_jimenezs() {
     let mut equal = 0;
@@ -99,8 +99,9 @@ fn bad_counts_are_refused_and_equal_tables_shared() {
     assert_eq!(make(5).table.rows().len(), 8 + TURNS as usize);
 }
 
-/// Taps drawn closer, each with its weight, stand for areas: those within a distance add up to the
-/// distance's square. A border may gain or lose a ring of taps, of which 255 lie in about 9 rings.
+/// Taps moved closer to the centre, with their weights, represent areas. The weights within a
+/// distance add up to the distance's square. A border may gain or lose a ring of taps; 255 taps
+/// form about 9 rings.
 #[test]
 fn taps_drawn_closer_keep_their_areas() {
     for shape in [PatternShape::Disc, PatternShape::Square] {

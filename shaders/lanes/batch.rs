@@ -1,7 +1,7 @@
-//! Lookups of many receivers: they are projected in vector lanes, a batch at a time, and a
-//! technique takes the taps of the whole batch, or of one receiver after the other. The arithmetic
-//! is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into loops over
-//! arrays.
+//! Lookups of many receivers. Receivers are projected in vector lanes, one batch at a time. A
+//! technique then takes the taps of the whole batch, or of one receiver after the other. The
+//! arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
+//! loops over arrays.
 
 use crate::shadow_map::{
     cascades::{blended, holds, share_of_layer},
@@ -14,22 +14,21 @@ use crate::shadow_map::{
 use glam::{Vec2, Vec3};
 use umbrage_core::{Arrangement, Simd, SimdTask, Span, math::dot3};
 
-/// How many receivers are projected before the taps begin.
+/// Number of receivers that are projected before the taps begin.
 pub const BATCH: usize = 64;
 
-/// A technique's comparisons for one receiver. A trait and not a closure, since a method can insist
-/// on being inlined into the loop that is compiled for vector instructions: mark it
-/// `#[inline(always)]`.
+/// Comparisons of a technique for one receiver. This is a trait and not a closure, because a method
+/// can be marked `#[inline(always)]`. It must be inlined into the loop that is compiled for vector
+/// instructions.
 pub trait Taps {
-    /// Returns the visibility, 0..=1; `offset` is the pixel's place in the span.
+    /// Returns the visibility, 0..=1; `offset` is the pixel's index in the span.
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32;
 }
 
-/// A technique's comparisons for a batch of receivers. Types with [`Taps`] have it, too, and go
-/// through one receiver at a time.
+/// Comparisons of a technique for a batch of receivers. Types with [`Taps`] implement it, too, and
+/// process one receiver at a time.
 pub trait BatchTaps {
-    /// Writes visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the
-    /// span.
+    /// Writes visibilities 0..=1 to all of `out`; `first` is the first pixel's index in the span.
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
 }
 
@@ -47,8 +46,8 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers in the map of `m`, and fills `out`, which is as long as the span,
-/// with the visibilities that `taps` finds. Receivers that no layer of the map covers (see
+/// Looks up a span of receivers in the map of `m`, and fills `out` with the visibilities that
+/// `taps` computes. `out` is as long as the span. Receivers that no layer of the map covers (see
 /// [`ShadowCoord::covered`]) are lit.
 #[inline]
 pub fn look_up_span(
@@ -77,8 +76,8 @@ pub fn look_up_span(
     }
 }
 
-/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin
-/// of `receive` in receive_blended.wgsl.
+/// Blends the visibilities in `out` with those of the next layers, near the boundaries of the
+/// layers of `batch`. Twin of `receive` in receive_blended.wgsl.
 #[inline(never)]
 fn blend_layers(
     simd: Simd,
@@ -90,7 +89,7 @@ fn blend_layers(
     out: &mut [f32],
 ) {
     let mut shares = [1.0; BATCH];
-    // Where no other layer is asked, nothing is covered.
+    // Receivers without a second layer stay uncovered.
     let mut next = Batch::new();
     next.layer = [NO_LAYER; BATCH];
     let mut is_needed = false;
@@ -136,11 +135,10 @@ impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
     }
 }
 
-/// A number for each receiver of a batch.
+/// One value for each receiver of a batch.
 pub(crate) type Lanes<T> = [T; BATCH];
 
-/// The places on the map of up to [`BATCH`] receivers, with an array for each field of
-/// [`ShadowCoord`].
+/// Map coordinates of up to [`BATCH`] receivers, with an array for each field of [`ShadowCoord`].
 #[derive(Clone, Debug)]
 pub struct Batch {
     pub(crate) x: Lanes<f32>,
@@ -168,7 +166,7 @@ impl Batch {
         }
     }
 
-    /// Returns the place on the map of receiver `i` of the batch.
+    /// Returns the map coordinates of receiver `i` of the batch.
     #[inline(always)]
     pub fn lookup(&self, i: usize) -> ShadowCoord {
         ShadowCoord {
@@ -181,7 +179,8 @@ impl Batch {
         }
     }
 
-    /// Fills `out` with the answers for the first receivers, and 1 where one isn't covered.
+    /// Fills `out` with the visibilities of the first receivers, and 1 where a receiver isn't
+    /// covered.
     #[inline(always)]
     pub(crate) fn one_by_one(&self, out: &mut [f32], answer: impl Fn(&ShadowCoord, usize) -> f32) {
         for (i, out) in out.iter_mut().enumerate() {
@@ -190,7 +189,7 @@ impl Batch {
         }
     }
 
-    /// Returns whether no receiver's depth changes over the map.
+    /// Reports whether the compared depth of every receiver is constant over the map.
     #[inline(always)]
     pub(crate) fn is_level(&self) -> bool {
         let mut is_level = true;
@@ -201,8 +200,8 @@ impl Batch {
         is_level
     }
 
-    /// Takes over the lookups in one layer from a batch of which every receiver was looked up
-    /// there.
+    /// Copies the lookups in one layer from a batch in which every receiver was looked up in that
+    /// layer.
     fn take_layer(&mut self, layer: i32, all: &Batch) {
         for i in 0..BATCH {
             if self.layer[i] != layer {
@@ -219,7 +218,7 @@ impl Batch {
     }
 }
 
-/// Some of a span's receivers, with an array for each coordinate.
+/// Batch of a span's receivers, with an array for each coordinate.
 #[derive(Clone, Copy)]
 pub(crate) struct ReceiverBatch<'a> {
     x: &'a Lanes<f32>,
@@ -231,8 +230,8 @@ pub(crate) struct ReceiverBatch<'a> {
 }
 
 impl<'a> ReceiverBatch<'a> {
-    /// Returns the receivers from `first` on, at most [`BATCH`] of them, in `room` if the span ends
-    /// before.
+    /// Returns up to [`BATCH`] receivers from `first` on. They are copied to `room` if the span
+    /// ends before the batch does.
     pub(crate) fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
         if let Some(receivers) = Self::within(span, first) {
             return receivers;
@@ -250,8 +249,7 @@ impl<'a> ReceiverBatch<'a> {
         }
     }
 
-    /// Returns the [`BATCH`] receivers from `first` on, where they are; none if the span ends
-    /// before.
+    /// Borrows the [`BATCH`] receivers from `first` on; `None` if the span ends before.
     fn within(span: &Span<'a>, first: usize) -> Option<Self> {
         Some(Self {
             x: span.x[first..].first_chunk()?,
@@ -274,7 +272,7 @@ impl<'a> ReceiverBatch<'a> {
     }
 }
 
-/// Room for the receivers of a batch that is not full.
+/// Storage for the receivers of a partial batch.
 pub(crate) struct PaddedReceivers([Lanes<f32>; 6]);
 
 impl PaddedReceivers {
@@ -291,12 +289,12 @@ fn padded(values: &[f32], first: usize) -> Lanes<f32> {
     lanes
 }
 
-/// [`Batch::layer`] of receivers that are not looked up.
+/// Value of [`Batch::layer`] for receivers that are not looked up.
 const NO_LAYER: i32 = -1;
 
-/// Looks up a batch of receivers, each in the layer in which it lies. Whole lookups take 1.2 to 3.2
-/// times as long if receivers are projected one after the other (hard to 9x9, 1280x720, `street`, a
-/// map of 2048, AVX2).
+/// Looks up a batch of receivers, each in its layer. Projecting receivers one after the other makes
+/// whole lookups take 1.2 to 3.2 times as long (hard to 9x9, 1280x720, `street`, a map of 2048,
+/// AVX2).
 fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, batch: &mut Batch) {
     match m.arrangement() {
         Arrangement::Single => {
@@ -317,7 +315,7 @@ fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, bat
     project_in_layers(simd, m, receivers, batch);
 }
 
-/// Looks up those of a batch of receivers that have a layer, each in its own.
+/// Looks up those receivers of a batch that have a layer, each in its own.
 fn project_in_layers(
     simd: Simd,
     m: &ShadowMapUniforms,
@@ -330,8 +328,8 @@ fn project_in_layers(
             present |= 1 << layer;
         }
     }
-    // Neighbours mostly lie in one layer. Where a batch has several, all its receivers are looked
-    // up in each.
+    // Neighbours are mostly in one layer. If a batch spans several layers, look up all its
+    // receivers in each of them.
     let mut all = Batch::new();
     for (layer, uniforms) in (0..).zip(m.used_layers()) {
         if present & (1 << layer) != 0 {
@@ -341,7 +339,7 @@ fn project_in_layers(
     }
 }
 
-/// Finds the cascade of each receiver of a batch: [`layer_at`] in vector lanes.
+/// Vectorised [`layer_at`]: finds the cascade of each receiver of a batch.
 struct PickCascades<'a> {
     m: &'a ShadowMapUniforms,
     receivers: &'a ReceiverBatch<'a>,
@@ -357,7 +355,7 @@ impl SimdTask for PickCascades<'_> {
         let receivers = *self.receivers;
         let last = m.used_layers().len() - 1;
         let mut picked = [last as i32; BATCH];
-        // From the last to the first, so that the first that holds a receiver stays.
+        // Go from the last to the first, so that the first cascade that holds a receiver wins.
         for index in (0..last).rev() {
             let layer = m.layers[index];
             for (i, picked) in picked.iter_mut().enumerate() {
@@ -369,7 +367,7 @@ impl SimdTask for PickCascades<'_> {
     }
 }
 
-/// Looks up receivers in one layer, in the loop that fits light and bias.
+/// Looks up receivers in one layer, with the loop specialised for the light and the bias.
 fn project_into(
     simd: Simd,
     m: &ShadowMapUniforms,
@@ -377,7 +375,7 @@ fn project_into(
     receivers: &ReceiverBatch<'_>,
     out: &mut Batch,
 ) {
-    // A light without a position has one direction for all.
+    // A light without a position has the same direction for all receivers.
     let has_position = m.light.w != 0.0;
     match (has_position, layer.moves_receivers()) {
         (false, false) => simd.run_task(Project::<false, false>::new(m, layer, receivers, out)),
@@ -387,8 +385,8 @@ fn project_into(
     }
 }
 
-/// Looks up receivers in one layer: those of a light with a position if `LOCAL`; moved along their
-/// normals if `OFFSET`.
+/// Lookup of receivers in one layer. `LOCAL`: the light has a position. `OFFSET`: receivers move
+/// along their normals.
 struct Project<'a, const LOCAL: bool, const OFFSET: bool> {
     m: &'a ShadowMapUniforms,
     layer: &'a MapLayer,
@@ -417,9 +415,8 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
 
     #[inline(always)]
     fn run(self) {
-        // Copies of what is read, and arrays of its own for what is written: through references the
-        // compiler could not rule out that a store changes what the next lane reads, and would find
-        // no lanes.
+        // Copy all inputs and write to separate arrays. Through references, the compiler cannot
+        // exclude that a store changes the next lane's input, and does not vectorise.
         let layer = *self.layer;
         let light = self.m.light;
         let size = self.m.size;
@@ -432,6 +429,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
         let mut depths = zero;
         let mut deepest = zero;
         let mut covered = [false; BATCH];
+        // Bias and project the receivers.
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
@@ -456,6 +454,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
             points[1][i] = point.y;
             points[2][i] = point.z;
         }
+        // Store the results.
         let out = self.out;
         out.x = x;
         out.y = y;
@@ -471,8 +470,8 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
     }
 }
 
-/// The receivers' planes, in a loop of their own: with the rest of the arithmetic the compiler
-/// loses sight of its lanes.
+/// Computes the gradients of the receivers' planes. This is a separate loop, because the compiler
+/// does not vectorise it together with the rest of the arithmetic.
 #[inline(always)]
 fn follow_planes(
     size: f32,
@@ -501,7 +500,7 @@ mod tests {
     use crate::shadow_map::{coord::shadow_coord, layers::MAX_LAYERS};
     use glam::{Mat4, Quat, Vec4, dcamera::rh::proj::directx};
 
-    /// A bias's slope, normal offset and receiver plane.
+    /// Slope, normal offset and receiver plane of a bias.
     struct BiasCase {
         slope: f32,
         normal_offset: f32,
@@ -511,7 +510,7 @@ mod tests {
     fn map(light: Vec4, layer_count: u32, bias: &BiasCase) -> ShadowMapUniforms {
         let clip_from_view = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
         let layer = |i: usize| {
-            // Layers look elsewhere, and differ in all that layers have of their own.
+            // Layers have different orientations and differ in all their fields.
             let turn = Mat4::from_quat(Quat::from_rotation_y(i as f32));
             let share = 1.0 + i as f32;
             MapLayer {
@@ -571,7 +570,8 @@ mod tests {
         (0..200).map(value).collect()
     }
 
-    /// Lanes and the plain function, over points before, behind and beside the light.
+    /// Compares the lanes with the scalar function, for points before, behind and next to the
+    /// light.
     #[test]
     fn lanes_equal_the_plain_function() {
         let x = wave(0.7, 20.0);

@@ -1,16 +1,16 @@
-//! A map and receivers for the tests of lanes.
+//! A map and receivers for the lane tests.
 
 use crate::{
     lanes::batch::{BATCH, Batch},
     shadow_map::texel_compare::DepthMap,
 };
 
-/// The map's side, texels.
+/// Side of the map, texels.
 pub(crate) const SIZE: i32 = 37;
-/// Its layers.
+/// Number of layers.
 pub(crate) const LAYERS: i32 = 2;
 
-/// Returns depths 0..1, in no order.
+/// Returns depths 0..1 in pseudo-random order.
 pub(crate) fn texels() -> Vec<f32> {
     let value = |i: i32| (i.wrapping_mul(7919) % 1009) as f32 / 1009.0;
     (0..SIZE * SIZE * LAYERS).map(value).collect()
@@ -27,8 +27,8 @@ pub(crate) fn map(texels: &[f32], clamped: bool) -> DepthMap<'_> {
     }
 }
 
-/// Returns receivers on the map, at its edges and beside it, on level planes or on steep ones;
-/// every fifth isn't covered.
+/// Returns receivers on the map, at its edges and outside it, on level or steep planes. Every fifth
+/// isn't covered.
 pub(crate) fn batch(turn: usize, is_sloped: bool) -> Batch {
     let mut batch = Batch::new();
     for i in 0..BATCH {

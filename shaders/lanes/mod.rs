@@ -1,7 +1,7 @@
-//! Lookups of many receivers at once on the CPU, in vector lanes. Kernels of a map technique hand
-//! their span to [`look_up_span`](batch::look_up_span) and say what they make of the places of many
-//! receivers on the map ([`BatchTaps`](batch::BatchTaps)), or of one receiver's
-//! ([`Taps`](batch::Taps)), which takes longer.
+//! Lookups of many receivers at once on the CPU, in vector lanes. Kernels of map techniques pass
+//! their span to [`look_up_span`](batch::look_up_span). They implement
+//! [`BatchTaps`](batch::BatchTaps) for a whole batch of receivers, or [`Taps`](batch::Taps) for one
+//! receiver, which is slower.
 
 pub mod batch;
 #[cfg(test)]

@@ -11,17 +11,16 @@ use glam::Vec2;
 
 /// One comparison for each receiver of a batch.
 pub(crate) struct SingleTaps {
-    /// 1 where the receiver isn't behind its texel, or has none, else 0.
+    /// 1 if the receiver isn't behind its texel or the comparison isn't known, else 0.
     pub(crate) lit: Lanes<f32>,
-    /// Whether the texel lies on the map, and the receiver is covered.
+    /// True if the texel is on the map and the receiver is covered.
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Compares the receivers of a batch with the texels (x, y), whole numbers, of a map that is not
-/// packed.
+/// Compares the receivers of a batch with the texels (x, y), integer-valued, of an unpacked map.
 ///
-/// It goes over them three times, as [`level_squares`](super::square::level_squares) does: for
-/// places, then for loads alone, so that many are under way at once, then for comparisons.
+/// Runs in three passes, like [`level_squares`](super::square::level_squares). The first finds
+/// texel indices; the second only loads, so that many loads are in flight; the third compares.
 #[inline(always)]
 pub(crate) fn single_taps(
     map: &DepthMap<'_>,
@@ -55,8 +54,8 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{batch, map, texels};
 
-    /// Returns how many taps two texels right of the receiver's own were known, and how many of
-    /// these answer otherwise than the plain comparison in `judged`.
+    /// Returns how many taps two texels right of the receiver's own were known. The second number
+    /// counts those that differ from the plain comparison in `judged`.
     fn known_and_other(judged: &[f32]) -> (usize, usize) {
         let texels = texels();
         let found = map(&texels, false);
@@ -88,7 +87,7 @@ mod tests {
         let texels = texels();
         let (known, other) = known_and_other(&texels);
         assert!(known > 1000 && other == 0, "{known} {other}");
-        // The control: a map that is deeper by a little answers otherwise.
+        // Negative control: a slightly deeper map must give different results.
         let spoilt: Vec<f32> = texels.iter().map(|depth| depth + 0.1).collect();
         let (_, other) = known_and_other(&spoilt);
         assert!(other > known / 20, "{other} of {known}");

@@ -1,9 +1,9 @@
-//! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats,
-//! which add exactly in any order: so the lanes agree with the shader's loop to the bit.
+//! Counts of lit texels in squares, one row of lanes at a time. Counts are small integers in
+//! floats, which add exactly in any order. So the lanes agree with the shader's loop bit for bit.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "one index into many arrays: that is what compilers turn into vector lanes"
+    reason = "compilers vectorise one index into many arrays"
 )]
 
 use crate::{
@@ -15,22 +15,22 @@ use crate::{
 };
 use umbrage_core::math::lesser;
 
-/// How many taps of each receiver's square are lit.
+/// Number of lit taps in each receiver's square.
 pub(crate) struct LitTaps {
-    /// The count; meaningless where it isn't known.
+    /// Count; meaningless if it isn't known.
     pub(crate) lit: Lanes<f32>,
-    /// Whether the count is known: the receiver is covered, its square lies wholly within the map,
-    /// and the square's rows can be read a vector wide.
+    /// True if the count is known: the receiver is covered, its square is entirely within the map,
+    /// and the square's rows can be read a whole vector at a time.
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch, whose
-/// depths are the same at all taps. Rows are read `LANES` wide, at least `SIDE`; lanes beyond
-/// `SIDE` are not counted.
+/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch. The
+/// compared depth is the same at all taps. Rows are read `LANES` wide, at least `SIDE`; lanes
+/// beyond `SIDE` are not counted.
 ///
-/// Maps are larger than the nearest caches, so lookups wait for them. The processor goes on to the
-/// next receivers meanwhile, as far as it looks ahead; so places are found before, sums are made
-/// after, and the loop between them holds little but the loads.
+/// Maps exceed the fastest caches, so lookups wait for memory. Meanwhile the processor executes the
+/// next receivers, as far as its reorder window allows. So texel indices are computed before the
+/// main loop and sums after it, and the main loop does little more than load.
 #[inline(always)]
 pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
@@ -45,8 +45,8 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
             continue;
         };
         let depth = batch.depth[i];
-        // All lanes are kept, also those that aren't counted: else the compiler would take texels
-        // one by one.
+        // Keep all lanes, also those that aren't counted. Otherwise the compiler loads texels one
+        // by one.
         let mut count = [0_u32; LANES];
         for row in 0..SIDE {
             let Some(stored) = square.row(row) else {
@@ -62,10 +62,10 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
     LitTaps { lit, is_known }
 }
 
-/// Counts as [`level_squares`] does, of receivers whose depths follow their planes.
+/// Counts like [`level_squares`], for receivers whose depths follow their planes.
 ///
-/// What is compared takes more arithmetic here, so the loop over loads does nothing but copy what
-/// it loads.
+/// The compared depths need more arithmetic here, so the loading loop only copies the loaded
+/// texels.
 #[inline(always)]
 pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
@@ -102,17 +102,17 @@ pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     LitTaps { lit, is_known }
 }
 
-/// The texels of a map from the least of a square of `SIDE` texels a side to the end of its last
-/// row, where rows are read `LANES` wide.
+/// Texels of a map from the first texel of a square of `SIDE` texels a side to the end of the
+/// square's last row. Rows are read `LANES` wide.
 struct SquareTexels<'a, const SIDE: usize, const LANES: usize> {
     texels: &'a [f32],
-    /// Texels from one row to the next.
+    /// Number of texels from one row to the next.
     stride: usize,
 }
 
 impl<'a, const SIDE: usize, const LANES: usize> SquareTexels<'a, SIDE, LANES> {
-    /// Returns the square whose least texel has the number `first` among all of the map; none if
-    /// the map ends before it does.
+    /// Returns the square whose first texel has the index `first` in the whole map; `None` if the
+    /// map ends before the square does.
     #[inline(always)]
     fn from(map: &DepthMap<'a>, first: u32) -> Option<Self> {
         let first = first as usize;
@@ -122,7 +122,7 @@ impl<'a, const SIDE: usize, const LANES: usize> SquareTexels<'a, SIDE, LANES> {
         Some(Self { texels, stride })
     }
 
-    /// Returns one of the `SIDE` rows, and what lies right of it.
+    /// Returns one of the `SIDE` rows, with the texels to its right up to `LANES`.
     #[inline(always)]
     fn row(&self, row: usize) -> Option<&'a [f32; LANES]> {
         self.texels[row * self.stride..].first_chunk()
@@ -143,13 +143,13 @@ fn sums<const SIDE: usize, const LANES: usize>(counts: &[[u32; LANES]; BATCH]) -
     out
 }
 
-/// The depths to compare with a square's texels, as
-/// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) has them: in lane `k` of
-/// row `r` the lesser of `in_first_row[k] + down[r]` and `deepest`.
+/// Depths to compare with a square's texels, equal to
+/// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane). Lane `k` of row `r` has
+/// the lesser of `in_first_row[k] + down[r]` and `deepest`.
 struct TapDepths<const LANES: usize> {
-    /// The receiver's depth, and what it gains along a row.
+    /// Depth of the receiver plus its change along the row.
     in_first_row: [f32; LANES],
-    /// What it gains down to each row; rows are no more than lanes.
+    /// Change of depth down to each row; there are at most as many rows as lanes.
     down: [f32; LANES],
     deepest: f32,
 }
@@ -165,7 +165,7 @@ impl<const LANES: usize> TapDepths<LANES> {
         let mut in_first_row = [0.0; LANES];
         let mut down = [0.0; LANES];
         for lane in 0..LANES {
-            // Sums of whole numbers and a half are exact.
+            // Sums of integers and a half are exact.
             let center = lane as i32 as f32 + 0.5;
             in_first_row[lane] = batch.depth[i] + batch.right[i] * (first_x + center - x);
             down[lane] = batch.down[i] * (first_y + center - y);
@@ -178,15 +178,15 @@ impl<const LANES: usize> TapDepths<LANES> {
     }
 }
 
-/// Where the squares of a batch lie.
+/// Positions of a batch's squares.
 pub(super) struct Places {
-    /// The number of the least texel among all of the map; 0 where the square isn't looked up.
+    /// Index of the square's first texel in the whole map; 0 if the square isn't looked up.
     pub(super) first: Lanes<u32>,
-    /// Whether the receiver is covered, and its square lies within the map.
+    /// True if the receiver is covered and its square is within the map.
     pub(super) is_inside: Lanes<bool>,
 }
 
-/// Returns where the squares of `SIDE` texels around the texels of a batch lie.
+/// Returns the positions of the squares of `SIDE` texels around the texels of a batch.
 #[inline(always)]
 fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     let radius = (SIDE / 2) as f32;
@@ -198,8 +198,8 @@ fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     places_at::<SIDE>(map, batch, &x, &y)
 }
 
-/// Returns where the squares of `SIDE` texels lie whose least texels are (x, y), whole numbers, for
-/// the receivers of a batch.
+/// Returns the positions of the squares of `SIDE` texels for the receivers of a batch. Their first
+/// texels are (x, y), integer-valued.
 #[inline(always)]
 pub(super) fn places_at<const SIDE: usize>(
     map: &DepthMap<'_>,
@@ -208,13 +208,13 @@ pub(super) fn places_at<const SIDE: usize>(
     y: &Lanes<f32>,
 ) -> Places {
     let size = map.size as u32;
-    // The greatest place of a least texel.
+    // The greatest valid coordinate of a first texel.
     let last = map.size as f32 - SIDE as f32;
     let mut first = [0; BATCH];
     let mut is_inside = [false; BATCH];
     for i in 0..BATCH {
         let [x, y] = [x[i], y[i]];
-        // `&` and not `&&`, so that this loop is vectorised.
+        // Use `&` and not `&&`, so that this loop is vectorised.
         let is_on_map = (x >= 0.0) & (y >= 0.0) & (x <= last) & (y <= last);
         let is_looked_up = is_on_map & batch.covered[i];
         let layer_start = (batch.layer[i] as u32)
@@ -229,8 +229,8 @@ pub(super) fn places_at<const SIDE: usize>(
     Places { first, is_inside }
 }
 
-/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): of any
-/// side, anywhere, one by one.
+/// Counts the lit taps of one square with `side` texels a side, whose first texel is (x, y). Works
+/// for any side and position, one texel at a time.
 #[inline]
 pub fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, x: i32, y: i32, side: i32) -> f32 {
     let mut lit = 0.0;
@@ -247,8 +247,8 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{SIZE, batch, map, texels};
 
-    /// Returns how many squares were known, and how many of these have another count than the plain
-    /// loop finds in `judged`.
+    /// Returns how many squares were known. The second number counts those whose count differs from
+    /// that of the plain loop in `judged`.
     fn known_and_other<const SIDE: usize, const LANES: usize, const SLOPED: bool>(
         judged: &[f32],
     ) -> (usize, usize) {
@@ -294,7 +294,7 @@ mod tests {
         ] {
             assert!(known > 800 && other == 0, "{known} {other}");
         }
-        // The control: a map that is deeper by a little has other counts.
+        // Negative control: a slightly deeper map must give different counts.
         let spoilt: Vec<f32> = texels.iter().map(|depth| depth + 0.1).collect();
         let (known, other) = known_and_other::<3, 4, SLOPED>(&spoilt);
         assert!(other > known / 4, "{known} {other}");

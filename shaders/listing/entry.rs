@@ -1,25 +1,25 @@
-//! A row of a list of techniques.
+//! Entry of a technique list.
 
 use super::{ListedTechnique, TechniquePreset};
 use std::fmt::{self, Debug, Formatter};
 
-/// A technique of a list: what its [`ListedTechnique`] says, whatever its type.
+/// Type-erased entry of a technique list, filled from a [`ListedTechnique`].
 #[derive(Clone, Copy)]
 pub struct TechniqueEntry {
-    /// Its name, as [`ShadowTechnique::name`](umbrage_core::ShadowTechnique::name) gives it.
+    /// Technique name, equal to [`ShadowTechnique::name`](umbrage_core::ShadowTechnique::name).
     pub name: &'static str,
-    /// What it does, in one line.
+    /// One-line summary.
     pub summary: &'static str,
-    /// Whether it looks up a shadow map.
+    /// True if the technique looks up a shadow map.
     pub has_map: bool,
-    /// Its default settings.
+    /// Returns the default settings.
     pub preset: fn() -> TechniquePreset,
-    /// Reads its settings.
+    /// Parses the settings.
     #[cfg(feature = "presets")]
     pub(super) read: fn(toml::Table) -> Result<TechniquePreset, toml::de::Error>,
 }
 
-/// Its name alone: addresses of functions differ from run to run.
+/// Prints only the name, because function addresses differ between runs.
 impl Debug for TechniqueEntry {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.name)
@@ -27,7 +27,7 @@ impl Debug for TechniqueEntry {
 }
 
 impl TechniqueEntry {
-    /// Returns the row of a technique.
+    /// Returns the list entry of a technique.
     pub fn of<T: ListedTechnique>() -> Self {
         let default = T::default();
         Self {

@@ -1,10 +1,10 @@
-//! What a light gets: a technique, and what of its work a renderer may leave out.
+//! Light presets: a technique and the per-frame work that a renderer may skip.
 
 use super::TechniquePreset;
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
-/// When a renderer draws a light's maps and other images again.
+/// Update frequency of a light's maps and other images.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -15,14 +15,13 @@ pub enum Update {
     /// Every frame.
     #[default]
     EveryFrame,
-    /// When the light or a caster has moved; while the camera alone moves, what was drawn still
-    /// holds.
+    /// Redraw when the light or a caster has moved. Images stay valid while only the camera moves.
     WhenSceneChanges,
-    /// Once: nothing moves that it depends on.
+    /// Draw once: nothing that the images depend on moves.
     Once,
 }
 
-/// What of a light's work a renderer may leave out, since a plan found that it changes too little.
+/// Per-frame work that a renderer may skip because a plan found its effect negligible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -30,16 +29,15 @@ pub enum Update {
     serde(default, deny_unknown_fields)
 )]
 pub struct FrameRules {
-    /// When its images are drawn again.
+    /// When the light's images are redrawn.
     pub update: Update,
-    /// Casters whose bounding sphere is seen less than so many pixels wide need not be drawn; 0
-    /// draws all.
+    /// Skip casters whose bounding sphere appears narrower than this many pixels; 0 draws all.
     pub skip_casters_below_pixels: f32,
 }
 
-/// A light's technique and the rules for its frames. Its file is that of a [`TechniquePreset`] with
-/// a table `[frame]`, which is left out if it says nothing; [`TechniquePreset::from_toml`] reads
-/// both and ignores that table.
+/// Technique of a light with the rules for its frames. The file is that of a [`TechniquePreset`]
+/// with an additional table `[frame]`. Default rules are not written.
+/// [`TechniquePreset::from_toml`] reads the same file and ignores that table.
 ///
 /// ```
 /// use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, Update};
@@ -53,21 +51,21 @@ pub struct FrameRules {
 pub struct LightPreset {
     /// The technique and its settings.
     pub technique: TechniquePreset,
-    /// What may be left out.
+    /// Work that may be skipped.
     pub frame: FrameRules,
 }
 
-/// The name of the rules' table in files.
+/// Name of the rules' table in files.
 #[cfg(feature = "presets")]
 pub(super) const FRAME: &str = "frame";
 
 #[cfg(feature = "presets")]
 impl LightPreset {
-    /// Returns the preset as TOML that [`LightPreset::from_toml`] reads back bit by bit.
+    /// Returns the preset as TOML, which [`LightPreset::from_toml`] reads back without any loss.
     ///
     /// # Errors
-    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in
-    /// techniques always are.
+    /// Errors if the technique's settings are not a TOML table. Those of the built-in techniques
+    /// always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         let technique = self.technique.to_toml()?;
         if self.frame == FrameRules::default() {
@@ -80,8 +78,8 @@ impl LightPreset {
     /// Reads a preset of a built-in technique from TOML, with or without rules.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names no built-in technique, or has a field that the
-    /// technique or the rules don't have.
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that is unknown
+    /// to the technique or the rules.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         let technique = TechniquePreset::from_toml(text)?;
         let table: toml::Table = toml::from_str(text).map_err(|e| unreadable(&e.to_string()))?;
@@ -140,7 +138,7 @@ mod tests {
                     preset,
                     "{file}"
                 );
-                // Who knows nothing of the rules reads the technique.
+                // Readers that ignore the rules still read the technique.
                 let technique = TechniquePreset::from_toml(&file).expect("read");
                 assert_eq!(technique, preset.technique);
             }

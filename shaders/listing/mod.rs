@@ -1,8 +1,8 @@
-//! Techniques as rows of lists and as data in files.
+//! Techniques as list entries and as data in files.
 //!
-//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row
-//! of a list from it, and [`TechniquePreset`] holds any technique that has the trait as data, and
-//! [`LightPreset`] what of its work may be left out besides.
+//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] builds its
+//! list entry. [`TechniquePreset`] stores any such technique as data. [`LightPreset`] adds rules
+//! for the work that may be skipped.
 
 mod entry;
 mod light_preset;
@@ -19,7 +19,7 @@ use umbrage_core::ShadowTechnique;
 #[cfg(not(feature = "presets"))]
 pub(crate) use without_files::{DeserializeOwned, Serialize};
 
-/// Stands in for `serde` without the feature `presets`: any type will do.
+/// Replacement for `serde` without the feature `presets`, implemented by every type.
 #[cfg(not(feature = "presets"))]
 mod without_files {
     pub trait Serialize {}
@@ -29,18 +29,19 @@ mod without_files {
     impl<T> DeserializeOwned for T {}
 }
 
-/// A technique that lists and files can hold: its settings are plain data.
+/// A technique that can be listed and stored in files: its settings are plain data.
 ///
-/// Only [`SUMMARY`](Self::SUMMARY) has no default; techniques with a shadow map also say where it
-/// is ([`map`](Self::map), [`with_map`](Self::with_map)). Without the feature `presets` it need not
-/// be data; but another package of the program may enable that, so derive `serde`'s traits. In
-/// files, fields that are left out should have their defaults and unknown ones be refused:
+/// Only [`SUMMARY`](Self::SUMMARY) has no default. Techniques with a shadow map also implement
+/// [`map`](Self::map) and [`with_map`](Self::with_map). Without the feature `presets` the settings
+/// need no `serde` traits. Derive them anyway, because another package of the program may enable
+/// that feature. When reading files, use defaults for missing fields and refuse unknown ones:
 /// `#[serde(default, deny_unknown_fields)]`.
 ///
 /// ```
 /// use serde::{Deserialize, Serialize};
 /// use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
-/// use umbrage_techniques::{Hard, ListedTechnique, MapFilter as _, ShadowMap, TechniqueEntry, TechniquePreset};
+/// use umbrage_techniques::{Hard, ListedTechnique, MapFilter as _, ShadowMap};
+/// use umbrage_techniques::{TechniqueEntry, TechniquePreset};
 ///
 /// /// One comparison, under another name.
 /// #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -76,22 +77,22 @@ mod without_files {
 pub trait ListedTechnique:
     ShadowTechnique + Clone + Default + PartialEq + Serialize + DeserializeOwned + 'static
 {
-    /// What it does, in one line, with the paper it comes from.
+    /// One-line summary with the paper that describes the technique.
     const SUMMARY: &'static str;
 
     /// Returns the settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
     ///
-    /// By default those of the map.
+    /// Defaults to the settings of the map.
     fn settings(&self) -> String {
         self.map().map_or_else(String::new, ShadowMap::label)
     }
 
-    /// The map that is looked up; `None` for techniques without one.
+    /// Returns the shadow map; `None` for techniques without one.
     fn map(&self) -> Option<&ShadowMap> {
         None
     }
 
-    /// The same settings with another map. Techniques without a map stay as they are.
+    /// Returns the same settings with another map. Techniques without a map stay unchanged.
     #[must_use]
     fn with_map(self, map: ShadowMap) -> Self {
         let _ = map;

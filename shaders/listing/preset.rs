@@ -1,4 +1,4 @@
-//! Techniques as data: any listed one with its settings, to be kept in a file.
+//! Techniques as data: any listed technique with its settings, for storage in files.
 
 use super::ListedTechnique;
 #[cfg(feature = "presets")]
@@ -9,9 +9,9 @@ use std::{any::Any, sync::Arc};
 use umbrage_core::Invalid;
 use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
 
-/// A technique and its settings. In a file the field `technique` names it as
-/// [`ShadowTechnique::name`] does, and all other fields are those of its struct; those left out
-/// have its defaults.
+/// A technique and its settings. In a file, the field `technique` holds the name that
+/// [`ShadowTechnique::name`] returns. All other fields are those of its struct; missing ones have
+/// their defaults.
 ///
 /// ```
 /// use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap, TechniquePreset};
@@ -22,7 +22,7 @@ use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, Vi
 #[derive(Clone, Debug)]
 pub struct TechniquePreset(Arc<dyn AnyTechnique>);
 
-/// A [`ListedTechnique`] whose type is not known.
+/// A [`ListedTechnique`] with its type erased.
 trait AnyTechnique: ShadowTechnique + Any {
     fn words(&self) -> String;
     fn equals(&self, other: &TechniquePreset) -> bool;
@@ -67,7 +67,7 @@ impl PartialEq for TechniquePreset {
     }
 }
 
-/// A preset is its technique.
+/// Delegates to the technique.
 impl ShadowTechnique for TechniquePreset {
     fn name(&self) -> &'static str {
         self.0.name()
@@ -109,37 +109,38 @@ impl TechniquePreset {
         self.0.clone()
     }
 
-    /// Returns its settings in a few words, without the name.
+    /// Returns the settings in a few words, without the name.
     pub fn settings(&self) -> String {
         self.0.words()
     }
 
-    /// Returns the settings, if the technique is a `T`.
+    /// Returns the settings if the technique is a `T`.
     pub fn get<T: ListedTechnique>(&self) -> Option<&T> {
         let technique: &dyn Any = &*self.0;
         technique.downcast_ref()
     }
 
-    /// Returns the map that is looked up; `None` for techniques without one.
+    /// Returns the shadow map; `None` for techniques without one.
     pub fn map(&self) -> Option<&ShadowMap> {
         self.0.shadow_map()
     }
 
-    /// Returns the same technique with another map; techniques without one stay as they are.
+    /// Returns the same technique with another map. Techniques without a map stay unchanged.
     #[must_use]
     pub fn with_map(&self, map: ShadowMap) -> Self {
         self.0.on_map(map)
     }
 }
 
-/// Files.
+/// Reading and writing files.
 #[cfg(feature = "presets")]
 impl TechniquePreset {
-    /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
+    /// Returns the preset as TOML, which [`TechniquePreset::from_toml`] reads back without any
+    /// loss.
     ///
     /// # Errors
-    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in
-    /// techniques always are.
+    /// Errors if the technique's settings are not a TOML table. Those of the built-in techniques
+    /// always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         toml::to_string(self)
             .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))
@@ -148,20 +149,20 @@ impl TechniquePreset {
     /// Reads a preset of one of `techniques` from TOML.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names none of these techniques, or has a field that the
-    /// technique doesn't have.
+    /// Errors if the text is not TOML, names none of these techniques, or has a field that is
+    /// unknown to the technique.
     pub fn read(text: &str, techniques: &[TechniqueEntry]) -> Result<Self, Invalid> {
         let table: toml::Table =
             toml::from_str(text).map_err(|e| unreadable(&e.to_string(), techniques))?;
         Self::from_table(table, techniques)
     }
 
-    /// Finds the technique that a table names, and reads its settings from the rest.
+    /// Finds the technique that a table names, and reads its settings from the remaining fields.
     pub(crate) fn from_table(
         mut table: toml::Table,
         techniques: &[TechniqueEntry],
     ) -> Result<Self, Invalid> {
-        // What may be left out of its work is read by those who ask for it.
+        // `LightPreset` reads the frame rules itself.
         table.remove(light_preset::FRAME);
         let Some(name) = table.remove("technique") else {
             return Err(unreadable("has no field `technique`", techniques));
@@ -170,7 +171,7 @@ impl TechniquePreset {
             .iter()
             .find(|entry| name.as_str() == Some(entry.name));
         let Some(entry) = entry else {
-            let why = format!("names no technique there is: {name}");
+            let why = format!("names an unknown technique: {name}");
             return Err(unreadable(&why, techniques));
         };
         (entry.read)(table).map_err(|e| {
@@ -180,7 +181,7 @@ impl TechniquePreset {
     }
 }
 
-/// Returns the error for a text that is no preset: why, and what to write.
+/// Returns the error for text that is not a preset, with the reason and the expected form.
 #[cfg(feature = "presets")]
 fn unreadable(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();

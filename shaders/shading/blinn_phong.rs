@@ -1,24 +1,24 @@
-//! Colour pictures: Blinn-Phong shading of what is seen, with any technique's mask as the light's
-//! visibility.
+//! Colour images: Blinn-Phong shading of the visible geometry. The shadow mask of any technique is
+//! the light's visibility.
 //!
 //! `colour = emission + ambient * diffuse + visibility * light * (diffuse * n.l + specular *
 //! (n.h)^s)`. Phong 1975, "Illumination for computer generated pictures"; Blinn 1977, "Models of
 //! light reflection for computer synthesized pictures", for h, halfway between light and eye.
-//! Shadows darken the lamp's light alone: ambient light and emission stay. All of it is linear;
-//! [`picture`](umbrage_core::picture) encodes sRGB.
+//! Shadows darken only the shadow-casting light, not ambient light or emission. All values are
+//! linear; [`picture`](umbrage_core::picture) encodes sRGB.
 //!
-//! * Masks know nothing of normal maps and smooth normals: biases go along the geometric normal,
-//!   since what a map stores is the geometry's depth.
-//! * Shading normals are interpolated, and bent by normal maps. But where the *geometric* normal
-//!   turns from the light, no light arrives, whatever the shading normal says: a surface shadows
-//!   itself there, maps with a bias don't say so reliably, and no figure counts such pixels
-//!   ([`Pixel::Unlit`](umbrage_core::metrics::Pixel)), so no picture may show them lit.
-//! * A light with an extent shines from its middle; only its visibility knows of the extent.
-//! * A spot's light falls off between its angles, linearly in the cosine. Light does not fall off
-//!   with distance unless [`BlinnPhong::attenuation`] says so: the textbooks' doesn't.
+//! - Masks ignore normal maps and smooth normals. Biases follow the geometric normal, since a map
+//!   stores the depth of the geometry.
+//! - Shading normals are interpolated and perturbed by normal maps. But no light arrives where the
+//!   *geometric* normal faces away from the light, whatever the shading normal is. Surfaces shadow
+//!   themselves there, which biased maps don't detect reliably. Error metrics exclude such pixels
+//!   ([`Pixel::Unlit`](umbrage_core::metrics::Pixel)), so no image may show them lit.
+//! - Area lights are shaded from their centre; only their visibility accounts for the extent.
+//! - The light of a spot falls off between its angles, linearly in the cosine. Light does not fall
+//!   off with distance unless [`BlinnPhong::attenuation`] is set, as in the textbooks.
 //!
-//! Known failures: smooth normals over few triangles show the triangles where light grazes, since
-//! visibility and the rule above follow the geometry; a highlight may end there at a straight line.
+//! Known failures: smooth normals over few triangles reveal the triangles at grazing light, since
+//! visibility and the rule above follow the geometry. A highlight may end there at a straight line.
 
 use crate::shading::{
     facing::homogeneous,
@@ -35,7 +35,7 @@ use umbrage_core::{
     View, invalid::not_negative, math::dot3, module, uniforms,
 };
 
-/// How a picture is lit. Colours are linear.
+/// Lighting of a colour image. Colours are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -43,15 +43,15 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct BlinnPhong {
-    /// Light from everywhere, which shadows don't touch; multiplied with the diffuse colour.
+    /// Ambient light, which shadows don't affect; multiplied by the diffuse colour.
     pub ambient: Vec3,
-    /// The lamp's colour times its intensity.
+    /// Colour of the light times its intensity.
     pub light: Vec3,
-    /// Constant, linear (1/m) and quadratic (1/m^2) factors of `1 / (c + l d + q d^2)`, d being the
-    /// distance to the light's middle; not all zero. Directional lights have no distance and don't
-    /// fall off.
+    /// Constant, linear (1/m) and quadratic (1/m^2) factors of `1 / (c + l d + q d^2)`, where d is
+    /// the distance to the light's centre. They must not all be zero. Directional lights have no
+    /// distance and don't fall off.
     pub attenuation: Vec3,
-    /// Colour where nothing is seen.
+    /// Colour of pixels without geometry.
     pub background: Vec3,
 }
 
@@ -67,11 +67,11 @@ impl Default for BlinnPhong {
 }
 
 impl BlinnPhong {
-    /// Returns what shades this view of a scene. `view.geometry` must be baked from `scene`.
+    /// Returns the shading of this view of a scene. `view.geometry` must be baked from `scene`.
     ///
     /// # Errors
-    /// Errors if the view has no geometry, or not this scene's; if the scene, the light or a number
-    /// of these settings is invalid.
+    /// Errors if the view has no geometry or was baked from another scene. Errors if the scene, the
+    /// light or a number of these settings is invalid.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
         self.validate()
             .map_err(|e| e.within("Blinn-Phong shading"))?;
@@ -108,8 +108,8 @@ impl BlinnPhong {
         if self.attenuation == Vec3::ZERO {
             return Err(Invalid::new(
                 "attenuation",
-                "is zero, which makes light infinite",
-                "use (1, 0, 0) for none",
+                "is zero, which makes the light infinite",
+                "use (1, 0, 0) for no attenuation",
             ));
         }
         Ok(())
@@ -136,7 +136,7 @@ impl BlinnPhong {
     }
 }
 
-/// Returns the eye's position (w = 1); without perspective the unit direction to it (w = 0).
+/// Returns the eye's position (w = 1), or the unit direction to it without perspective (w = 0).
 fn eye_of(camera: &Camera) -> Vec4 {
     let camera = camera.standard();
     if camera.clip_from_view.row(3) == Vec4::W {
@@ -147,8 +147,8 @@ fn eye_of(camera: &Camera) -> Vec4 {
     camera.eye().extend(1.0)
 }
 
-/// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for
-/// other lights a cone that holds all.
+/// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale. For
+/// other lights, the cone contains all directions.
 fn cone_of(light: &Light) -> (Vec3, Vec2) {
     let (direction, inner, outer) = match *light {
         Light::Spot {
@@ -164,13 +164,13 @@ fn cone_of(light: &Light) -> (Vec3, Vec2) {
     };
     let inner_cosine = f64::from(inner).cos();
     let outer_cosine = f64::from(outer).cos();
-    // A huge but finite scale stands for a sharp edge, so that zero times it stays zero.
+    // Use a huge but finite scale for a sharp edge, so that zero times it stays zero.
     let scale = (1.0 / (inner_cosine - outer_cosine).max(1e-9)) as f32;
     let axis = -direction.as_dvec3().normalize_or_zero().as_vec3();
     (axis, Vec2::new(outer_cosine as f32, scale))
 }
 
-/// Shades one view of one scene; add it to any technique's recipe. Cheap to clone.
+/// Shading of one view of one scene, which can be added to any technique's recipe. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Shading {
     settings: BlinnPhong,
@@ -178,8 +178,8 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Returns the recipe with a colour picture on top: backends then answer
-    /// [`Shadows::picture`](umbrage_core::Shadows::picture). What the recipe shaded with before is
+    /// Returns the recipe with a colour image on top. Backends then return it as
+    /// [`Shadows::picture`](umbrage_core::Shadows::picture). Any earlier shading of the recipe is
     /// replaced.
     #[must_use]
     pub fn add_to(&self, mut recipe: Recipe) -> Recipe {
@@ -195,8 +195,8 @@ impl Shading {
         recipe
     }
 
-    /// Returns the same scene's shading with another camera or light. Tables are shared, so that
-    /// backends need no upload.
+    /// Returns the shading of the same scene with another camera or light. Tables are shared, so
+    /// backends need not upload them again.
     ///
     /// # Errors
     /// Errors if the camera or the light is invalid.
@@ -215,24 +215,25 @@ impl Shading {
 uniforms! {
     /// Uniforms of [`BlinnPhongKernel`].
     pub struct BlinnPhongUniforms {
-        /// The eye (w = 1), or the unit direction to it (w = 0).
+        /// Eye position (w = 1), or the unit direction to the eye (w = 0).
         pub eye: Vec4,
-        /// The light's middle (w = 1), or the unit direction to it (w = 0).
+        /// Centre of the light (w = 1), or the unit direction to the light (w = 0).
         pub light: Vec4,
         /// Unit vector against a spot's axis; zero for other lights.
         pub axis: Vec4,
-        /// The lamp's colour times its intensity.
+        /// Colour of the light times its intensity.
         pub color: Vec4,
-        /// Light from everywhere.
+        /// Ambient light.
         pub ambient: Vec4,
         /// Constant, linear and quadratic factors.
         pub attenuation: Vec4,
-        /// Cosine of the outer angle; 1 over the difference of the inner angle's cosine to it.
+        /// Cosine of the outer angle (x); 1 over the inner angle's cosine minus the outer one's
+        /// (y).
         pub cone: Vec2,
     }
 }
 
-/// The kernel.
+/// Blinn-Phong kernel.
 #[derive(Clone, Debug)]
 pub struct BlinnPhongKernel {
     uniforms: BlinnPhongUniforms,
@@ -272,7 +273,7 @@ fn towards(to: Vec4, p: Vec3) -> Vec3 {
 }
 
 impl BlinnPhongKernel {
-    /// Returns the linear colour of a seen point; `None` if there is no such triangle.
+    /// Returns the linear colour of a visible point; `None` if there is no such triangle.
     #[inline(always)]
     fn color(&self, triangle: u32, p: Vec3, n: Vec3, visibility: f32) -> Option<Vec3> {
         let u = &self.uniforms;
@@ -285,8 +286,8 @@ impl BlinnPhongKernel {
         Some(s.emissive + u.ambient.truncate() * s.diffuse + lit * reflected)
     }
 
-    /// Returns the linear light from the lamp at a point whose geometric normal is `n`; `l` is the
-    /// unit direction to it.
+    /// Returns the linear light that arrives at a point whose geometric normal is `n`. `l` is the
+    /// unit direction to the light.
     #[inline(always)]
     fn arriving(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
         if dot3(n, l) <= 0.0 {

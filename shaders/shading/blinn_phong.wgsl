@@ -10,12 +10,13 @@ struct BlinnPhongUniforms {
     cone: vec2f,
 }
 
-// From p to a point (w = 1), or along a direction (w = 0).
+// Returns the vector from p to a point (w = 1), or a direction (w = 0).
 fn towards(to: vec4f, p: vec3f) -> vec3f {
     return vec3f(to.x - p.x * to.w, to.y - p.y * to.w, to.z - p.z * to.w);
 }
 
-// Linear light from the lamp at a point whose geometric normal is n; l is the unit direction to it.
+// Returns the linear light that arrives at a point whose geometric normal is n. l is the unit
+// direction to the light.
 fn arriving(p: vec3f, n: vec3f, l: vec3f, visibility: f32) -> vec3f {
     if dot3(n, l) <= 0.0 {
         return vec3f(0.0, 0.0, 0.0);

@@ -1,11 +1,11 @@
-//! Colours worked out by hand. The light is above, the camera looks down, numbers are kind.
+//! Colours calculated by hand. The light is above and the camera looks down.
 
 use super::*;
 use glam::{Affine3A, UVec2, Vec4};
 use umbrage_core::Uniforms;
 use umbrage_core::{Extents, Geometry, Instance, Material, Mesh, Texture, math::dot3};
 
-/// A quad of 2 x 2 m in y = 0 seen from above: u grows along x, v (down the texture) along z.
+/// A quad of 2 x 2 m in y = 0, viewed from above: u grows along x, v (down the texture) along z.
 fn quad() -> Mesh {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     Mesh {
@@ -81,7 +81,7 @@ const MATERIAL: Material = Material {
     alpha: None,
 };
 
-/// From y up to z: n.l = .8 on the quad.
+/// Shines down from +y and +z: n.l = .8 on the quad.
 const SLANTED: Light = Light::Directional {
     direction: Vec3::new(0.0, -0.8, -0.6),
     angular_diameter: 0.0,
@@ -100,7 +100,7 @@ fn kernel(scene: &Scene, light: &Light, settings: BlinnPhong) -> BlinnPhongKerne
         .kernel
 }
 
-/// The colour at (x, z) of the quad, seen from above.
+/// Returns the colour at (x, z) of the quad, viewed from above.
 fn at(
     scene: &Scene,
     light: &Light,
@@ -109,7 +109,7 @@ fn at(
     visibility: f32,
 ) -> Vec3 {
     let [x, z] = place;
-    // Above the diagonal from (-1, -1) to (1, 1) lies the second triangle.
+    // The second triangle is above the diagonal from (-1, -1) to (1, 1).
     let triangle = u32::from(z < x);
     kernel(scene, light, settings)
         .color(triangle, Vec3::new(x, 0.0, z), Vec3::Y, visibility)
@@ -117,7 +117,7 @@ fn at(
 }
 
 fn near(a: Vec3, b: Vec3) {
-    // A few roundings of numbers below 2.
+    // Allow a few roundings of numbers below 2.
     assert!((a - b).abs().max_element() < 1e-6, "{a} is not {b}");
 }
 
@@ -183,7 +183,7 @@ fn ambient_light_and_emission_stay_in_full_shadow() {
     };
     let dark = at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, 0.0);
     assert_eq!(dark, Vec3::new(0.25, 0.0625, 0.8125));
-    // Half the visibility is half of what the lamp adds.
+    // Half the visibility gives half of the light's contribution.
     let [half, full] =
         [0.5, 1.0].map(|v| at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, v) - dark);
     near(half * 2.0, full);
@@ -238,7 +238,7 @@ fn spots_fade_between_their_angles() {
         outer: outer.acos(),
         radius: 0.0,
     };
-    // At (.75, .5) the light comes in at tan = 3/4: cos = .8, and n.l = .8 too.
+    // At (.75, .5) the light arrives at tan = 3/4: cos = .8, and n.l = .8, too.
     let x = [0.75, 0.5];
     near(
         at(&matt, &spot(0.9, 0.7), settings, x, 1.0),
@@ -249,7 +249,7 @@ fn spots_fade_between_their_angles() {
         Vec3::splat(0.8),
     );
     near(at(&matt, &spot(0.95, 0.81), settings, x, 1.0), Vec3::ZERO);
-    // A sharp edge on both sides.
+    // Test points on both sides of a sharp edge.
     near(at(&matt, &spot(0.81, 0.81), settings, x, 1.0), Vec3::ZERO);
     near(
         at(&matt, &spot(0.79, 0.79), settings, x, 1.0),
@@ -257,8 +257,8 @@ fn spots_fade_between_their_angles() {
     );
 }
 
-/// Red, green over blue, white; u to the right (x), v down the picture (z), which the camera shows
-/// downwards.
+/// The texels are red, green over blue, white. u points right (x) and v points down the image (z),
+/// which the camera also shows downwards.
 #[test]
 fn textures_lie_as_their_picture_does() {
     let texels = vec![
@@ -325,8 +325,8 @@ fn a_flat_normal_map_is_none() {
     }
 }
 
-/// A map that leans by (.6, 0, .8) along the tangent, or along the bitangent; the normal is then in
-/// the plane of the light, or not.
+/// The map's normal leans by (.6, 0, .8) along the tangent, or along the bitangent. In the first
+/// case it is in the plane of the light.
 #[test]
 fn normal_maps_lean_along_the_textures_axes() {
     let settings = BlinnPhong {
@@ -352,18 +352,18 @@ fn normal_maps_lean_along_the_textures_axes() {
     let east = Vec3::new(0.6, 0.8, 0.0);
     let north = Vec3::new(0.0, 0.8, -0.6);
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} is not {b}");
-    // Red leans along u; .36 + .64 = 1 towards it, .64 - .36 away from it.
+    // Red leans along u: .36 + .64 = 1 towards the light, .64 - .36 away from it.
     close(brightness([0.6, 0.0, 0.8], east, 1.0), 1.0);
     close(brightness([-0.6, 0.0, 0.8], east, 1.0), 0.28);
     // Green leans up the texture, here towards -z.
     close(brightness([0.0, 0.6, 0.8], north, 1.0), 1.0);
     close(brightness([0.0, -0.6, 0.8], north, 1.0), 0.28);
-    // Mirrored along x, u grows towards -x, and v still towards z.
+    // Mirrored along x, u grows towards -x; v still grows towards z.
     close(brightness([0.6, 0.0, 0.8], east, -1.0), 0.28);
     close(brightness([0.0, 0.6, 0.8], north, -1.0), 1.0);
 }
 
-/// The map leans to the light, the geometry turns from it.
+/// The normal map leans towards the light; the geometry faces away from it.
 #[test]
 fn nothing_arrives_below_the_horizon() {
     let leaning = flat("leaning", [1.0, 0.5, 0.5, 1.0]);
@@ -386,7 +386,7 @@ fn nothing_arrives_below_the_horizon() {
     assert!(at(&scene, &low(-0.01), settings, PLAIN, 1.0).min_element() > 0.1);
 }
 
-/// From below, the quad's normal is -y; and where a map leans east, it leans west then.
+/// From below, the quad's normal is -y. A map that leans east then leans west.
 #[test]
 fn seen_from_behind_a_bump_is_a_dent() {
     let leaning = flat("leaning", [0.8, 0.5, 0.9, 1.0]);

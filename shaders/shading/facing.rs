@@ -1,4 +1,4 @@
-//! Which way the light is, for directions and positions alike.
+//! Direction to the light, for directional lights and lights with a position alike.
 
 use glam::{Vec3, Vec4};
 use umbrage_core::{Light, Module, math::dot3, module};
@@ -6,8 +6,8 @@ use umbrage_core::{Light, Module, math::dot3, module};
 /// The WGSL half.
 pub const FACING: Module = module!("facing");
 
-/// Returns a light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights
-/// (unit direction to it, 0). From a point `p`, the light is along `xyz - w p`.
+/// Returns a light's centre in homogeneous coordinates (x, y, z, 1). Directional lights return the
+/// unit direction to the light (w = 0). The vector from a point `p` to the light is `xyz - w p`.
 pub fn homogeneous(light: &Light) -> Vec4 {
     match light.position() {
         Some(p) => p.extend(1.0),
@@ -16,7 +16,7 @@ pub fn homogeneous(light: &Light) -> Vec4 {
 }
 
 /// Returns 1 if a surface at the point `p` with the normal `n` faces away from a [`homogeneous`]
-/// light or runs along its rays, else 0.
+/// light or is parallel to its rays, else 0.
 #[inline(always)]
 pub fn turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32 {
     let to_light = Vec3::new(

@@ -1,10 +1,10 @@
-//! Vertex attributes over a triangle, and normals bent by a map: the arithmetic of
-//! [`surface`](crate::shading::surface) that reads no table.
+//! Vertex attributes over a triangle, and normals perturbed by a normal map. These are the
+//! functions of [`surface`](crate::shading::surface) that read no table.
 //!
-//! Normal maps: Cohen, Olano and Manocha 1998, "Appearance-Preserving Simplification"; in a tangent
-//! frame by Mikkelsen 2008, "Simulation of wrinkled surfaces revisited": normal and tangent are
-//! interpolated and *not* made unit vectors, the bitangent is their cross product times the
-//! handedness, so that maps baked by others come out as they meant.
+//! Normal maps: Cohen, Olano and Manocha 1998, "Appearance-Preserving Simplification". The tangent
+//! frame is that of Mikkelsen 2008, "Simulation of wrinkled surfaces revisited". Normal and tangent
+//! are interpolated and *not* normalised. The bitangent is their cross product times the
+//! handedness. So maps baked by other tools look as intended.
 
 use glam::{Vec3, Vec4};
 use umbrage_core::{
@@ -16,8 +16,8 @@ use umbrage_core::{
 /// The WGSL half.
 pub(crate) const INTERPOLATION: Module = module!("interpolation");
 
-/// Returns the weights of a triangle's corners at a point of its plane: signed areas over the
-/// triangle's.
+/// Returns the barycentric weights of a point in the plane of a triangle. They are signed areas
+/// divided by the triangle's area.
 #[inline(always)]
 pub(crate) fn barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let n = cross3(b - a, c - a);
@@ -34,7 +34,7 @@ pub(crate) fn weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4 {
     a * weights.x + b * weights.y + c * weights.z
 }
 
-/// Returns `v` over its length; `otherwise` if it has none.
+/// Returns `v` divided by its length, or `otherwise` if the length is zero.
 #[inline(always)]
 pub(crate) fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     let square = dot3(v, v);
@@ -45,8 +45,8 @@ pub(crate) fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     otherwise
 }
 
-/// Returns a normal map's normal `m` (tangent space) in the space of the tangent `t` (w:
-/// handedness) and the normal `n`. It is not of unit length.
+/// Transforms a normal map's normal `m` from tangent space to the space of the tangent `t` (w:
+/// handedness) and the normal `n`. The result is not of unit length.
 #[inline(always)]
 pub(crate) fn bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3 {
     let handedness = if t.w >= 0.0 { 1.0 } else { -1.0 };
@@ -54,7 +54,7 @@ pub(crate) fn bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3 {
     t.truncate() * m.x + bitangent * m.y + n * m.z
 }
 
-/// Returns `v`, turned around if `n` lies on the other side than `facing`.
+/// Returns `v`, negated if `n` is on the opposite side of `facing`.
 #[inline(always)]
 pub(crate) fn on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3 {
     if dot3(n, facing) < 0.0 { -v } else { v }
@@ -88,7 +88,7 @@ mod tests {
             barycentric(Vec3::new(2.0, 4.0, 0.0), A, B, C),
             Vec3::new(0.25, 0.25, 0.5)
         );
-        // Which way around does not matter.
+        // The orientation does not matter.
         assert_eq!(
             barycentric(Vec3::new(2.0, 4.0, 0.0), A, C, B),
             Vec3::new(0.25, 0.5, 0.25)
@@ -108,7 +108,7 @@ mod tests {
             bent(n, mirrored, Vec3::new(0.25, 0.5, 0.75)),
             Vec3::new(0.25, -0.5, 0.75)
         );
-        // A flat map gives the normal itself, whatever the frame.
+        // A flat map returns the normal itself in any frame.
         let n = Vec3::new(0.1, -0.7, 0.3);
         let t = Vec4::new(0.3, 0.9, 0.2, -1.0);
         assert_eq!(bent(n, t, Vec3::Z), n);

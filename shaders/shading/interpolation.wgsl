@@ -1,4 +1,5 @@
-// Twin of interpolation.rs: vertex attributes over a triangle, and normals bent by a map.
+// Twin of interpolation.rs: vertex attributes over a triangle, and normals perturbed by a normal
+// map.
 
 fn barycentric(p: vec3f, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     let n = cross3(b - a, c - a);

@@ -1,5 +1,5 @@
-//! How much of the light a surface sends on: Lambert's diffuse and Blinn's specular reflection, a
-//! spot's cone, and classic attenuation.
+//! Reflected light of a surface: Lambert's diffuse and Blinn's specular reflection, the cone of a
+//! spot light, and classic attenuation.
 
 use crate::shading::interpolation::unit_or;
 use glam::{Vec2, Vec3};
@@ -18,10 +18,10 @@ pub(crate) fn power(x: f32, log2: u32) -> f32 {
     y
 }
 
-/// Returns the diffuse and the specular share of the light from `l` seen from `v`, all unit
-/// vectors: Lambert's n.l, and Blinn 1977, "Models of light reflection for computer synthesized
-/// pictures": (n.h)^(2^`shininess_log2`) with h halfway between `l` and `v`. Both are 0 where the
-/// normal turns from the light.
+/// Returns the diffuse (x) and specular (y) factor for light from `l` viewed from `v`, all unit
+/// vectors. Diffuse is Lambert's n.l. Specular is (n.h)^(2^`shininess_log2`) with h halfway between
+/// `l` and `v`: Blinn 1977, "Models of light reflection for computer synthesized pictures". Both
+/// are 0 where the normal faces away from the light.
 #[inline(always)]
 pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
     let diffuse = dot3(n, l).max(0.0);
@@ -32,9 +32,9 @@ pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
     Vec2::ZERO
 }
 
-/// Returns the share of a spot's light at an angle to its axis, linear in the cosine: 0 at the
-/// outer angle, whose cosine is `outer`, 1 at the inner one, where `(cos - outer) * scale` reaches
-/// 1.
+/// Returns the factor of a spot's light at an angle to its axis, linear in the cosine. It is 0 at
+/// the outer angle, whose cosine is `outer`. It is 1 at the inner angle, where
+/// `(cos - outer) * scale` reaches 1.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -44,8 +44,8 @@ pub(crate) fn cone(cosine: f32, outer: f32, scale: f32) -> f32 {
     ((cosine - outer) * scale).max(0.0).min(1.0)
 }
 
-/// Returns `1 / (c + l d + q d^2)` at the distance d, metres; `factors` are (c, l, q). The
-/// attenuation of OpenGL 1.
+/// Returns the attenuation of OpenGL 1, `1 / (c + l d + q d^2)`, at the distance d, metres.
+/// `factors` are (c, l, q).
 #[inline(always)]
 pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
     1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!((power(1.0, 12), power(0.0, 12)), (1.0, 0.0));
     }
 
-    /// One step more of shininess squares the highlight, and leaves the diffuse share.
+    /// Incrementing the shininess squares the highlight and keeps the diffuse factor.
     #[test]
     fn a_step_of_shininess_doubles_the_power() {
         let n = Vec3::Z;
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn highlights_by_hand() {
-        // Light and eye mirror each other: h is the normal.
+        // Light and eye are mirror images of each other, so h is the normal.
         let mirror = blinn(
             Vec3::Z,
             Vec3::new(0.6, 0.0, 0.8),
@@ -96,7 +96,7 @@ mod tests {
             5,
         );
         assert_eq!(mirror, Vec2::new(0.8, 1.0));
-        // h = (1, 0, 1) / sqrt 2 between z and x: cos 45 degrees to the fourth is a quarter.
+        // h = (1, 0, 1) / sqrt 2 between z and x: cos 45 degrees to the fourth power is a quarter.
         let corner = blinn(Vec3::Z, Vec3::Z, Vec3::X, 2);
         assert!(
             (corner - Vec2::new(1.0, 0.25)).abs().max_element() < 1e-6,

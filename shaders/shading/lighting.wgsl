@@ -1,4 +1,4 @@
-// Twin of lighting.rs: how much of the light a surface sends on.
+// Twin of lighting.rs: reflected light of a surface.
 
 const MAX_SHININESS_LOG2 = 12u;
 

@@ -1,5 +1,4 @@
-//! Colour pictures: what a seen surface is made of, and how it shades under the light that a mask
-//! leaves it.
+//! Colour images: surface properties at visible points, and their shading with a shadow mask.
 
 pub(crate) mod blinn_phong;
 pub mod facing;

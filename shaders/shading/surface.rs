@@ -1,11 +1,10 @@
-//! The surface at a seen point: vertex attributes interpolated over its triangle, textures read,
-//! normals bent by a normal map. Only shading uses it. Shadow lookups take the geometric normal for
-//! their bias, because a shadow map stores the geometry's depth, without the relief of a normal
-//! map.
+//! Surface at a visible point: interpolated vertex attributes, textures, and normals perturbed by a
+//! normal map. Only shading uses it. Shadow lookups use the geometric normal for their bias,
+//! because a shadow map stores the depth of the geometry without the relief of a normal map.
 //!
-//! Seen from behind, a bump is a dent: the bent normal is turned as a whole to the side of the
-//! geometric normal, which faces the camera. (Turning it against the pixel's ray instead would turn
-//! smooth silhouettes inside out.)
+//! From behind, a bump appears as a dent. The perturbed normal is flipped as a whole to the side of
+//! the geometric normal, which faces the camera. (Flipping it against the pixel's ray instead would
+//! invert smooth silhouettes.)
 
 use crate::shading::{
     interpolation::{barycentric, bent, on_side_of, unit_or, weighted},
@@ -18,7 +17,7 @@ use umbrage_core::{Module, module};
 /// The WGSL half; it needs `texture`, `interpolation` and the tables of [`SurfaceTables`].
 pub(crate) const SURFACE: Module = module!("surface");
 
-/// A seen point, for shading.
+/// Surface properties of a visible point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfacePoint {
     /// Unit shading normal, on the camera's side of the triangle.
@@ -29,13 +28,13 @@ pub(crate) struct SurfacePoint {
     pub(crate) specular: Vec3,
     /// The highlight's power as a power of two.
     pub(crate) shininess_log2: u32,
-    /// Light of its own.
+    /// Emitted light.
     pub(crate) emissive: Vec3,
 }
 
 impl SurfaceTables {
-    /// Returns the surface at the point `p` (world space) of triangle `id`, whose geometric unit
-    /// normal towards the camera is `facing`; `None` if there is no such triangle.
+    /// Returns the surface at the point `p` (world space) of triangle `id`; `None` if there is no
+    /// such triangle. `facing` is the geometric unit normal towards the camera.
     #[inline(always)]
     pub(crate) fn surface(&self, id: u32, p: Vec3, facing: Vec3) -> Option<SurfacePoint> {
         let triangle = UVec4::from_array(*self.triangles.get(id as usize)?);
@@ -67,8 +66,8 @@ impl SurfaceTables {
         })
     }
 
-    /// Returns the unit shading normal. `n` is the interpolated vertex normal, not of unit length;
-    /// `map` is the normal map's place among the texels, with a width of 0 for none.
+    /// Returns the unit shading normal. `n` is the interpolated vertex normal, not of unit length.
+    /// `map` is the normal map's location in the texel table; a width of 0 means no map.
     #[inline(always)]
     fn shading_normal(
         &self,

@@ -1,5 +1,5 @@
-// Twin of surface.rs: what a seen point is made of. table_0: vertices, three rows each; table_1:
-// triangles; table_2: materials, five rows each; table_3: texels.
+// Twin of surface.rs: surface properties at a visible point. table_0: vertices, three rows each;
+// table_1: triangles; table_2: materials, five rows each; table_3: texels.
 
 struct SurfacePoint {
     normal: vec3f,
@@ -20,7 +20,7 @@ fn bilinear(texture: vec4u, uv: vec2f) -> vec4f {
     return blend(top, bottom, fraction(uv.y, texture.z));
 }
 
-// Row `row` of the triangle's three vertices.
+// Returns row `row` of the triangle's three vertices.
 fn corners(triangle: vec4u, row: u32) -> array<vec4f, 3> {
     return array<vec4f, 3>(
         bitcast<vec4f>(table_0[3u * triangle.x + row]),

@@ -1,25 +1,25 @@
-//! A scene's geometry and materials as tables that both languages read: vertices, triangles,
-//! materials, texels.
+//! Geometry and materials of a scene as tables for both languages: vertices, triangles, materials,
+//! texels.
 
 use crate::shading::texture;
 use glam::{UVec4, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use umbrage_core::{Geometry, Invalid, Material, NO_MATERIAL, Scene, Table};
 
-/// Rows a vertex: position and u; shading normal and v; tangent and handedness.
+/// Rows per vertex: position and u; shading normal and v; tangent and handedness.
 pub(crate) const VERTEX_ROWS: usize = 3;
-/// Rows a material: diffuse colour and shininess (an integer); specular colour; emission; diffuse
+/// Rows per material: diffuse colour and shininess (an integer); specular colour; emission; diffuse
 /// texture; normal map.
 pub(crate) const MATERIAL_ROWS: usize = 5;
 
 /// Rows of four words.
 type Rows = Arc<[[u32; 4]]>;
 
-/// The tables. Cheap to clone.
+/// Tables of one scene. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceTables {
     pub(crate) vertices: Rows,
-    /// A row each: vertices, and the material in the fourth word.
+    /// One row per triangle: its vertices, and the material in the fourth word.
     pub(crate) triangles: Rows,
     pub(crate) materials: Rows,
     pub(crate) texels: Rows,
@@ -29,7 +29,7 @@ impl SurfaceTables {
     /// Returns the tables of a valid scene and the geometry that was baked from it.
     ///
     /// # Errors
-    /// Errors if the geometry names materials that the scene doesn't have.
+    /// Errors if the geometry refers to materials that the scene doesn't have.
     pub(crate) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, Invalid> {
         let count = scene.materials.len() as u32;
         if let Some(id) = geometry
@@ -82,7 +82,8 @@ impl SurfaceTables {
     }
 }
 
-/// A table has at least one row; an empty scene, none of whose rows is ever read, gets zeros.
+/// Pads an empty table with `least` zero rows, because tables need at least one row. They are never
+/// read.
 fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> Rows {
     if rows.is_empty() {
         vec![[0; 4]; least].into()
@@ -91,7 +92,7 @@ fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> Rows {
     }
 }
 
-/// Returns each vertex's rows: see [`VERTEX_ROWS`].
+/// Returns each vertex's rows; see [`VERTEX_ROWS`].
 fn vertex_rows(geometry: &Geometry) -> Vec<[u32; 4]> {
     let mut rows = Vec::with_capacity(VERTEX_ROWS * geometry.positions().len());
     let vertices = geometry.positions().iter().zip(geometry.normals());
@@ -109,7 +110,7 @@ fn float_row(v: Vec4) -> [u32; 4] {
     v.to_array().map(f32::to_bits)
 }
 
-/// Returns a row for each triangle: its vertices and its material, `default` where it has none.
+/// Returns a row for each triangle: its vertices and its material, or `default` if it has none.
 fn triangle_rows(geometry: &Geometry, default: u32) -> Vec<[u32; 4]> {
     let mut rows = Vec::with_capacity(geometry.triangles().len());
     for (i, &[a, b, c]) in geometry.triangles().iter().enumerate() {
@@ -122,8 +123,8 @@ fn triangle_rows(geometry: &Geometry, default: u32) -> Vec<[u32; 4]> {
     rows
 }
 
-/// Returns a material's rows: see [`MATERIAL_ROWS`]. `places` are the textures' places among the
-/// texels.
+/// Returns a material's rows; see [`MATERIAL_ROWS`]. `places` are the textures' locations in the
+/// texel table.
 fn material_rows(m: &Material, places: &[UVec4]) -> [[u32; 4]; MATERIAL_ROWS] {
     [
         color_row(m.diffuse, m.shininess_log2),
@@ -139,7 +140,7 @@ fn color_row(color: Vec3, last_word: u32) -> [u32; 4] {
     [red, green, blue, last_word]
 }
 
-/// Returns a texture's place among the texels, or zeros for no texture.
+/// Returns a texture's location in the texel table, or zeros for no texture.
 fn texture_row(id: Option<usize>, places: &[UVec4]) -> [u32; 4] {
     match id.and_then(|id| places.get(id)) {
         Some(place) => place.to_array(),

@@ -1,17 +1,17 @@
-//! Textures in both languages: they repeat, and are read bilinearly with explicit loads, since
-//! samplers' weights have 8 bits on most hardware.
+//! Textures in both languages. They repeat, and are filtered bilinearly with explicit loads, since
+//! the weights of samplers have 8 bits on most hardware.
 //!
-//! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for
-//! no texture.
+//! A texture is `(first texel, width, height, 0)` in a table of texels. A width of 0 means no
+//! texture.
 
 use glam::{UVec2, UVec4, Vec2, Vec4};
 use umbrage_core::{Module, Texture, module};
 
-/// The WGSL half. Reading a table is the business of who declares it.
+/// WGSL half. The including module declares the texel table and how to load from it.
 pub(crate) const TEXTURE: Module = module!("texture");
 
-/// Returns the two texels along one axis, of `size`, between whose centres the texture coordinate
-/// `u` lies.
+/// Returns the two texels along an axis of `size` texels whose centres are around the texture
+/// coordinate `u`.
 #[inline(always)]
 pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     let x = ((u - u.floor()) * size as f32 - 0.5).floor();
@@ -20,7 +20,7 @@ pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     if x < 0.0 {
         return UVec2::new(last, first);
     }
-    // The last texel's neighbour is the first: textures repeat.
+    // Textures repeat: the last texel's neighbour is the first.
     let second = if first == last {
         0
     } else {
@@ -29,22 +29,22 @@ pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     UVec2::new(first, second)
 }
 
-/// Returns how far `u` is from the centre of the first of its [`neighbours`] to that of the second,
-/// 0 to 1.
+/// Returns the position of `u` between the centres of its two [`neighbours`], 0 to 1.
 #[inline(always)]
 pub(crate) fn fraction(u: f32, size: u32) -> f32 {
     let x = (u - u.floor()) * size as f32 - 0.5;
     x - x.floor()
 }
 
-/// Returns the linear blend from `a` to `b`; exact where both are equal, so that flat maps stay
+/// Returns the linear blend from `a` to `b`. It is exact if both are equal, so that flat maps stay
 /// flat.
 #[inline(always)]
 pub(crate) fn blend(a: Vec4, b: Vec4, t: f32) -> Vec4 {
     a + (b - a) * t
 }
 
-/// Returns the texture's value at `uv`, origin top left. `texels` is the table of all textures.
+/// Returns the texture's value at `uv`, with the origin at the top left. `texels` is the table of
+/// all textures.
 #[inline(always)]
 pub(crate) fn bilinear(texels: &[[u32; 4]], texture: UVec4, uv: Vec2) -> Vec4 {
     let columns = neighbours(uv.x, texture.y);
@@ -70,8 +70,8 @@ fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
     Vec4::from_array(texels[index as usize].map(f32::from_bits))
 }
 
-/// Returns all texels one after the other, and each texture's place among them. One row of zeros if
-/// there are none.
+/// Returns the texels of all textures in sequence, and each texture's location among them. The
+/// table is one row of zeros if there are none.
 pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
     let mut rows = Vec::new();
     let mut places = Vec::new();
@@ -102,7 +102,7 @@ pub(crate) const TWINS: &[umbrage_core::Twin] = &[
 mod tests {
     use super::*;
 
-    /// Red, green over blue, white: no flip or turn leaves it as it is.
+    /// Red, green over blue, white: every flip or rotation changes the image.
     fn texture() -> Texture {
         let texels = vec![
             [1.0, 0.0, 0.0, 1.0],
@@ -129,7 +129,7 @@ mod tests {
         bilinear(&rows, places[1], Vec2::new(u, v)).to_array()
     }
 
-    /// u grows to the right, v down; texel centres lie at quarters.
+    /// u grows to the right, v down; texel centres are at quarters.
     #[test]
     fn the_origin_is_top_left() {
         let [red, green, blue, white] = [0, 1, 2, 3].map(|i| texture().texels[i]);
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn between_centres_texels_blend_and_beyond_the_edge_they_repeat() {
         assert_eq!(read(0.5, 0.25), [0.5, 0.5, 0.0, 1.0]);
-        // Three quarters of the way from blue to white, and half of that with the row above.
+        // Three quarters of the way from blue to white, blended equally with the row above.
         assert_eq!(read(0.625, 0.75), [0.75, 0.75, 1.0, 1.0]);
         assert_eq!(
             read(0.0, 0.25),

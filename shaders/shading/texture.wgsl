@@ -1,4 +1,4 @@
-// Twin of texture.rs: textures that repeat, read with explicit loads.
+// Twin of texture.rs: repeating textures, read with explicit loads.
 
 fn neighbours(u: f32, size: u32) -> vec2u {
     let x = floor((u - floor(u)) * f32(size) - 0.5);
@@ -15,7 +15,7 @@ fn fraction(u: f32, size: u32) -> f32 {
     return x - floor(x);
 }
 
-// Exact where both are equal, so that flat maps stay flat.
+// The result is exact if both are equal, so that flat maps stay flat.
 fn blend(a: vec4f, b: vec4f, t: f32) -> vec4f {
     return a + (b - a) * t;
 }

@@ -1,15 +1,15 @@
-//! The depth halfway between two images of depth: what a map of midpoints holds.
+//! Mean of two depth images, which midpoint maps store.
 
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{FilterKernel, ImageView, Inputs, Kernel, Module, module};
 
-/// Returns the filter from two images of depth to their mean.
+/// Returns the filter that computes the mean of two depth images.
 pub(crate) fn between() -> Arc<dyn FilterKernel> {
     Arc::new(BetweenKernel)
 }
 
-/// The mean of two images.
+/// Filter that computes the mean of two images.
 #[derive(Clone, Copy, Debug)]
 pub struct BetweenKernel;
 

@@ -1,102 +1,108 @@
-//! Bias: how a receiver is kept from shadowing itself. One piece, taken by every map technique.
+//! Bias settings, which keep receivers from shadowing themselves. All map techniques share them.
 //!
-//! A shadow map stores one depth a texel, the receiver has another depth at each pixel; where the
-//! stored surface slopes away under its own texel, the receiver finds itself behind it (acne).
-//! Every cure moves one of the two apart, and detaches shadows from their casters if it moves too
-//! far (peter-panning). The cures, all of which may be combined:
+//! A shadow map stores one depth per texel, but the receiver's depth varies from pixel to pixel. If
+//! the stored surface slopes away within its texel, the receiver may be behind it (acne). Each
+//! remedy moves the receiver or the caster. Moving too far detaches shadows from their casters
+//! (peter-panning). The remedies can be combined:
 //!
-//! * **constant**: a fixed clip depth. Right for one slope only.
-//! * **slope-scaled receiver bias**: `max(slope (1 - n.l), min)` in clip depth, the textbooks'
+//! - **constant**: a fixed clip depth. It is right for one slope only.
+//! - **slope-scaled receiver bias**: `max(slope (1 - n.l), min)` in clip depth, the textbooks'
 //!   `max(.05 (1 - n.l), .005)`.
-//! * **polygon offset** ([`RasterBias`]): the rasteriser pushes casters away by their own depth
+//! - **polygon offset** ([`RasterBias`]): the rasteriser moves casters away by their own depth
 //!   slope.
-//! * **normal offset** (Holbert 2011, "Saying goodbye to shadow acne"): the receiver moves along
+//! - **normal offset** (Holbert 2011, "Saying goodbye to shadow acne"): the receiver moves along
 //!   its geometric normal by texels times the sine of the light's angle of incidence.
-//! * **receiver plane** (Schüler 2006, "Eliminating surface acne with gradient shadow mapping";
+//! - **receiver plane** (Schüler 2006, "Eliminating surface acne with gradient shadow mapping";
 //!   Isidoro 2006, "Shadow mapping: GPU-based tips and techniques"): each tap is compared with the
-//!   depth that the receiver's plane has at the tap. Analytic here: from the geometric normal, not
-//!   from screen-space derivatives.
-//! * **both planes** ([`Bias::ADAPTIVE`], the default): see below.
-//! * **culling front faces** ([`Cull::Front`]; Wang and Molnar 1994, "Second-depth shadow
+//!   depth of the receiver's plane at the tap. The plane is computed analytically from the
+//!   geometric normal, not from screen-space derivatives.
+//! - **both planes** ([`Bias::ADAPTIVE`], the default): see below.
+//! - **culling front faces** ([`Cull::Front`]; Wang and Molnar 1994, "Second-depth shadow
 //!   mapping"): closed casters store their far side. Leaks at contacts, fails on open casters.
 //!
 //! # The default
 //!
-//! Of two things that meet in a texel, the receiver's surface and the stored one, each is known as
-//! a plane. Between the receiver, whose depth is z at q, and the texel's centre c, a continuous
-//! surface changes its depth by the slopes of the facets that it crosses: by t gₐ·d on the
-//! receiver's own facet, and by (1 - t) gₛ·d on the stored one, where d = c - q is at most half a
-//! texel along each axis and t is the share of the way on the receiver's. Two corrections, each
-//! from one plane, keep such a surface from shadowing itself, however its facets lie:
+//! Each texel compares two surfaces, the receiver's and the stored one. Both are known as planes.
+//! Let z be the receiver's depth at q, c the texel's centre, and d = c - q, at most half a texel
+//! along each axis. Along d, the depth of a continuous surface changes by the slopes of the facets
+//! that it crosses: by t gₐ·d on the receiver's facet, and by (1 - t) gₛ·d on the stored one. Here
+//! t is the fraction of the way that is on the receiver's facet. Two corrections, each derived from
+//! one plane, keep such a surface from shadowing itself for any arrangement of its facets:
 //!
-//! * the depth compared is min(z, z + gₐ·d): that of the receiver's plane at the texel, but never
-//!   deeper than the receiver. (The plane alone, Schüler's and Isidoro's rule, says how deep a tap
-//!   *would* be if the facet went on to it. Where facets are smaller than texels it doesn't, and a
-//!   neighbour that is nearer than the plane, but deeper than the receiver, is taken for a blocker.
-//!   What is deeper than the receiver at the texel can't hide it unless it slopes.)
-//! * casters move away by half a texel of their own slope (a polygon offset of .5): what the stored
-//!   facet may gain between the texel's centre and its rim.
+//! - The compared depth is min(z, z + gₐ·d): the depth of the receiver's plane at the texel, but
+//!   never deeper than the receiver. The plane alone, Schüler's and Isidoro's rule, gives the depth
+//!   that a tap *would* have if the facet extended to it. Facets smaller than texels don't. Then a
+//!   neighbour between the plane and the receiver's depth is mistaken for a blocker. A surface
+//!   deeper than the receiver at the texel can't hide it unless that surface slopes.
+//! - Casters move away by half a texel of their own slope (a polygon offset of .5). This is the
+//!   most that the stored facet can gain between the texel's centre and its edge.
 //!
-//! Of -(t gₐ + (1 - t) gₛ)·d nothing is left that the second doesn't take off where the stored
-//! facet slopes along one axis. (A polygon offset counts the steeper axis alone, so along the
-//! diagonal it would take twice as much to be sure.) Kernels that reach r texels farther meet
-//! facets that neither plane knows: .25 r texels of slope more do best over the built-in scenes and
-//! scanned models; comparison samples, each of which compares one depth with four texels, take 2 in
-//! all. Neither half detaches a shadow by more than about a texel's gain of the surface that it
-//! belongs to, and both are many times what rasterisers are off that snap vertices to 1/16 texel
-//! (1/32 texel's gain), the coarsest that Vulkan allows. The CPU's models of coarser grids bear
-//! that out (`tests/suite/coarse_grids.rs`). `cargo xtask bias` compares it with the best of all
+//! The second correction removes the remaining -(t gₐ + (1 - t) gₛ)·d if the stored facet slopes
+//! along one axis. A polygon offset uses only the steeper axis, so a guarantee along the diagonal
+//! would need twice as much. Kernels that reach r texels farther meet facets that neither plane
+//! describes. An additional .25 r texels of slope is best over the built-in scenes and scanned
+//! models. Comparison samples, each of which compares one depth with four texels, use 2 texels in
+//! total.
+//!
+//! Neither correction detaches a shadow by more than about one texel's gain of its surface. Both
+//! greatly exceed the error of rasterisers that snap vertices to 1/16 texel (1/32 texel's gain),
+//! the coarsest grid that Vulkan allows. Tests with the CPU's models of coarser grids confirm this
+//! (`tests/suite/coarse_grids.rs`). `cargo xtask bias` compares this bias with the best of all
 //! others on any scene.
 //!
-//! Known failures: comparison samples take the whole margin from the stored facet, so where a steep
-//! facet meets a flatter one at a convex edge, the flatter one's margin is too small and the steep
-//! one is up to some percent grey within a texel of the edge ([`Bias::RECEIVER_PLANE`] has none of
-//! that, and errs more on finely tessellated models). At grazing light no finite constant is
-//! enough; the offset of slope and normal grows past thin casters; the receiver's plane alone says
-//! nothing about a neighbouring triangle with another slope, so that under a low sun hills get acne
-//! along their creases, and finely tessellated models all over. Far from the origin positions are
-//! rounded: under directional light the constants of normal offset and receiver's plane grow with
-//! that, and shadows start as far behind their casters; lamps get acne there (shapes of a metre
-//! from a kilometre on). Constant and slope-scaled biases are clip depth: under a lamp, whose clip
-//! depth is crowded near it, they lose casters close to the lamp, and shadows start centimetres
-//! behind thin plates.
+//! Known failures:
+//!
+//! - Comparison samples take the whole margin from the stored facet. Where a steep facet meets a
+//!   flatter one at a convex edge, the flatter one's margin is too small. The steep facet is then
+//!   up to some percent grey within a texel of the edge. [`Bias::RECEIVER_PLANE`] avoids this, but
+//!   has larger errors on finely tessellated models.
+//! - At grazing light no finite constant is enough, and the offset of slope and normal exceeds the
+//!   thickness of thin casters.
+//! - The receiver's plane alone does not describe a neighbouring triangle with another slope. Under
+//!   a low sun, hills get acne along their creases, and finely tessellated models everywhere.
+//! - Far from the origin positions are rounded. Under directional light the constants of normal
+//!   offset and receiver plane grow accordingly, and shadows start that far behind their casters.
+//!   Lights with a position get acne there (shapes of a metre from a kilometre on).
+//! - Constant and slope-scaled biases are clip depth, which a light with perspective concentrates
+//!   near itself. They lose casters close to the light, and shadows start centimetres behind thin
+//!   plates.
 
 #[cfg(doc)]
 use umbrage_core::Snapping;
 use umbrage_core::{Cull, Invalid, RasterBias, invalid};
 
-/// All slopes that a light space can hold: from its near to its far plane within a texel.
+/// Upper bound of all slopes in a light space: from its near to its far plane within a texel.
 const STEEPEST: f32 = 1.0;
 /// Texels of their own slope by which [`Bias::ADAPTIVE`] moves casters for one comparison: half the
 /// texel's side.
 const CASTER_TEXELS: f32 = 0.5;
-/// Texels of slope more for each texel that a kernel reaches: measured (`cargo xtask bias`).
+/// Additional texels of slope per texel of kernel reach; measured with `cargo xtask bias`.
 const CASTER_TEXELS_PER_REACH: f32 = 0.25;
-/// The same for comparison samples, each of which compares one depth with four texels up to a texel
-/// away along both axes: over that way a plane gains at most twice what it gains along its steeper
-/// axis, which is what a polygon offset counts.
+/// Texels of slope for comparison samples, each of which compares one depth with four texels. These
+/// are up to a texel away along both axes. Over that distance a plane gains at most twice the slope
+/// of its steeper axis, which is the slope that a polygon offset uses.
 const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
 
-/// The same where taps follow the receiver's plane alone, so that what is compared is equal but for
-/// rounding. The coarsest rasterisers ([`Snapping::COARSEST`]) store depths of a place that is up
-/// to half a step of their grid away along both axes, so by a step, 1/16 texel, of the steeper
-/// slope. Twice that, since some lay one plane through three corners of a clipped polygon: what
-/// lies beyond the three is farther off.
+/// Texels of slope for taps that follow only the receiver's plane, where the compared depths differ
+/// only by rounding. The coarsest rasterisers ([`Snapping::COARSEST`]) store the depth of a point
+/// up to half a grid step away along both axes. That is the steeper slope times one step, 1/16
+/// texel. The value is twice that, since some rasterisers use one plane through three corners of a
+/// clipped polygon and are less accurate beyond the three.
 const CASTER_TEXELS_BESIDE_THE_PLANE: f32 = 0.125;
 
-/// How a kernel compares receivers with the map, as far as [`Bias::ADAPTIVE`] depends on it.
+/// Comparison method of a kernel, as far as [`Bias::ADAPTIVE`] depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CompareMethod {
-    /// With single texels.
+    /// Comparisons with single texels.
     Taps {
-        /// How far they reach beyond the receiver's own texel, texels.
+        /// Reach beyond the receiver's own texel, texels.
         reach: f32,
     },
-    /// With comparison samples, each of which blends the answers of 2x2 texels.
+    /// Comparison samples, each of which blends the results of 2x2 texels.
     Samples,
 }
 
-/// The bias of a map technique. `Default` is none at all.
+/// Bias of a map technique. The `Default` is no bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -104,31 +110,32 @@ pub enum CompareMethod {
     serde(default, deny_unknown_fields)
 )]
 pub struct Bias {
-    /// Clip depth, 0 to 1; subtracted from the receiver's depth. Where the bias also moves the
-    /// receiver or its taps (normal offset, receiver's plane), this is for rounding: under
-    /// directional light it is at least what positions so far from the origin are rounded by.
+    /// Clip depth, 0 to 1, that is subtracted from the receiver's depth. If the bias also moves the
+    /// receiver or its taps (normal offset, receiver plane), this covers rounding. Under
+    /// directional light it is then at least the rounding error of positions at that distance from
+    /// the origin.
     pub constant: f32,
     /// Clip depth at grazing light: the receiver's depth loses `max(slope (1 - n.l), slope_min)`.
     pub slope: f32,
-    /// Clip depth, the least that the slope term takes off.
+    /// Clip depth, the lower bound of the slope term.
     pub slope_min: f32,
     /// Polygon offset of the casters.
     pub raster: RasterBias,
-    /// Texels along the receiver's normal at grazing light; scaled by the sine of the angle of
-    /// incidence.
+    /// Receiver offset along its normal at grazing light, texels; scaled by the sine of the angle
+    /// of incidence.
     pub normal_offset: f32,
-    /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0
-    /// switches it off.
+    /// Greatest depth slope, clip depth per texel, that taps follow along the receiver's plane; 0
+    /// disables it.
     pub receiver_plane: f32,
-    /// Both planes, the receiver's and the stored surface's: see the module's page. Beside it
-    /// `receiver_plane` has no meaning, and `raster` is added to the casters' half of it.
+    /// Uses both planes, the receiver's and the stored surface's: see the module documentation.
+    /// Overrides `receiver_plane`; `raster` is added to the offset of the casters.
     pub adaptive: bool,
-    /// Casters' faces left out.
+    /// Culled faces of casters.
     pub cull: Cull,
 }
 
 impl Bias {
-    /// Nothing: shows acne.
+    /// No bias, which shows acne.
     pub const NONE: Self = Self {
         constant: 0.0,
         slope: 0.0,
@@ -143,25 +150,25 @@ impl Bias {
         adaptive: false,
         cull: Cull::None,
     };
-    /// The default of all map techniques but those that cull front faces: both planes, without a
+    /// Default of all map techniques except those that cull front faces. Uses both planes and no
     /// number that depends on the scene. The constant of 1e-5 covers the rounding of depths.
     pub const ADAPTIVE: Self = Self {
         adaptive: true,
         constant: 1e-5,
         ..Self::NONE
     };
-    /// The textbooks' constant bias of .005.
+    /// Constant bias of the textbooks, .005.
     pub const CONSTANT: Self = Self {
         constant: 0.005,
         ..Self::NONE
     };
-    /// The textbooks' slope-scaled bias, `max(.05 (1 - n.l), .005)`.
+    /// Slope-scaled bias of the textbooks, `max(.05 (1 - n.l), .005)`.
     pub const SLOPE: Self = Self {
         slope: 0.05,
         slope_min: 0.005,
         ..Self::NONE
     };
-    /// The textbooks' polygon offset: slope factor 2, 4 units.
+    /// Polygon offset of the textbooks: slope factor 2, 4 units.
     pub const POLYGON_OFFSET: Self = Self {
         raster: RasterBias {
             constant: 4,
@@ -170,22 +177,22 @@ impl Bias {
         },
         ..Self::NONE
     };
-    /// The normal offset that one comparison needs: see [`Bias::normal_offset`].
+    /// Normal offset that one comparison needs: see [`Bias::normal_offset`].
     pub const NORMAL_OFFSET: Self = Self::normal_offset(0.0);
-    /// Isidoro's receiver's plane, up to a slope of .1 a texel, and 1e-5 for the rounding of
+    /// Isidoro's receiver plane, up to a slope of .1 per texel, and 1e-5 for the rounding of
     /// depths. Casters move away by 1/8 texel of their slope, for the rounding of vertices.
     pub const RECEIVER_PLANE: Self = Self {
         receiver_plane: 0.1,
         constant: 1e-5,
         ..Self::NONE
     };
-    /// Front faces of the casters left out.
+    /// Culls the front faces of casters.
     pub const FRONT_CULL: Self = Self {
         cull: Cull::Front,
         ..Self::NONE
     };
 
-    /// The named settings above.
+    /// Named settings above.
     pub const PRESETS: [(&'static str, Self); 8] = [
         ("none", Self::NONE),
         ("adaptive", Self::ADAPTIVE),
@@ -197,11 +204,11 @@ impl Bias {
         ("front cull", Self::FRONT_CULL),
     ];
 
-    /// The least normal offset that frees a plane of acne, for a kernel that reaches `reach` texels
-    /// beyond the receiver's own: a tap's centre is up to `reach + .5` texels away along each axis,
-    /// so (reach + .5) sqrt(2) in all; over a distance d, a plane at angle t to the light gains
-    /// depth d tan(t), and moving the receiver by o sin(t) along its normal takes off o tan(t). The
-    /// constant of 1e-5 covers the rounding of depths.
+    /// Returns the least normal offset without acne on a plane, for a kernel that reaches `reach`
+    /// texels beyond the receiver's own. A tap's centre is up to `reach + .5` texels away along
+    /// each axis, so (reach + .5) sqrt(2) in total. Over a distance d, a plane at angle t to the
+    /// light gains depth d tan(t). Moving the receiver by o sin(t) along its normal subtracts o
+    /// tan(t). The constant of 1e-5 covers the rounding of depths.
     pub const fn normal_offset(reach: f32) -> Self {
         Self {
             normal_offset: (reach + 0.5) * std::f32::consts::SQRT_2,
@@ -210,9 +217,9 @@ impl Bias {
         }
     }
 
-    /// The least polygon offset that frees a plane of acne, for the same reach: depth grows by at
-    /// most m a texel along each of two axes, so by (2 reach + 1) m to the farthest tap. Four
-    /// units, as in the textbooks, cover rounding.
+    /// Returns the least polygon offset without acne on a plane, for a kernel that reaches `reach`
+    /// texels beyond the receiver's own. Depth grows by at most m per texel along each of two axes,
+    /// so by (2 reach + 1) m to the farthest tap. Four units, as in the textbooks, cover rounding.
     pub const fn polygon_offset(reach: f32) -> Self {
         Self {
             raster: RasterBias {
@@ -224,14 +231,14 @@ impl Bias {
         }
     }
 
-    /// Returns whether the constant is there for rounding alone, since the rest of the bias moves
-    /// the receiver or its taps as far as the geometry requires.
+    /// Returns whether the constant only covers rounding, since the rest of the bias moves the
+    /// receiver or its taps as far as the geometry requires.
     pub(crate) fn covers_rounding(&self) -> bool {
         self.constant > 0.0
             && (self.adaptive || self.receiver_plane > 0.0 || self.normal_offset > 0.0)
     }
 
-    /// Returns the greatest depth slope that taps follow, clip depth a texel; 0 where they follow
+    /// Returns the greatest depth slope that taps follow, clip depth per texel; 0 if they follow
     /// none.
     pub(crate) fn plane_limit(&self) -> f32 {
         if self.adaptive {
@@ -241,8 +248,8 @@ impl Bias {
         }
     }
 
-    /// Returns the polygon offset of the casters, with what the bias adds for this kind of
-    /// comparison.
+    /// Returns the polygon offset of the casters, including what the bias adds for this comparison
+    /// method.
     pub(crate) fn raster_for(&self, compare: CompareMethod) -> RasterBias {
         let texels = match compare {
             CompareMethod::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
@@ -259,7 +266,7 @@ impl Bias {
         }
     }
 
-    /// Returns a few words for tables: a preset's name, or the fields that are set.
+    /// Returns a short label for tables: a preset's name, or the fields that are set.
     pub fn label(&self) -> String {
         if let Some((name, _)) = Self::PRESETS.iter().find(|(_, preset)| preset == self) {
             return format!("bias: {name}");

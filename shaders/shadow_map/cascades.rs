@@ -1,9 +1,10 @@
-//! Which of several cascades answers for a receiver, and how much of its answer is the next one's.
+//! Selection of a receiver's cascade, and the blending of two cascades.
 //!
-//! The first cascade answers on whose map the receiver lies with all that the kernel reaches, and
-//! before whose far plane: no distance from the camera is asked for, so each map is used as far as
-//! it goes. Answers blend where a cascade's map ends, since there a line would show between texels
-//! of two sizes.
+//! The first cascade that contains the receiver is used. The receiver and everything that the
+//! kernel reaches must be inside its map, and the receiver must be before its far plane. The
+//! distance from the camera is not used, so each map is used over its whole extent. The
+//! visibilities of two cascades blend near the edge of a map, since a line would show there between
+//! texels of two sizes.
 
 use super::{
     coord::{clip_w, point_over_w, texel_from_point},
@@ -16,12 +17,12 @@ use umbrage_core::{Module, module};
 /// [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`](super::coord::PROJECTION).
 pub const CASCADES: Module = module!("cascades");
 
-/// The WGSL that reads the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`,
+/// WGSL functions that read the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`,
 /// `share_of_layer`.
 pub(crate) const LAYER_PICK: Module = module!("layer_pick");
 
-/// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map,
-/// texels (x), and before the far plane, clip depth (y). Negative outside.
+/// Returns the distance of `p` (world space) inside a cascade's map: to the nearest side of the
+/// map, texels (x), and to the far plane, clip depth (y). Negative outside.
 #[inline(always)]
 pub fn room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2 {
     let w = clip_w(&clip_from_world, p);
@@ -32,16 +33,16 @@ pub fn room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2 {
     Vec2::new(across.min(down), 1.0 - point.z)
 }
 
-/// Returns whether a cascade holds a receiver with this room around it, for kernels that reach
+/// Returns whether a cascade contains a receiver at this distance inside, for kernels that reach
 /// `reach` texels.
 #[inline(always)]
 pub fn is_held(room: Vec2, reach: f32) -> bool {
     room.x > reach && room.y >= 0.0
 }
 
-/// Returns the share, 0..=1, of a cascade's own answer for a receiver with this room around it; the
-/// rest is that of the next. It grows over `blend` texels (more than 0), from where the cascade
-/// stops to hold the receiver.
+/// Returns the weight, 0..=1, of a cascade's visibility for a receiver at this distance inside. The
+/// remainder is the weight of the next cascade. The weight grows over `blend` texels (more than 0),
+/// starting where the cascade begins to contain the receiver.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -52,8 +53,8 @@ pub fn own_share(room: Vec2, reach: f32, depth_in_texels: f32, blend: f32) -> f3
     (inside / blend).max(0.0).min(1.0)
 }
 
-/// Returns the index of the first cascade that holds a receiver at `p` (world space), and of the
-/// last if none does.
+/// Returns the index of the first cascade that contains a receiver at `p` (world space), or of the
+/// last cascade if none does.
 #[inline(always)]
 pub fn cascade_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     let last = m.used_layers().len() - 1;
@@ -65,16 +66,16 @@ pub fn cascade_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     last as i32
 }
 
-/// Returns whether a cascade holds a receiver at `p` (world space).
+/// Returns whether a cascade contains a receiver at `p` (world space).
 #[inline(always)]
 pub fn holds(m: &ShadowMapUniforms, layer: &MapLayer, p: Vec3) -> bool {
     let room = room_around(layer.clip_from_world, p, m.size);
     is_held(room, m.pick_reach)
 }
 
-/// Returns the share, 0..=1, of the answer of the layer `index` for a receiver at `p` (world space)
-/// that was picked for it; the rest is that of the next layer. It is 1 where the next one doesn't
-/// hold the receiver.
+/// Returns the weight, 0..=1, of the layer `index`, which was selected for a receiver at `p` (world
+/// space). The remainder is the weight of the next layer. It is 1 if the next layer doesn't contain
+/// the receiver.
 #[inline(always)]
 pub fn share_of_layer(m: &ShadowMapUniforms, index: i32, p: Vec3) -> f32 {
     let used = m.used_layers();
@@ -91,7 +92,7 @@ pub fn share_of_layer(m: &ShadowMapUniforms, index: i32, p: Vec3) -> f32 {
     }
 }
 
-/// Returns the mean of two answers, the first of which has this share.
+/// Returns the weighted mean of two visibilities; `share` is the weight of the first.
 #[inline(always)]
 pub fn blended(own: f32, next: f32, share: f32) -> f32 {
     own * share + next * (1.0 - share)

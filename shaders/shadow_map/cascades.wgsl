@@ -1,5 +1,5 @@
-// Twin of the rules in cascades.rs that read nothing: how far inside a cascade a receiver lies, and
-// how two answers blend.
+// Twin of the functions in cascades.rs that read no data: the distance of a receiver inside a
+// cascade, and blending.
 
 fn room_around(clip_from_world: mat4x4f, p: vec3f, size: f32) -> vec2f {
     let clip = transform(clip_from_world, p);

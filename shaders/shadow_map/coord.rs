@@ -1,5 +1,5 @@
-//! From a receiver to a texel of a shadow map: what every map technique's kernel begins with, in
-//! both halves.
+//! Projection of a receiver to a texel of a shadow map, the first step of every map technique's
+//! kernel, in both languages.
 //!
 //! The functions take and return plain numbers, so that compilers can vectorise loops over them.
 //! [`lanes::batch`](crate::lanes::batch) calls them in such loops, for many receivers at a time.
@@ -20,29 +20,30 @@ pub const COORD: Module = module!("coord");
 /// Functions without images or uniforms, called by [`COORD`]; their WGSL is `projection.wgsl`.
 pub const PROJECTION: Module = module!("projection");
 
-/// A receiver's place on the map, and the depth that is compared there.
+/// Coordinates of a receiver on the map, and the depth that is compared there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShadowCoord {
     /// Texel coordinates, origin top left, centres at .5.
     pub texel: Vec2,
     /// Clip depth to compare with, biased.
     pub depth: f32,
-    /// Change of that depth per texel right (x) and down (y); zero unless the receiver's plane is
-    /// followed.
+    /// Change of that depth per texel right (x) and down (y); zero unless taps follow the
+    /// receiver's plane.
     pub gradient: Vec2,
-    /// Upper bound of the depth that follows the receiver's plane: the greater of `depth` and
-    /// [`MapLayer::deepest_tap`]; equals `depth` for the adaptive bias.
+    /// Upper bound of the depth along the receiver's plane: the greater of `depth` and
+    /// [`MapLayer::deepest_tap`]. Equals `depth` for the adaptive bias.
     pub deepest: f32,
     /// Index of the map's layer.
     pub layer: i32,
-    /// Whether the receiver is in front of the light and not beyond the far bound; else it is lit.
+    /// True if the receiver is in front of the light and not beyond the far bound; otherwise it is
+    /// lit.
     pub covered: bool,
 }
 
 /// Returns the unit direction from `p` to the light: see [`ShadowMapUniforms::light`].
 ///
-/// `light.xyz` is the unit direction to the light if `light.w` is 0, the light's position if it is
-/// 1.
+/// If `light.w` is 0, `light.xyz` is the unit direction to the light. If it is 1, `light.xyz` is
+/// the light's position.
 #[inline(always)]
 pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
     if light.w == 0.0 {
@@ -73,13 +74,13 @@ fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
     x + y + z + m.w_axis[i]
 }
 
-/// Returns the clip w of a point: metres before the light with perspective, else 1.
+/// Returns the clip w of a point: metres before the light with perspective, otherwise 1.
 #[inline(always)]
 pub fn clip_w(clip_from_world: &Mat4, p: Vec3) -> f32 {
     row(clip_from_world, 3, p)
 }
 
-/// Returns a point's clip coordinates over its clip `w`.
+/// Returns a point's clip coordinates divided by its clip `w`.
 #[inline(always)]
 pub fn point_over_w(clip_from_world: &Mat4, p: Vec3, w: f32) -> Vec3 {
     Vec3::new(
@@ -89,7 +90,7 @@ pub fn point_over_w(clip_from_world: &Mat4, p: Vec3, w: f32) -> Vec3 {
     )
 }
 
-/// Returns texel coordinates (x, y) and the unchanged depth (z), from clip coordinates over w.
+/// Returns texel coordinates (x, y) and the unchanged depth (z) from clip coordinates divided by w.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -98,15 +99,15 @@ pub fn point_over_w(clip_from_world: &Mat4, p: Vec3, w: f32) -> Vec3 {
 pub fn texel_from_point(point: Vec3, size: f32) -> Vec3 {
     let u = (point.x * 0.5 + 0.5) * size;
     let v = (0.5 - point.y * 0.5) * size;
-    // Bounded, so that conversion to integers means the same everywhere.
+    // Clamp the coordinates, so that conversion to integers has the same result on every device.
     Vec3::new(u.min(1e6).max(-1e6), v.min(1e6).max(-1e6), point.z)
 }
 
 /// Returns the depth change per texel, right and down, along the receiver's plane.
 ///
-/// The plane has the normal `n` and goes through `point`: clip coordinates over w.
-/// A projection maps planes to planes, so two tangents and a two-by-two system give the exact
-/// result. The result is zero for a plane seen edge-on. Each component is clamped to
+/// The plane has the normal `n` and passes through `point`, clip coordinates divided by w. A
+/// projection maps planes to planes, so two tangents and a two-by-two system give the exact result.
+/// The result is zero for a plane that the light views edge-on. Each component is clamped to
 /// -limit..=limit.
 #[inline(always)]
 pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2 {
@@ -122,8 +123,7 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let det = a.x * b.y - b.x * a.y;
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
-    // Both are bounded before the choice: work inside a branch would keep compilers from vector
-    // lanes.
+    // Clamp both before the selection: arithmetic inside a branch would prevent vectorisation.
     let right = clamp_gradient(right, limit);
     let down = clamp_gradient(down, limit);
     let longest = a.x.abs().max(a.y.abs()).max(b.x.abs().max(b.y.abs()));
@@ -134,9 +134,9 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     )
 }
 
-/// The light is in a plane if the determinant is less than this part of the longest slide's square:
-/// 2^-20. Rounding makes up to 12 * 2^-24 of it in maps four times as wide as high, and devices
-/// would differ in its sign.
+/// Relative threshold of the determinant, 2^-20, below which the light is in the plane. It is
+/// scaled by the longest slide's square. Rounding alone gives up to 12 * 2^-24 in maps four times
+/// as wide as high, with a sign that differs between devices.
 const EDGE_ON: f32 = 1.0 / 1_048_576.0;
 
 /// Returns `g` clamped to -limit..=limit, and `limit` for NaN.
@@ -149,7 +149,7 @@ fn clamp_gradient(g: f32, limit: f32) -> f32 {
 /// Returns the change of texel coordinates and depth along a world-space tangent, times the point's
 /// clip w.
 ///
-/// The factor w cancels in [`plane_gradient`], whose quotients have it squared above and below.
+/// The factor w cancels in [`plane_gradient`]: both sides of its quotients contain w squared.
 #[inline(always)]
 pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3 {
     let x = row_along(&clip_from_world, 0, tangent);
@@ -157,8 +157,7 @@ pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Ve
     let z = row_along(&clip_from_world, 2, tangent);
     let w = row_along(&clip_from_world, 3, tangent);
     let half = size * 0.5;
-    // The quotient rule: the change of x / w is (x' - (x / w) w') / w. The last division is left
-    // out.
+    // Use the quotient rule: the change of x / w is (x' - (x / w) w') / w. Omit the last division.
     Vec3::new(
         (x - point.x * w) * half,
         (point.y * w - y) * half,
@@ -178,7 +177,7 @@ fn row_along(m: &Mat4, i: usize, direction: Vec3) -> f32 {
 /// Returns a receiver moved along its normal by `normal_offset` texels, times the sine of the angle
 /// of incidence.
 ///
-/// A texel counts as wide as it is at the receiver.
+/// The width of a texel is that at the receiver.
 #[inline(always)]
 pub fn offset_along_normal(layer: &MapLayer, p: Vec3, n: Vec3, n_dot_l: f32) -> Vec3 {
     let texel = layer.texel * clip_w(&layer.clip_from_world, p);
@@ -186,18 +185,19 @@ pub fn offset_along_normal(layer: &MapLayer, p: Vec3, n: Vec3, n_dot_l: f32) -> 
     Vec3::new(p.x + n.x * metres, p.y + n.y * metres, p.z + n.z * metres)
 }
 
-/// Returns where a receiver at `p` with the unit normal `n` (world space) is looked up in the map.
+/// Returns the map coordinates of a receiver at `p` with the unit normal `n` (world space).
 #[inline(always)]
 pub fn shadow_coord(m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
     shadow_coord_in(layer_at(m, p), m, p, n)
 }
 
-/// Returns the same in the layer `index`, whichever layer is the receiver's.
+/// Returns the coordinates of a receiver in the layer `index`, independent of [`layer_at`].
 ///
 /// Panics if there is no such layer.
 #[inline(always)]
 pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
     let layer = &m.layers[index as usize];
+    // Bias the receiver.
     let mut moved = p;
     let mut bias = layer.constant;
     if layer.has_receiver_bias() {
@@ -207,9 +207,11 @@ pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> S
             moved = offset_along_normal(layer, p, n, n_dot_l);
         }
     }
+    // Project it to the map.
     let w = clip_w(&layer.clip_from_world, moved);
     let point = point_over_w(&layer.clip_from_world, moved, w);
     let texel = texel_from_point(point, m.size);
+    // Follow its plane.
     let mut gradient = Vec2::ZERO;
     if layer.follows_plane() {
         gradient = plane_gradient(
@@ -258,7 +260,8 @@ mod tests {
         math::transform,
     };
 
-    /// Rounding makes a determinant of planes that the light is in; it must not become a gradient.
+    /// Rounding gives a nonzero determinant for planes that contain the light. It must not give a
+    /// gradient.
     #[test]
     fn planes_seen_edge_on_have_no_gradient() {
         for i in 1..3000 {
@@ -284,7 +287,7 @@ mod tests {
             let gradient = |n: Vec3| plane_gradient(clip_from_world, point, n, 1024.0, 1.0);
             for n in [right, up, random] {
                 assert_eq!(gradient(n), Vec2::ZERO, "{i}: {n}");
-                // Half a degree off, there is one.
+                // Half a degree off, the gradient is nonzero.
                 let inclined = (n - 0.01 * direction).normalize();
                 assert_ne!(gradient(inclined), Vec2::ZERO, "{i}: {inclined}");
             }

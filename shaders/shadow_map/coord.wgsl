@@ -1,6 +1,6 @@
 // Twin of coord.rs: from a receiver to a texel of the map.
 
-// What `BIAS` may be: see variants.rs.
+// Values of `BIAS`: see variants.rs.
 const CONSTANT_BIAS = 0u;
 const SLOPE_BIAS = 1u;
 const NORMAL_OFFSET = 2u;
@@ -14,7 +14,7 @@ struct ShadowCoord {
     covered: bool,
 }
 
-// The receiver's place, and in w its bias.
+// Returns the receiver's position (xyz) and its bias (w).
 fn biased_receiver(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
     if BIAS == CONSTANT_BIAS {
         return vec4f(p, layer.constant);
@@ -34,7 +34,7 @@ fn receiver_gradient(layer: MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2
     return vec2f(0.0, 0.0);
 }
 
-// The greatest clip depth that is compared.
+// Returns the greatest clip depth that is compared.
 fn far_bound(layer: MapLayer) -> f32 {
     if IS_LIT_BEYOND_FAR {
         return 1.0;
@@ -51,8 +51,8 @@ fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> Shad
     let biased = biased_receiver(layer, m.light, p, n);
     let clip = transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
-    // The texture tells its side for all lanes at once; drivers that run on the CPU read a word of
-    // one light among many lane by lane.
+    // Query the texture's size, which is uniform for all lanes. Drivers that run on the CPU read a
+    // word of one light among many lane by lane.
     let side = f32(size_0().x);
     let texel = texel_from_point(point, side);
     let gradient = receiver_gradient(layer, point, n, side);

@@ -1,5 +1,5 @@
-// Twin of `depth_on_plane` in texel_compare.rs. Apart from texel_compare.wgsl, since the twin tests
-// use it without an image.
+// Twin of `depth_on_plane` in texel_compare.rs. Separate from texel_compare.wgsl, since the twin
+// tests use it without an image.
 
 fn depth_on_plane(depth: f32, gradient: vec2f, deepest: f32, from_texel: vec2f, x: i32, y: i32) -> f32 {
     let right = gradient.x * (f32(x) + 0.5 - from_texel.x);

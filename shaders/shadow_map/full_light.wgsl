@@ -1,4 +1,4 @@
-// What no map covers is lit. Techniques that know better have a `full_light` of their own.
+// Default for receivers outside the map: lit. Some techniques define another `full_light`.
 
 fn full_light(r: Receiver) -> f32 {
     return 1.0;

@@ -1,5 +1,5 @@
-// Twin of the rules in layers.rs and cascades.rs that read the kernel's layers: which one is a
-// receiver's, and its share.
+// Twin of the functions in layers.rs and cascades.rs that read the kernel's layers: the layer of a
+// receiver, and its weight.
 
 fn holds(layer: i32, p: vec3f) -> bool {
     let room = room_around(kernel.lookup.layers[layer].clip_from_world, p, kernel.lookup.size);

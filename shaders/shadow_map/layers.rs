@@ -1,6 +1,6 @@
-//! A shadow map's layers, as kernels know them: one for a single map, six for a cube, one for each
-//! cascade. Each has its own transform, texel size, bias and far bound. [`layer_at`] is the one
-//! place that picks a receiver's layer.
+//! Layers of a shadow map in kernels: one for a single map, six for a cube, one for each cascade.
+//! Each has its own transform, texel size, bias and far bound. Only [`layer_at`] selects a
+//! receiver's layer.
 
 use super::{BeyondFar, Border, MapFormat, ShadowMap, cascades::cascade_at, position_error};
 use crate::shading::facing::homogeneous;
@@ -9,84 +9,85 @@ use umbrage_core::{
     Arrangement, CascadePick, LightSpace, LightSpaces, MAX_CASCADES, Module, View, module, uniforms,
 };
 
-/// The WGSL half: the structs, and `cube_face`.
+/// WGSL half: the structs and `cube_face`.
 pub const LAYERS: Module = module!("layers");
 
-/// Most layers of a map: a cube has six.
+/// Maximum number of layers; a cube has six.
 pub const MAX_LAYERS: usize = MAX_CASCADES;
 
-/// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any
-/// depth.
+/// Value of [`MapLayer::deepest_tap`] if no tap may be compared deeper than the receiver. It is
+/// nearer than any depth.
 pub const NEVER_DEEPER: f32 = f32::MIN;
 
 uniforms! {
-    /// One layer of a shadow map: where it lies, and how its depths are compared.
+    /// Layer of a shadow map: its light space, and how its depths are compared.
     pub struct MapLayer {
-        /// From world space to the light's clip space.
+        /// Transform from world space to the light's clip space.
         pub clip_from_world: Mat4,
-        /// Longer side of a texel: metres without perspective; metres at one metre's distance with
-        /// it.
+        /// Longer side of a texel: metres without perspective; metres at a distance of one metre
+        /// with perspective.
         pub texel: f32,
-        /// Greatest clip depth that is compared: 1, or without bound.
+        /// Greatest clip depth that is compared: 1, or unbounded.
         pub far: f32,
         /// Constant part of the bias, clip depth. See [`Bias::constant`](crate::Bias::constant).
         pub constant: f32,
-        /// See [`Bias::slope`](crate::Bias::slope).
+        /// Slope of the bias. See [`Bias::slope`](crate::Bias::slope).
         pub slope: f32,
-        /// See [`Bias::slope_min`](crate::Bias::slope_min).
+        /// Lower bound of the slope term. See [`Bias::slope_min`](crate::Bias::slope_min).
         pub slope_min: f32,
-        /// Texels. See [`Bias::normal_offset`](crate::Bias::normal_offset).
+        /// Normal offset, texels. See [`Bias::normal_offset`](crate::Bias::normal_offset).
         pub normal_offset: f32,
-        /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0
-        /// where they follow none.
+        /// Greatest depth slope, clip depth per texel, that taps follow along the receiver's plane;
+        /// 0 if they follow none.
         pub receiver_plane: f32,
-        /// Clip depth down to which taps on the receiver's plane are compared where the receiver
-        /// itself is nearer: 1, the far plane, or [`NEVER_DEEPER`].
+        /// Deepest clip depth of taps on the receiver's plane, unless the receiver itself is
+        /// deeper. It is 1, the far plane, or [`NEVER_DEEPER`].
         pub deepest_tap: f32,
-        /// How many texels as wide as [`texel`](Self::texel) fill the layer's depth, from its near
-        /// to its far plane; 1 with perspective, where no cascade is.
+        /// Number of texels, each as long as [`texel`](Self::texel) is wide, that fill the layer's
+        /// depth from near to far plane. It is 1 with perspective, which cascades don't have.
         pub depth_in_texels: f32,
     }
 }
 
 uniforms! {
-    /// What a lookup in a shadow map needs to know, in both halves.
+    /// Data for a lookup in a shadow map, for both languages.
     pub struct ShadowMapUniforms {
-        /// Number of layers, 1 to [`MAX_LAYERS`]. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's
-        /// drivers.rs.
+        /// Number of layers, 1 to [`MAX_LAYERS`]. It must be first: see `STEADY_FIRST_WORD` in
+        /// umbrage-wgpu's drivers.rs.
         pub layer_count: u32,
-        /// 1 if depth is packed into four channels, else 0.
+        /// Set to 1 if depth is packed into four channels, else 0.
         pub packed: u32,
-        /// 1 if the map's edge repeats, else 0.
+        /// Set to 1 if the map's edge repeats, else 0.
         pub clamped: u32,
-        /// Of cascades: how far from its rim a layer holds a receiver with all that the kernel
-        /// reaches, texels.
+        /// Cascades: distance from its edge, texels, within which a layer does not contain a
+        /// receiver. It is the reach of the kernel.
         pub pick_reach: f32,
-        /// Of cascades: over how many texels the answers of two blend; 0 where they don't.
+        /// Cascades: number of texels over which the visibilities of two layers blend; 0 disables
+        /// blending.
         pub blend: f32,
-        /// The layers: one, six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube), or
-        /// those of cascades from the nearest on. Unused ones repeat the first.
+        /// Layers: one, six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube), or the
+        /// cascades from the nearest to the farthest. Unused entries repeat the first.
         pub layers: [MapLayer; MAX_LAYERS],
-        /// xyz: unit direction to the light (w = 0) or the light's position (w = 1), world space.
+        /// Unit direction to the light (w = 0) or the light's position (w = 1), world space.
         pub light: Vec4,
         /// Side of each layer, texels.
         pub size: f32,
-        /// Share of what the receiver's plane gains over a sample's four texels that is taken off
-        /// the depth that the sample compares: 1, or 0 where casters move away instead.
+        /// Fraction of the receiver plane's gain over a sample's four texels that is subtracted
+        /// from the compared depth. It is 1, or 0 if casters move away instead.
         pub sample_gain: f32,
     }
 }
 
 uniforms! {
-    /// Uniforms of kernels that need nothing but the map.
+    /// Uniforms of kernels that need only the map.
     pub struct MapOnlyUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
     }
 }
 
 impl MapLayer {
-    /// Returns the layer of `map` that lies in `space`.
+    /// Returns the layer of `map` for the light space `space`.
     pub fn new(map: &ShadowMap, space: &LightSpace) -> Self {
         let bias = map.bias;
         let projection = space.clip_from_view;
@@ -135,10 +136,10 @@ impl MapLayer {
 }
 
 impl ShadowMapUniforms {
-    /// Returns what a lookup needs to know of a map of `view.light` whose layers lie in `spaces`.
+    /// Returns the data for lookups in a map of `view.light` with the light spaces `spaces`.
     ///
-    /// Panics if there are no spaces, or several that are neither a cube around a lamp nor cascades
-    /// of a sun.
+    /// Panics if there are no spaces. Panics if there are several that are neither a cube around a
+    /// light with a position nor cascades of a directional light.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
         let arrangement = spaces.arrangement;
@@ -162,7 +163,7 @@ impl ShadowMapUniforms {
             size: map.size as f32,
             sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
         };
-        // Shaders and lookups learn the arrangement from the number of layers and the light.
+        // Shaders and lookups derive the arrangement from the number of layers and the light.
         let is_known = spaces.len() == 1 || uniforms.arrangement() == arrangement;
         assert!(is_known, "{arrangement:?} under {:?}", view.light);
         uniforms
@@ -174,13 +175,13 @@ impl ShadowMapUniforms {
         layer_at(self, position) as u32
     }
 
-    /// Returns how receivers find their layer.
+    /// Returns how receivers select their layer.
     #[inline(always)]
     pub fn arrangement(&self) -> Arrangement {
         if self.layer_count == 1 {
             return Arrangement::Single;
         }
-        // Suns have cascades, and lamps cubes: only a position has w = 1.
+        // Directional lights have cascades, others cubes: only a position has w = 1.
         if self.light.w != 0.0 {
             return Arrangement::Cube;
         }
@@ -190,7 +191,7 @@ impl ShadowMapUniforms {
         })
     }
 
-    /// Returns whether the answers of two layers blend.
+    /// Returns whether the visibilities of two layers blend.
     #[inline(always)]
     pub fn blends(&self) -> bool {
         matches!(self.arrangement(), Arrangement::Cascades(pick) if pick.blend > 0.0)
@@ -213,8 +214,8 @@ fn depth_in_texels(clip_from_view: Mat4, texel: f32) -> f32 {
     }
 }
 
-/// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's
-/// `layer_at`.
+/// Returns the index of the layer in which a receiver at `p` (world space) is looked up. Twin of
+/// `layer_at` in layer_pick.wgsl.
 #[inline(always)]
 pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     match m.arrangement() {
@@ -224,8 +225,8 @@ pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     }
 }
 
-/// Returns the face of a cube around `light` in which `p` lies: that of the axis along which it is
-/// farthest. Ties go to the first.
+/// Returns the face of a cube around `light` that contains `p`: that of the axis along which `p` is
+/// farthest. Ties select the first face.
 #[inline(always)]
 pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
     let x = p.x - light.x;
@@ -237,7 +238,7 @@ pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
     if ax >= ay && ax >= az {
         return if x >= 0.0 { 0 } else { 1 };
     }
-    // By the sign bit: the greatest of three is only zero if the first is.
+    // Use the sign bit: the greatest of three is zero only if the first is.
     if ay >= az {
         2 + sign_bit(y)
     } else {

@@ -1,6 +1,6 @@
-// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies.
+// Twin of layers.rs: a shadow map's layers, and the cube face of a receiver.
 
-// What `ARRANGEMENT` may be: see variants.rs.
+// Values of `ARRANGEMENT`: see variants.rs.
 const SINGLE_MAP = 0u;
 const CUBE = 1u;
 const CASCADED_MAPS = 2u;

@@ -1,12 +1,13 @@
-//! Depth in four 8-bit channels, for devices that can neither read depth images nor draw into float
-//! ones: WebGL 1's way.
+//! Depth in four 8-bit channels, as in WebGL 1. This is for devices that can neither read depth
+//! images nor draw into float images.
 //!
-//! Depth z is written in base 256, a digit a channel: z = k0/256 + k1/256² + k2/256³ + k3/256⁴,
-//! each k a whole number from 0 to 255, stored as k/255. Multiplying by 256 and taking the fraction
-//! are exact in binary floats, so nothing is lost of a depth of 2^-8 and more (24 bits, all that a
-//! float has), and less than 2^-32 of a smaller one; 1 becomes 1 - 2^-32, which rounds back to 1.
-//! Known failure: packed depth cannot be filtered, nor compared by samplers; the digits of
-//! neighbours have nothing to do with each other.
+//! Depth z is written in base 256, one digit per channel: z = k0/256 + k1/256² + k2/256³ + k3/256⁴.
+//! Each k is an integer from 0 to 255, stored as k/255. Multiplying by 256 and taking the fraction
+//! are exact in binary floats. So a depth of 2^-8 or more loses nothing (24 bits, the precision of
+//! a float), and a smaller one loses less than 2^-32. 1 becomes 1 - 2^-32, which rounds back to 1.
+//!
+//! Known failure: packed depth cannot be filtered, nor compared by samplers, since the digits of
+//! neighbours are unrelated.
 
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use umbrage_core::{FilterKernel, Inputs, Kernel, Module, module};
 /// The WGSL half.
 pub const PACKING: Module = module!("packing");
 
-/// Returns the four channels, 0..=1, of a depth 0..=1.
+/// Packs a depth 0..=1 into four channels, 0..=1.
 #[inline(always)]
 pub fn pack_depth(z: f32) -> Vec4 {
     let a = z * 256.0;
@@ -29,7 +30,7 @@ pub fn pack_depth(z: f32) -> Vec4 {
     Vec4::new(ka / 255.0, kb / 255.0, kc / 255.0, kd / 255.0)
 }
 
-/// Returns the depth, from channels that may be off by less than half a step.
+/// Unpacks a depth from channels whose error is less than half a step.
 #[inline(always)]
 pub fn unpack_depth(c: Vec4) -> f32 {
     let k0 = digit(c.x);
@@ -40,18 +41,18 @@ pub fn unpack_depth(c: Vec4) -> f32 {
     (k0 + (k1 + (k2 + k3 * digit_size) * digit_size) * digit_size) * digit_size
 }
 
-/// Returns the digit, 0 to 255, that a channel holds.
+/// Returns the digit, 0 to 255, of a channel.
 #[inline(always)]
 fn digit(channel: f32) -> f32 {
     (channel * 255.0 + 0.5).floor()
 }
 
-/// Returns the filter from an image of depth to one of four channels.
+/// Returns the filter from a depth image to one with four channels.
 pub(crate) fn pack() -> Arc<dyn FilterKernel> {
     Arc::new(PackKernel)
 }
 
-/// Packs an image.
+/// Filter that packs a depth image.
 #[derive(Clone, Copy, Debug)]
 pub struct PackKernel;
 
@@ -92,7 +93,7 @@ mod tests {
         }
     }
 
-    /// What 8-bit storage does to each channel must not matter; a whole step must.
+    /// An error from 8-bit storage of each channel must not matter; an error of a whole step must.
     #[test]
     fn channels_are_whole_steps() {
         let c = pack_depth(0.713_456_7);

@@ -1,4 +1,4 @@
-// Twin of the rules in coord.rs that read nothing: bias, projection, and the receiver's plane.
+// Twin of the functions in coord.rs that read no data: bias, projection, and the receiver's plane.
 
 fn to_light(light: vec4f, p: vec3f) -> vec3f {
     if light.w == 0.0 {
@@ -35,7 +35,7 @@ fn plane_gradient(clip_from_world: mat4x4f, point: vec3f, n: vec3f, size: f32, l
     let b = slide(clip_from_world, point, cross3(n, t), size);
     let det = a.x * b.y - b.x * a.y;
     let longest = max(max(abs(a.x), abs(a.y)), max(abs(b.x), abs(b.y)));
-    // Less is what rounding makes of a plane that the light is in.
+    // Rounding gives a smaller determinant for a plane that contains the light.
     if abs(det) <= (1.0 / 1048576.0) * longest * longest {
         return vec2f(0.0, 0.0);
     }

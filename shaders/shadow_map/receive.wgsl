@@ -1,7 +1,7 @@
-// What every map technique's kernel does: it finds the receiver's place on a layer and calls the
+// Common part of every map technique's kernel: it projects the receiver to a layer and calls the
 // technique's `visibility`, or `full_light` outside the map.
 
-// The answer of one layer.
+// Returns the visibility in one layer.
 fn visibility_in(layer: i32, r: Receiver) -> f32 {
     let l = shadow_coord_in(layer, kernel.lookup, r.position, r.normal);
     if !l.covered {

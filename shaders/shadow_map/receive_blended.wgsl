@@ -1,8 +1,8 @@
-// `receive` where a cascade's answers blend into those of the next one as its map ends. Twin of
+// Variant of `receive` that blends a cascade with the next one near the edge of its map. Twin of
 // `blend_layers` in batch.rs.
 
 fn receive(r: Receiver) -> f32 {
-    // As in receive_one.wgsl.
+    // See receive_one.wgsl.
     opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     let layer = layer_at(kernel.lookup.light, r.position);
     let own = visibility_in(layer, r);

@@ -1,4 +1,4 @@
-//! The settings of a shadow map, and the images, casts and filters that make it.
+//! Settings of a shadow map, and the images, casts and filters that produce it.
 
 use crate::shadow_map::{Bias, CompareMethod, between, layers::ShadowMapUniforms, packing};
 use glam::UVec2;
@@ -9,10 +9,10 @@ use umbrage_core::{
     Source, View, footprint::side_for,
 };
 
-/// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
+/// Granularity of the sides that [`ShadowMap::sized_for`] returns, texels.
 pub const SIDE_STEP: u32 = 16;
 
-/// Which depth a map keeps of the surfaces that its texels show.
+/// Depth that a map stores per texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -20,14 +20,14 @@ pub const SIDE_STEP: u32 = 16;
     serde(rename_all = "snake_case")
 )]
 pub enum Surface {
-    /// The nearest surface's.
+    /// Depth of the nearest surface.
     #[default]
     Nearest,
-    /// The mean of the nearest two: see [`Midpoint`](crate::Midpoint).
+    /// Mean of the nearest two depths: see [`Midpoint`](crate::Midpoint).
     Midpoint,
 }
 
-/// How a map stores depth.
+/// Storage format of depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -44,7 +44,7 @@ pub enum MapFormat {
     Rgba8,
 }
 
-/// What a lookup beside the map finds.
+/// Result of lookups outside the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -52,15 +52,14 @@ pub enum MapFormat {
     serde(rename_all = "snake_case")
 )]
 pub enum Border {
-    /// Nothing: it is lit, as if the map had a border of depth 1.
+    /// Lit, as if the map had a border of depth 1.
     #[default]
     Lit,
-    /// The nearest texel of the map's edge, repeated: casters at the edge throw shadow bands
-    /// without end.
+    /// Nearest texel of the map's edge, repeated: casters at the edge cast endless shadow bands.
     Clamp,
 }
 
-/// What becomes of receivers beyond the map's far plane.
+/// Result for receivers beyond the map's far plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "presets",
@@ -68,14 +67,14 @@ pub enum Border {
     serde(rename_all = "snake_case")
 )]
 pub enum BeyondFar {
-    /// They are lit.
+    /// Lit.
     #[default]
     Lit,
-    /// They are compared as all others; no stored depth is beyond 1, so they are dark.
+    /// Compared like all others. They are dark, since no stored depth exceeds 1.
     Compared,
 }
 
-/// Square depth maps of a light, one a light space.
+/// Square depth maps of a light, one per light space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -85,19 +84,19 @@ pub enum BeyondFar {
 pub struct ShadowMap {
     /// Side, texels.
     pub size: u32,
-    /// How the map is fitted to the view.
+    /// Fit of the map to the view.
     pub fit: Fit,
-    /// What keeps receivers from shadowing themselves. Midpoints take no polygon offset.
+    /// Bias that keeps receivers from shadowing themselves. Midpoints ignore its polygon offset.
     pub bias: Bias,
-    /// How many spaces, and which.
+    /// Number and kind of light spaces.
     pub layout: Layout,
-    /// Which depth is kept.
+    /// Depth that is stored.
     pub surface: Surface,
-    /// How it is stored.
+    /// Storage format.
     pub format: MapFormat,
-    /// What lookups beside it find.
+    /// Result of lookups outside the map.
     pub border: Border,
-    /// What becomes of receivers behind it.
+    /// Result for receivers beyond the far plane.
     pub beyond_far: BeyondFar,
 }
 
@@ -117,7 +116,7 @@ impl Default for ShadowMap {
 }
 
 impl ShadowMap {
-    /// Returns a few words for tables.
+    /// Returns a short label for tables.
     pub fn label(&self) -> String {
         let layout = match &self.layout {
             Layout::Auto => String::new(),
@@ -141,7 +140,7 @@ impl ShadowMap {
         }
         let mut bias = self.bias;
         if self.surface == Surface::Midpoint {
-            // Midpoints take no polygon offset.
+            // Midpoints ignore the polygon offset.
             bias.raster = RasterBias::default();
         }
         words.push(bias.label());
@@ -151,34 +150,34 @@ impl ShadowMap {
     /// Returns the light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
-    /// Errors if [`Fit::light_spaces`] does; and with `Invalid` if a setting is out of its range.
+    /// Errors if [`Fit::light_spaces`] does, or with `Invalid` if a setting is out of range.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, RecipeError> {
         self.validate()?;
-        // Receivers are moved along their normals by this many texels.
+        // Receivers move along their normals by this many texels.
         let margin = reach + self.bias.normal_offset.abs();
         self.fit.light_spaces(self.layout, view, self.size, margin)
     }
 
-    /// Returns whether the map moves with the camera, where it isn't known what the camera sees.
+    /// Returns whether the map moves with the camera if the visible receivers aren't known.
     pub fn follows_camera(&self, light: &Light) -> bool {
         if matches!(self.layout, Layout::Cascades(_)) {
             return true;
         }
         match self.fit {
-            // Lamps stay where they are, and with them their maps.
+            // Lights with a position stay in place, and so do their maps.
             Fit::Stable { .. } | Fit::AroundCamera { .. } => light.position().is_none(),
             Fit::Tight | Fit::Whole | Fit::Manual { .. } => false,
         }
     }
 
-    /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1)
-    /// of the `receivers` that face the light, no texel is larger than a pixel, in whichever
-    /// direction it is stretched (see [`side_for`]). More is finer than the screen shows; less
-    /// shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers that the
-    /// light grazes decide.
+    /// Returns the same map with the side that a view needs. For a fraction `quantile` (0..=1) of
+    /// the `receivers` that face the light, no texel is then larger than a pixel in any direction
+    /// (see [`side_for`]). A larger side is finer than the screen resolves; a smaller side shows
+    /// texels as steps along edges. 0.9 is a good quantile. Near 1, a few receivers at grazing
+    /// light dominate.
     ///
-    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where
-    /// nothing that is seen faces the light, it stays as it is.
+    /// `receivers` are the surfaces that are visible from the view's camera. The side is a multiple
+    /// of [`SIDE_STEP`]. It is unchanged if no visible receiver faces the light.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does.
@@ -190,8 +189,8 @@ impl ShadowMap {
     ) -> Result<Self, RecipeError> {
         let view = view.with_receivers(receivers);
         let mut map = *self;
-        // Fits leave a border of some texels, which is wider on a coarser map: the second fit has
-        // the border of the new side.
+        // Fit twice: fits leave a border of some texels, and the second fit uses the border of the
+        // new side.
         for _ in 0..2 {
             let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
             map.size = side.map_or(map.size, |side| {
@@ -201,8 +200,8 @@ impl ShadowMap {
         Ok(map)
     }
 
-    /// Returns the images, casts and filters that make the map: a recipe still without its lookup.
-    /// `compare` is how the lookup will compare with it.
+    /// Returns the images, casts and filters that produce the map: a recipe without its lookup.
+    /// `compare` is the comparison method of the lookup.
     pub fn maps(&self, spaces: &LightSpaces, compare: CompareMethod) -> Maps {
         let depth = if self.format == MapFormat::Depth16 {
             Format::Depth16
@@ -212,14 +211,17 @@ impl ShadowMap {
         let mut maps = Maps::default();
         let nearest = maps.image(self.desc("shadow map", depth, spaces));
         maps.map = nearest;
-        // Peeling compares depths of one surface with itself, which a polygon offset would part.
+        // Peeling compares depths of one surface with itself, which a polygon offset would
+        // separate.
         let peeled = self.surface == Surface::Midpoint;
         let raster = if peeled {
             RasterBias::default()
         } else {
             self.bias.raster_for(compare)
         };
+        // Draw the nearest depths.
         self.cast(&mut maps, spaces, nearest, CastMode::Depth, raster);
+        // Peel the second surface, and store the mean of both.
         if self.surface == Surface::Midpoint {
             let second = maps.image(self.desc("second depth", depth, spaces));
             self.cast(
@@ -233,6 +235,7 @@ impl ShadowMap {
             maps.filter(between::between(), vec![nearest, second], middle);
             maps.map = middle;
         }
+        // Pack the depths.
         if self.format == MapFormat::Rgba8 {
             let packed = maps.image(self.desc("packed depth", Format::Rgba8, spaces));
             maps.filter(packing::pack(), vec![maps.map], packed);
@@ -273,8 +276,8 @@ impl ShadowMap {
         }
     }
 
-    /// Returns the recipe of a technique that draws maps and looks them up with the kernel that
-    /// `kernel` makes of their uniforms. It reaches `reach` texels beyond the receiver's own.
+    /// Returns the recipe of a technique that draws maps and looks them up. `kernel` builds the
+    /// kernel from the maps' uniforms. It reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does.
@@ -288,8 +291,8 @@ impl ShadowMap {
         Ok(self.recipe_in(&spaces, view, reach, kernel))
     }
 
-    /// Returns the same recipe with layers that lie in these spaces, which needn't be those of the
-    /// map's layout.
+    /// Returns the recipe with layers for these spaces, which may differ from those of the map's
+    /// layout.
     ///
     /// Panics if there are no spaces.
     pub fn recipe_in<K: ReceiveKernel + 'static>(
@@ -320,17 +323,17 @@ impl ShadowMap {
     }
 }
 
-/// What makes a map: see [`ShadowMap::maps`].
+/// Images and passes that produce a map: see [`ShadowMap::maps`].
 #[derive(Clone, Debug, Default)]
 pub struct Maps {
-    /// The image that is looked up: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8`
-    /// ([`MapFormat::Rgba8`]). Whoever filters it further puts the result here.
+    /// Image that is looked up: depth, `R32` ([`Surface::Midpoint`]), or `Rgba8`
+    /// ([`MapFormat::Rgba8`]). Set this to the result of any further filter.
     pub map: ImageId,
-    /// As [`Recipe::images`].
+    /// Images of the recipe: see [`Recipe::images`].
     pub images: Vec<ImageDesc>,
-    /// As [`Recipe::casts`].
+    /// Casts of the recipe: see [`Recipe::casts`].
     pub casts: Vec<Cast>,
-    /// As [`Recipe::filters`].
+    /// Filters of the recipe: see [`Recipe::filters`].
     pub filters: Vec<Filter>,
 }
 
@@ -341,7 +344,7 @@ impl Maps {
         self.images.len() - 1
     }
 
-    /// Adds a filter that makes the image `output` from the images `inputs`.
+    /// Adds a filter that computes the image `output` from the images `inputs`.
     pub fn filter(&mut self, kernel: Arc<dyn FilterKernel>, inputs: Vec<ImageId>, output: ImageId) {
         self.filters.push(Filter {
             kernel,
@@ -351,7 +354,7 @@ impl Maps {
         });
     }
 
-    /// Returns the recipe whose kernel looks up [`Maps::map`] alone.
+    /// Returns the recipe whose kernel only looks up [`Maps::map`].
     pub fn recipe<K: ReceiveKernel + 'static>(self, kernel: K) -> Recipe {
         let inputs = vec![self.map];
         Recipe {

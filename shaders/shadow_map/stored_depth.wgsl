@@ -1,4 +1,4 @@
-// The depth at a texel of the kernel's first image.
+// Returns the depth at a texel of the kernel's first image.
 
 fn stored_depth(texel: vec2i, layer: i32) -> f32 {
     if IS_PACKED {

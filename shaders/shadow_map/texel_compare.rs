@@ -1,5 +1,5 @@
-//! The comparison of a receiver with one texel of a shadow map: which depth is stored there, which
-//! one is compared, and what lies beside the map.
+//! Comparison of a receiver with one texel of a shadow map: the stored depth, the compared depth,
+//! and texels outside the map.
 
 use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth};
 use glam::{Vec2, Vec4};
@@ -9,10 +9,10 @@ use umbrage_core::{ImageView, Module, module};
 /// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`], `stored_depth.wgsl` and the map's constants.
 pub const TEXEL_COMPARE: Module = module!("texel_compare");
 
-/// The part of [`TEXEL_COMPARE`] that reads nothing.
+/// Functions of [`TEXEL_COMPARE`] that read no image.
 pub const DEPTH_ON_PLANE: Module = module!("depth_on_plane");
 
-/// The WGSL of `stored_depth`. It reads the kernel's first image.
+/// WGSL of `stored_depth`. It reads the kernel's first image.
 pub(crate) const STORED_DEPTH: Module = module!("stored_depth");
 
 /// Returns the depth to compare with the texel at (x, y).
@@ -22,8 +22,7 @@ pub fn depth_at(l: &ShadowCoord, x: i32, y: i32) -> f32 {
 }
 
 /// Returns `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond
-/// `deepest`. (What lay before the far plane must stay there, since texels that nothing was drawn
-/// to hold 1.)
+/// `deepest`. (A depth before the far plane must stay there, since texels without geometry hold 1.)
 #[inline(always)]
 pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
     depth_at_texel(
@@ -35,8 +34,8 @@ pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i
     )
 }
 
-/// Returns [`depth_on_plane`] at a texel whose whole numbers are held as floats, which costs loops
-/// over many receivers no conversion.
+/// Returns [`depth_on_plane`] at a texel whose integer coordinates are stored as floats. This saves
+/// conversions in loops over many receivers.
 #[inline(always)]
 pub(crate) fn depth_at_texel(
     depth: f32,
@@ -50,18 +49,18 @@ pub(crate) fn depth_at_texel(
     (depth + right + down).min(deepest)
 }
 
-/// A shadow map's texels, as kernels' Rust halves read them.
+/// Texels of a shadow map, as read by the Rust halves of kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthMap<'a> {
-    /// All layers, row by row.
+    /// Texels of all layers, row by row.
     pub texels: &'a [f32],
     /// Side, texels.
     pub size: i32,
-    /// Whether each depth takes four channels.
+    /// True if each depth occupies four channels.
     pub packed: bool,
-    /// Whether the map's edge repeats; else all beside it is lit.
+    /// True if the map's edge repeats; otherwise receivers outside it are lit.
     pub clamped: bool,
-    /// [`ShadowMapUniforms::sample_gain`].
+    /// Value of [`ShadowMapUniforms::sample_gain`].
     pub sample_gain: f32,
 }
 
@@ -79,20 +78,20 @@ impl ShadowMapUniforms {
 }
 
 impl<'a> DepthMap<'a> {
-    /// Returns where a layer's texels begin, counted in texels.
+    /// Returns the index of a layer's first texel.
     #[inline(always)]
     pub fn first_texel(&self, layer: i32) -> usize {
         layer as usize * self.size as usize * self.size as usize
     }
 
-    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the
-    /// last. The map is not packed.
+    /// Returns the depth at a texel of an unpacked map, by its index among all texels; `None`
+    /// beyond the last.
     #[inline(always)]
     pub(crate) fn plain_depth(&self, index: usize) -> Option<f32> {
         self.texels.get(index).copied()
     }
 
-    /// As [`plain_depth`](Self::plain_depth), of a packed map.
+    /// Returns the depth at a texel of a packed map, like [`plain_depth`](Self::plain_depth).
     #[inline(always)]
     pub(crate) fn packed_depth(&self, index: usize) -> Option<f32> {
         let channels = self.texels.get(4 * index..)?.first_chunk()?;
@@ -113,7 +112,8 @@ impl<'a> DepthMap<'a> {
         self.texels[index]
     }
 
-    /// Returns one layer's depths and those of the layers behind it; `None` if they are packed.
+    /// Returns the depths from the start of a layer to the end of the map; `None` if they are
+    /// packed.
     #[inline(always)]
     pub fn layer(&self, layer: i32) -> Option<&'a [f32]> {
         if self.packed {
@@ -123,14 +123,14 @@ impl<'a> DepthMap<'a> {
         }
     }
 
-    /// Returns whether a texel lies on the map.
+    /// Returns whether a texel is on the map.
     #[inline(always)]
     pub fn has(&self, x: i32, y: i32) -> bool {
         x >= 0 && y >= 0 && x < self.size && y < self.size
     }
 
-    /// Returns 1 if the receiver is lit as far as one texel tells, else 0. Beside the map it is
-    /// lit, unless the edge repeats.
+    /// Returns 1 if the receiver is lit according to one texel, else 0. Outside the map it is lit,
+    /// unless the edge repeats.
     #[inline(always)]
     pub fn tap(&self, l: &ShadowCoord, x: i32, y: i32) -> f32 {
         if !self.has(x, y) {
@@ -147,7 +147,7 @@ impl<'a> DepthMap<'a> {
         }
     }
 
-    /// Returns the tap at the nearest texel of the map.
+    /// Returns the result of the tap at the nearest texel of the map.
     #[inline(never)]
     fn tap_edge(&self, l: &ShadowCoord, x: i32, y: i32) -> f32 {
         let last = self.size - 1;

@@ -16,7 +16,7 @@ fn is_lit_beside(is_outside: bool) -> bool {
 
 fn tap(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 {
     let at = vec2i(x, y);
-    // Loaded in any case, so that there is no branch for each tap.
+    // Load in any case, to avoid a branch per tap.
     let nearest = clamp(at, vec2i(0), vec2i(size - 1));
     let is_lit = depth_at(l, x, y) <= stored_depth(nearest, l.layer);
     return select(0.0, 1.0, is_lit | is_lit_beside(any(at != nearest)));

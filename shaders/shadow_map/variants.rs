@@ -1,5 +1,5 @@
-//! The variants of a map's WGSL. Constants select them in the rules' own files; this module
-//! declares the constants. Compilers remove the other variants.
+//! Variants of a map's WGSL. This module declares the constants that select them; the variants are
+//! in the files of the functions. Compilers remove the unselected ones.
 
 use super::{
     cascades::{CASCADES, LAYER_PICK},
@@ -10,7 +10,7 @@ use super::{
 };
 use umbrage_core::{Arrangement, Module, module};
 
-/// A module that declares one constant: `constant!("IS_PACKED = true")`.
+/// Expands to a module that declares one constant: `constant!("IS_PACKED = true")`.
 macro_rules! constant {
     ($declaration:literal) => {
         umbrage_core::Module {
@@ -36,21 +36,21 @@ const COMPARED_BEYOND_FAR: Module = constant!("IS_LIT_BEYOND_FAR = false");
 const PACKED_DEPTH: Module = constant!("IS_PACKED = true");
 const PLAIN_DEPTH: Module = constant!("IS_PACKED = false");
 
-/// The part of `receive` that all maps share.
+/// WGSL of `receive` that all maps share.
 const RECEIVE: Module = module!("receive");
-/// `receive`, where each receiver has one layer. The other variant is a file of its own: with a
+/// WGSL of `receive` if each receiver has one layer. The other variant is a separate file. With a
 /// constant, compilers would inline the technique's lookup twice before they remove one of the
 /// calls.
 const RECEIVE_ONE: Module = module!("receive_one");
-/// `receive`, where the answers of two layers blend.
+/// WGSL of `receive` if two layers blend.
 const RECEIVE_BLENDED: Module = module!("receive_blended");
-/// `full_light`, where what no map covers is lit.
+/// WGSL of `full_light` if receivers outside the map are lit.
 const FULL_LIGHT: Module = module!("full_light");
 
 impl ShadowMapUniforms {
-    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this
-    /// map needs them, and after it the technique's `own`. That defines
-    /// `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all
+    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap` for this
+    /// map, followed by the technique's `own`. The latter defines
+    /// `fn visibility(l: ShadowCoord, r: Receiver) -> f32` for receivers that the map covers; all
     /// others are lit. The map's uniforms must be the kernel's field `lookup`.
     pub fn modules(&self, own: &[Module]) -> Vec<Module> {
         let mut modules = self.modules_without_full_light(&[FULL_LIGHT]);
@@ -58,8 +58,9 @@ impl ShadowMapUniforms {
         modules
     }
 
-    /// As [`modules`](Self::modules), for techniques whose own WGSL also defines
-    /// `fn full_light(r: Receiver) -> f32`, the answer for receivers that the map doesn't cover.
+    /// Returns the WGSL like [`modules`](Self::modules), for techniques that also define
+    /// `fn full_light(r: Receiver) -> f32`. This is the visibility of receivers that the map
+    /// doesn't cover.
     pub fn modules_without_full_light(&self, own: &[Module]) -> Vec<Module> {
         let mut modules = self.constants().to_vec();
         modules.extend([
@@ -80,7 +81,7 @@ impl ShadowMapUniforms {
 
     /// Returns the constants that select the map's variants.
     fn constants(&self) -> [Module; 5] {
-        // Layers share their bias and what is beyond their far planes.
+        // Layers share their bias and their handling of receivers beyond the far plane.
         let layer = &self.layers[0];
         let arrangement = match self.arrangement() {
             Arrangement::Single => SINGLE_MAP,

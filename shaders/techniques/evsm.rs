@@ -1,22 +1,21 @@
-//! Exponential variance shadow maps: as [`Vsm`](crate::Vsm), with exponentials of depth in depth's
-//! place.
+//! Exponential variance shadow maps: like [`Vsm`](crate::Vsm), with exponentials of depth instead
+//! of depth.
 //!
 //! Lauritzen and McCool 2008, "Layered variance shadow maps". An exponential that rises with depth,
-//! exp(c z), pulls depths of blockers together and those of receivers apart: seen from a receiver,
-//! all that is some way nearer has nearly the same value, so that several blockers look like one,
-//! and little light bleeds. Its weakness is the other side: where what is behind the receiver
-//! spreads, its variance is huge, and the receiver is lit. An exponential that falls, exp(-c z), is
-//! good where the first is weak, so the lesser of both bounds counts (four moments, EVSM4; two
-//! moments are EVSM2).
+//! exp(c z), compresses the depths of blockers and spreads those of receivers. Relative to a
+//! receiver, everything somewhat nearer has nearly the same value. So several blockers act like
+//! one, and little light bleeds. Its weakness is the far side: if depths behind the receiver vary,
+//! their variance is huge, and the receiver is lit. An exponential that falls, exp(-c z), works
+//! well there, so the lesser of both bounds is used (four moments, EVSM4; two moments are EVSM2).
 //!
-//! Exponents beyond 42 overflow: the square of the greatest value is a 32-bit float. The larger
-//! they are, the less bleeds between blockers that are far apart in depth, and the more light
-//! stands in contacts and on curved receivers.
+//! Exponents beyond 42 overflow: the square of the greatest value is a 32-bit float. Larger
+//! exponents reduce bleeding between blockers that are far apart in depth. They also increase light
+//! leaks in contacts and on curved receivers.
 //!
-//! Known failures: with two moments light leaks around feet, where the blur finds floor behind
-//! them; between blockers at nearly one depth it still bleeds; the falling exponential darkens
-//! receivers that curve within the blur. The rest as of `vsm`, and every map's: see
-//! [`shadow_map`](crate::shadow_map). Four moments take 32 bytes a texel while they are blurred.
+//! Known failures: with two moments, light leaks around feet if the blur contains floor behind
+//! them. Blockers at nearly the same depth still bleed. The falling exponential darkens receivers
+//! that curve within the blur. The other failures are those of `vsm` and of every map: see
+//! [`shadow_map`](crate::shadow_map). Four moments use 32 bytes per texel while they are blurred.
 
 use crate::{
     filtering::moments::{
@@ -38,11 +37,11 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are
-/// 65 times as much.
+/// Greatest exponent accepted. The square of its greatest value, exp(84), is a 32-bit float, and so
+/// is 65 times as much.
 pub const MAX_EVSM_EXPONENT: f32 = 42.0;
 
-/// Which exponentials of depth a map holds.
+/// Exponentials of depth that a map holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -50,14 +49,14 @@ pub const MAX_EVSM_EXPONENT: f32 = 42.0;
     serde(rename_all = "snake_case")
 )]
 pub enum EvsmMoments {
-    /// The one that rises with depth, and its square.
+    /// Exponential that rises with depth, and its square.
     Two,
-    /// Also the one that falls, and its square.
+    /// Additionally the exponential that falls with depth, and its square.
     #[default]
     Four,
 }
 
-/// Chebyshev's bound of exponentials.
+/// Chebyshev's bound of exponentials of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -65,27 +64,27 @@ pub enum EvsmMoments {
     serde(default, deny_unknown_fields)
 )]
 pub struct Evsm {
-    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    /// Number of texels on each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
-    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
-    /// as noisy under a moving camera as one texel is.
+    /// Number of mipmap levels beyond the first, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), down to
+    /// levels 16 texels wide. They are used for pixels that span several texels. Without them, such
+    /// pixels are as noisy under a moving camera as a single texel.
     pub mipmaps: u32,
-    /// Bits of each moment.
+    /// Bits per moment.
     pub precision: MomentPrecision,
-    /// Which exponentials.
+    /// Exponentials of depth that the map holds.
     pub moments: EvsmMoments,
-    /// Exponent of the rising one at the far plane, 0 to [`MAX_EVSM_EXPONENT`]; at the near plane
-    /// it is the negative of that.
+    /// Exponent of the rising exponential at the far plane, 0 to [`MAX_EVSM_EXPONENT`]; at the near
+    /// plane it is negated.
     pub positive_exponent: f32,
-    /// Exponent of the falling one at the near plane, likewise.
+    /// Exponent of the falling exponential at the near plane, with the same range.
     pub negative_exponent: f32,
-    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on
-    /// even surfaces. Where it is left out, it is what the precision needs: 0.00005 with 32 bits,
-    /// with 16 bits a tenth over twice the exponent.
+    /// Least standard deviation of depth, clip depth, 0 to 0.5, which hides rounding on even
+    /// surfaces. If it is `None`, the precision determines it: 0.00005 with 32 bits, a tenth over
+    /// twice the exponent with 16 bits.
     pub least_deviation: Option<f32>,
-    /// Light up to this much counts as none, 0 to
-    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light-bleeding reduction, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION):
+    /// light up to this value counts as none, and the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -110,6 +109,7 @@ impl MapFilter for Evsm {
         "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        // Check the settings.
         if let Some(deviation) = self.least_deviation {
             map::check_deviation(deviation)?;
         }
@@ -126,6 +126,7 @@ impl MapFilter for Evsm {
             0.0,
             MAX_EVSM_EXPONENT,
         )?;
+        // Build the kernel from the map's uniforms.
         let images = self.images();
         let kernel = |lookup, mipmaps| EvsmKernel {
             images,
@@ -184,9 +185,9 @@ impl Evsm {
         }
     }
 
-    /// Returns the least variance of an exponential, in units of its squared value: it changes by a
-    /// factor of 1 + `exponent` d over a small centred depth d, and centred depth has twice the
-    /// range of clip depth.
+    /// Returns the least variance of an exponential, relative to its squared value. It changes by a
+    /// factor of 1 + `exponent` d over a small centred depth d. Centred depth has twice the range
+    /// of clip depth.
     fn least_variance(&self, exponent: f32) -> f32 {
         let deviation = match (self.least_deviation, self.precision) {
             (Some(least), _) => 2.0 * exponent * least,
@@ -199,37 +200,36 @@ impl Evsm {
 
 /// Least deviation of 32-bit moments, clip depth.
 const LEAST_DEVIATION_32: f32 = 5e-5;
-/// Of 16-bit ones, in units of the exponential: each is rounded three times, by up to 2^-9, which
-/// is to leave some thousandths of the light dark at most.
+/// Least deviation of 16-bit moments, relative to the exponential. Each moment is rounded three
+/// times, by up to 2^-9. At most some thousandths of the light may become dark.
 const RELATIVE_DEVIATION_16: f32 = 0.1;
 
-/// What rounding leaves of the variance of equal values, in units of their square; and what keeps a
-/// division finite.
+/// Least relative variance: it exceeds the rounding of equal values, and keeps a division finite.
 const SMALLEST_VARIANCE: f32 = 1e-6;
 
 uniforms! {
     /// Uniforms of [`EvsmKernel`].
     pub struct EvsmUniforms {
-        /// The map: its layers, and how it is looked up.
+        /// Layers of the map and how it is looked up.
         pub lookup: ShadowMapUniforms,
-        /// Its levels, and what chooses them.
+        /// Levels, and the data for selecting them.
         pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
-        /// What the rest is stretched by.
+        /// Stretch factor of the rest.
         pub bleeding_scale: f32,
         /// Powers of two per unit of centred depth, of the exponential that rises with depth.
         pub rising: f32,
-        /// Of the one that falls.
+        /// Powers of two per unit of centred depth, of the exponential that falls with depth.
         pub falling: f32,
-        /// Least variance of the rising one, in units of its squared value.
+        /// Least variance of the rising exponential, relative to its squared value.
         pub least_rising: f32,
-        /// Of the falling one.
+        /// Least variance of the falling exponential, relative to its squared value.
         pub least_falling: f32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of EVSM.
 #[derive(Clone, Copy, Debug)]
 pub struct EvsmKernel {
     images: MomentImages,
@@ -250,8 +250,8 @@ impl EvsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
-    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
+    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
+    /// (world space) with the unit `normal`; `None` if it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }

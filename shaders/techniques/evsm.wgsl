@@ -1,4 +1,4 @@
-// Twin of evsm.rs: the bounds by exponentials of depth.
+// Twin of evsm.rs: the bounds from exponentials of depth.
 
 struct EvsmUniforms {
     lookup: ShadowMapUniforms,

@@ -1,27 +1,31 @@
-//! The answer of one ray, from lists of the casters that touch each cell of a grid over the light:
-//! no bias, no map, no error.
+//! Exact hard shadows from per-cell triangle lists of a grid over the light. The result equals one
+//! ray, without bias, map or error.
 //!
-//! The light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing Accelerator";
-//! Wyman, Hoetzlein and Lefohn 2015, "Frustum-Traced Raster Shadows" keep lists of receivers
-//! instead. A grid of two levels, as in Kalojanov, Billeter and Slusallek 2011, "Two-Level Grids
-//! for Ray Tracing on GPUs": tiles over the faces of a frame around the light, each cut into as
-//! many cells as its casters are worth. A cell's list holds the casters that touch it, from near to
-//! far, up to the first one behind a caster that covers all of the cell.
+//! This is the light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing
+//! Accelerator". (Wyman, Hoetzlein and Lefohn 2015, "Frustum-Traced Raster Shadows" keep lists of
+//! receivers instead.) The grid has two levels, as in Kalojanov, Billeter and Slusallek 2011,
+//! "Two-Level Grids for Ray Tracing on GPUs". Tiles cover the faces of a frame around the light.
+//! The number of cells of a tile follows from its casters. A cell's list holds the casters that
+//! touch it, from near to far. It ends at the first one behind a caster that covers the whole cell.
 //!
-//! A receiver asks the list of its cell with the triangle test of [`Traced`](crate::Traced), and
-//! any hit will do. So the answer is that of `traced` with one ray, bit for bit, in whatever order
-//! lists are walked and however cells are rounded: lists only have to leave no true hit out
-//! (`exact/light_frame.rs` says how they make sure). A caster with holes covers no cell, and a hit
-//! in a hole is none.
+//! A receiver tests the casters in the list of its cell with the triangle test of
+//! [`Traced`](crate::Traced), and stops at any hit. So the result equals that of `traced` with one
+//! ray, bit for bit, independent of the order of lists and the rounding of cells. Lists must only
+//! contain every true hit (`exact/light_frame.rs` describes how this is ensured). An alpha-tested
+//! caster covers no cell, and a hit at a transparent texel does not count.
 //!
-//! Lights with an extent are taken for their middle.
+//! Area lights are replaced by their centre.
 //!
-//! In `exact/`: `light_frame.rs` (where a point lies on the light's grid, and the margins that make
-//! lists complete), `touches.rs` (which tiles a triangle touches), `outline.rs` (edges and plane of
-//! triangles larger than a cell), `tile.rs` (a tile's cells and their lists), `lists.rs` (all of it
-//! as tables, made when they are first read), `lookup.rs` (the CPU half), `at_once.rs` (the CPU's
-//! way while there are no lists), `on_device.rs` (lists that a device makes of vertices that only
-//! it holds).
+//! Modules in `exact/`:
+//!
+//! - `light_frame.rs`: coordinates on the light's grid, and the margins that make lists complete
+//! - `touches.rs`: the tiles that a triangle touches
+//! - `outline.rs`: edges and plane of triangles larger than a cell
+//! - `tile.rs`: a tile's cells and their lists
+//! - `lists.rs`: all lists as tables, built on first use
+//! - `lookup.rs`: the CPU half
+//! - `at_once.rs`: the CPU's method before lists exist
+//! - `on_device.rs`: lists that a device builds from vertices that only it has
 
 mod at_once;
 mod holes;
@@ -55,19 +59,19 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// What item_key.rs and shaders know of items.
+/// WGSL half of item_key.rs.
 const ITEM_KEY: Module = module!("item_key", "exact/item_key.wgsl");
 
-/// What meets casters without holes.
+/// Intersection test of opaque casters.
 const CASTER_OPAQUE: Module = module!("caster_opaque", "exact/caster_opaque.wgsl");
 
-/// What meets casters with holes.
+/// Intersection test of alpha-tested casters.
 const CASTER_CUT_OUT: Module = module!("caster_cut_out", "exact/caster_cut_out.wgsl");
 
-/// Receivers whose lists are looked at to find their mean length, about.
+/// Approximate number of receivers that are sampled for the mean list length.
 const SAMPLED_RECEIVERS: usize = 2048;
 
-/// Lists of casters in the light's cells.
+/// Per-cell triangle lists of the light's grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -85,7 +89,7 @@ impl ShadowTechnique for Exact {
         view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "lists need the scene's triangles, and this view has none",
+                "the view has no triangles to build lists from: make it with `View::new`",
             ));
         };
         Ok(recipe_of(ExactKernel::new(view, geometry)))
@@ -133,31 +137,31 @@ fn recipe_of(kernel: ExactKernel) -> Recipe {
 
 impl ListedTechnique for Exact {
     const SUMMARY: &'static str =
-        "lists of casters in the light's cells (Haines, Greenberg 1986): traced's answer";
+        "per-cell triangle lists, equal to one ray of traced (Haines, Greenberg 1986)";
 
     fn settings(&self) -> String {
         "lists".to_owned()
     }
 }
 
-/// The cell that is asked for a receiver: to look at what lookups cost.
+/// Cell that a receiver queries, for analysing lookup costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskedCell {
-    /// Its number among all cells of the light.
+    /// Index among all cells of the light.
     pub number: u32,
-    /// Casters in its list.
+    /// Number of casters in the cell's list.
     pub length: u32,
-    /// Whether one caster hides the light from all receivers of the cell that are as deep as this
-    /// one, so that its list isn't asked.
+    /// True if one caster hides the light from all receivers of the cell at this receiver's depth.
+    /// The list isn't queried then.
     pub is_covered: bool,
 }
 
 impl Exact {
-    /// Returns the light's visibility for each of a view's receivers, without lists, for any light
-    /// and any casters: as the CPU has it of many casters that were not asked before.
+    /// Returns the light's visibility for each of a view's receivers without lists, for any light
+    /// and any casters. The CPU uses this for scenes with many casters that have no lists yet.
     ///
     /// # Errors
-    /// Errors if the view has no receivers or no triangles, or something in it can't be used.
+    /// Errors if the view has no receivers or no triangles, or is invalid.
     pub fn answers_without_lists(
         &self,
         simd: Simd,
@@ -166,7 +170,7 @@ impl Exact {
         view.validate()?;
         let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
             return Err(RecipeError::unsupported(
-                "without lists, known receivers are asked by triangles",
+                "the view has no triangles or receivers: add both before computing visibility without lists",
             ));
         };
         let kernel = ExactKernel::new(view, geometry);
@@ -181,17 +185,16 @@ impl Exact {
         ))
     }
 
-    /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a
-    /// receiver faces away from the light, where no caster can be in its way, or where nothing
-    /// receives.
+    /// Returns the cells that a view's receivers query, pixel by pixel. An entry is `None` if the
+    /// receiver faces away from the light, if no caster can block it, or if there is no receiver.
     ///
     /// # Errors
-    /// Errors if the view has no receivers or no triangles, or something in it can't be used.
+    /// Errors if the view has no receivers or no triangles, or is invalid.
     pub fn asked_cells(&self, view: &View<'_>) -> Result<Vec<Option<AskedCell>>, RecipeError> {
         view.validate()?;
         let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
             return Err(RecipeError::unsupported(
-                "cells are asked for known receivers, by triangles",
+                "the view has no triangles or receivers: add both before querying cells",
             ));
         };
         let kernel = ExactKernel::new(view, geometry);
@@ -209,12 +212,12 @@ impl Exact {
     }
 }
 
-/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits
-/// after a division.
+/// Greatest length of rays towards directional lights, metres, so that a quotient stays in the
+/// range of 32-bit floats.
 const FARTHEST: f32 = 1e38;
 
-/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they
-/// leave the scene.
+/// Returns the length of rays towards directional lights, metres. Rays of this length leave the
+/// scene from the eye or any triangle.
 pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
     let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
     (2.0 * all.diagonal()).min(FARTHEST)
@@ -223,42 +226,43 @@ pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
 uniforms! {
     /// Uniforms of [`ExactKernel`].
     pub struct ExactUniforms {
-        /// The light's middle, as an ideal light.
+        /// Centre of the light, as an ideal light.
         pub light: LightSampler,
         /// The camera's position; w is unused.
         pub eye: Vec4,
-        /// First row of the matrix from the world, less the origin, to frame space; w is unused.
+        /// First row of the matrix from the world, relative to the origin, to frame space; w is
+        /// unused.
         pub across: Vec4,
-        /// The second row, likewise.
+        /// Second row; w is unused.
         pub down: Vec4,
-        /// The third row; w: what is subtracted from a sun's depth.
+        /// Third row; w: value subtracted from a directional light's depth.
         pub away: Vec4,
         /// World position of frame space's origin; w is unused.
         pub origin: Vec4,
-        /// Half the size of a face, across and down; tiles a unit of a direction; the greatest
+        /// Half the size of a face, across and down; tiles per unit of a direction; the greatest
         /// extent of a receiving triangle, metres.
         pub grid: Vec4,
-        /// Tiles of a face, across and down; whether the light is a lamp; whether a device lists
-        /// casters that it counts itself.
+        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
+        /// lists the casters itself.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
     }
 }
 
-/// Asks the lists.
+/// Kernel that queries the lists.
 #[derive(Clone)]
 pub struct ExactKernel {
     uniforms: ExactUniforms,
     lists: Arc<KeptLists>,
-    /// The casters; none where a device knows them.
+    /// Casters; empty if only a device has them.
     geometry: Geometry,
-    /// Their holes; none if none has any.
+    /// Alpha test of the casters; `None` if none is alpha-tested.
     cut_outs: Option<Arc<CutOuts>>,
 }
 
 impl Debug for ExactKernel {
-    /// Lists follow from the uniforms and the casters.
+    /// Omits the lists, which follow from the uniforms and the casters.
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ExactKernel")
             .field("uniforms", &self.uniforms)
@@ -305,7 +309,7 @@ impl ExactKernel {
         }
     }
 
-    /// Returns the lists, which are made on first use.
+    /// Returns the lists, which are built on first use.
     fn lists(&self) -> &Lists {
         self.lists.get(&self.geometry)
     }
@@ -323,13 +327,13 @@ impl ExactKernel {
         self.lists().casters()
     }
 
-    /// Returns how many triangles were placed on the grid and in lists, each as often as it was.
+    /// Returns how many triangles were placed on the grid and in lists, counting repetitions.
     pub fn triangles_listed(&self) -> u64 {
         self.lists().triangles_listed()
     }
 
-    /// Returns the mean length of the lists that some of these receivers query; 0 if none queries
-    /// one.
+    /// Returns the mean length of the lists that a sample of these receivers queries; 0 if none
+    /// queries a list.
     pub fn mean_list_length(&self, receivers: &Receivers) -> f32 {
         let chunk = 64_usize.min(receivers.len().max(1));
         let chunks = (SAMPLED_RECEIVERS / chunk).max(1);
@@ -356,7 +360,7 @@ impl ExactKernel {
 }
 
 impl ExactKernel {
-    /// The same, for lists that a device makes.
+    /// Returns the kernel for lists that a device builds.
     fn on_device(mut self) -> Self {
         self.uniforms.tiles.w = 1;
         self

@@ -1,6 +1,6 @@
-// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items
-// (table_2), the casters' corners (table_3). What meets a caster is said in caster_opaque.wgsl or
-// caster_cut_out.wgsl.
+// Twin of exact.rs: queries the list of a receiver's cell. Tables: tiles (table_0), cells
+// (table_1), items (table_2), the casters' corners (table_3). caster_opaque.wgsl or
+// caster_cut_out.wgsl defines the intersection test.
 
 struct ExactUniforms {
     light: LightSampler,
@@ -14,7 +14,7 @@ struct ExactUniforms {
     far: f32,
 }
 
-// The greatest number below 1.
+// Greatest number below 1.
 const BELOW_ONE = 0.99999994;
 
 const NO_CASTER = 0xffffffffu;
@@ -34,7 +34,7 @@ fn frame_point(o: vec3f) -> FramePoint {
     let size = abs(v);
     let along_z = size.z >= size.x && size.z >= size.y;
     let along_x = size.x >= size.y;
-    // The greatest component last, whose sign picks one of two faces.
+    // Rotate the greatest component to the end; its sign selects one of two faces.
     let turned = select(select(v.zxy, v.yzx, along_x), v.xyz, along_z);
     let axis = select(select(2u, 0u, along_x), 4u, along_z);
     let depth = abs(turned.z);
@@ -51,7 +51,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let size = vec2f(kernel.tiles.xy);
     let on_grid = (point.on_face + kernel.grid.xy) * kernel.grid.z;
     let is_inside = on_grid.x >= 0.0 && on_grid.y >= 0.0 && on_grid.x < size.x && on_grid.y < size.y;
-    // A lamp's faces end where others begin.
+    // Faces of a point light are adjacent, so only directional lights have an outside.
     if kernel.tiles.z == 0u && !is_inside {
         return false;
     }
@@ -76,13 +76,13 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let least = step.x | (step.y << FIELD);
     let greatest = ((LAST - step.x) << (2u * FIELD)) | ((LAST - step.y) << (3u * FIELD));
     let asking = least | greatest | (depth << (4u * FIELD)) | GUARDS;
-    // Ids that the caller knows are those of other triangles than a device lists.
+    // If a device builds the lists, its triangle ids differ from the caller's.
     let left_out = select(own, 0xffffffffu, kernel.tiles.w == 1u);
     let end = table_1[cell_number + 1u].x;
-    // Two loops, the inner one of which passes over casters by their words alone. Where many
-    // invocations run as one, all of them take the triangle test if one does: so they go to it
-    // together, each with the next caster that may be in its way (Aila and Laine 2009,
-    // "Understanding the Efficiency of Ray Traversal on GPUs").
+    // Use two loops; the inner one skips casters by their words. Where many invocations run in
+    // lockstep, all wait for a triangle test of any. So each finds its next candidate, and all run
+    // the test together (Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on
+    // GPUs").
     let rows = shear_rows(d);
     var i = cell.x;
     loop {
@@ -91,7 +91,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
             let items = table_2[i / 2u];
             let item = select(items.xy, items.zw, i % 2u == 1u);
             let fields = (asking - item.y) & GUARDS;
-            // It is deeper than the receiver, and so are all after it.
+            // The item is deeper than the receiver, and so are all after it.
             i = select(i + 1u, end, (fields & DEPTH_GUARD) == 0u);
             if item.x != left_out && fields == GUARDS {
                 caster = item.x;
@@ -109,7 +109,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
 }
 
 fn receive(r: Receiver) -> f32 {
-    // There are less than 2^31 kinds of lights.
+    // There are fewer than 2^31 kinds of lights.
     opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.grid.w);
     let d = segment(kernel.light, o, vec2f(0.0), kernel.far);

@@ -1,9 +1,11 @@
 //! Hard shadows: one comparison with one texel.
 //!
-//! Lit if the receiver's depth, less the bias, is at most the stored depth. Williams 1978, "Casting
-//! curved shadows on curved surfaces". Fails by jagged edges as wide as a texel, by acne without
-//! bias, by shadows that come loose with too much of it, by penumbrae without width, and as every
-//! map does: see [`shadow_map`](crate::shadow_map).
+//! A receiver is lit if its depth minus the bias is at most the stored depth. Williams 1978,
+//! "Casting curved shadows on curved surfaces".
+//!
+//! Known failures: jagged edges as wide as a texel, acne without bias, detached shadows with too
+//! much of it, penumbrae without width, and those of every map: see
+//! [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -18,7 +20,7 @@ use umbrage_core::{
     Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
 };
 
-/// One comparison a receiver.
+/// One comparison per receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -36,10 +38,10 @@ impl MapFilter for Hard {
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of hard shadows.
 #[derive(Clone, Copy, Debug)]
 pub struct HardKernel(
-    /// Uniforms.
+    /// Map and its layers.
     pub MapOnlyUniforms,
 );
 
@@ -62,7 +64,7 @@ impl ReceiveKernel for HardKernel {
     }
 }
 
-/// The comparison with the receiver's own texel.
+/// Comparison with the receiver's own texel.
 pub(crate) struct OwnTexel<'a> {
     pub(crate) map: DepthMap<'a>,
 }
@@ -83,8 +85,8 @@ impl OwnTexel<'_> {
 }
 
 impl BatchTaps for OwnTexel<'_> {
-    /// The same in vector lanes: 2.0 and 2.1 times as fast as one receiver after the other
-    /// (1280x720, `street`, a map of 2048, AVX2).
+    /// Runs in vector lanes, 2.0 and 2.1 times as fast as one receiver after the other (1280x720,
+    /// `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         if self.map.packed {
@@ -102,7 +104,7 @@ impl BatchTaps for OwnTexel<'_> {
             *out = taps.lit[i];
             is_complete &= taps.is_known[i] | !batch.covered[i];
         }
-        // Beside the map all is lit, unless its edge repeats.
+        // Receivers outside the map are lit, unless its edge repeats.
         if self.map.clamped && !is_complete {
             self.one_by_one(batch, out);
         }
@@ -117,8 +119,7 @@ mod tests {
         shadow_map::packing::pack_depth,
     };
 
-    /// Beside the map receivers are lit, or its edge repeats; packed maps and batches that are not
-    /// full are answered, too.
+    /// Includes receivers outside the map, repeated edges, packed maps and partial batches.
     #[test]
     fn own_texels_are_as_the_plain_comparison() {
         let texels = texels();

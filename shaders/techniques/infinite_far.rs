@@ -1,9 +1,9 @@
-//! The camera's view without a far plane, for what lies infinitely far away.
+//! View of the camera without a far plane, for geometry at infinity.
 //!
-//! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity,
-//! clip z is w less a constant. Here all of that is a little smaller, so that no rounding takes a
-//! depth to 1 and beyond. Without perspective there is no such projection; there a
-//! [`FarClampPlane`] takes its place.
+//! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with the far plane at
+//! infinity, clip z is w minus a constant. Here clip z is slightly smaller, so that rounding never
+//! gives a depth of 1 or more. No such projection exists without perspective; a [`FarClampPlane`]
+//! is used instead.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{
@@ -11,35 +11,35 @@ use umbrage_core::{
     depth_range::{ViewPyramid, depth_range},
 };
 
-/// Slack of planes that must not cut what is seen, as a fraction of their distance.
+/// Slack of planes that must not cut visible geometry, as a fraction of their distance.
 const SLACK: f64 = 1e-3;
 
-/// The depth of a point infinitely far away: short of 1 by 16 times what devices may round it by.
+/// Depth of a point at infinity: less than 1 by 16 times the rounding error of devices.
 const DEPTH_AT_INFINITY: f32 = 1.0 - 1.0 / 1_048_576.0;
 
-/// The camera's space, moved so that nothing is too far.
+/// Light space of the camera, changed so that nothing is beyond the far plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InfiniteFarView {
-    /// Draws as the camera does: same pixels, other depths.
+    /// Projection to the camera's pixels with different depths.
     pub(crate) space: LightSpace,
-    /// The plane onto which to flatten what is farther away; `None` with perspective.
+    /// Plane onto which more distant geometry is flattened; `None` with perspective.
     pub(crate) clamp_plane: Option<FarClampPlane>,
 }
 
-/// A plane across the view, beyond all there is to see.
+/// Plane across the view, beyond all geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FarClampPlane {
     /// Unit vector along the view.
     pub(crate) forward: DVec3,
-    /// Distance along the view of a homogeneous point, times its w: the dot product with this.
+    /// Row whose dot product with a homogeneous point is its distance along the view, times its w.
     pub(crate) depth: DVec4,
-    /// The plane's own distance along the view, metres.
+    /// Distance of the plane along the view, metres.
     pub(crate) distance: f64,
 }
 
 impl InfiniteFarView {
-    /// Returns the space for what a view sees of a geometry. Its near plane is put right before the
-    /// nearest thing seen, since depth is rounded to about 2^-23 w^2 / near.
+    /// Returns the space for the part of a geometry that a view sees. Its near plane is just before
+    /// the nearest visible geometry, since depth is rounded to about 2^-23 w^2 / near.
     pub(crate) fn new(view: &View<'_>, geometry: &Geometry) -> Self {
         let space = view.camera.space();
         if space.clip_from_view.row(3) == Vec4::W {
@@ -55,9 +55,9 @@ impl InfiniteFarView {
         }
     }
 
-    /// Returns by how much a depth of this distance along the view may be rounded, metres: a unit
-    /// in the last place of depths in 0.5..1 (2^-24) each of what is drawn and of what it is
-    /// compared with.
+    /// Returns the rounding error of depths at this distance along the view, metres. It is a unit
+    /// in the last place of depths in 0.5..1 (2^-24) for the drawn depth, and another for the
+    /// compared depth.
     pub(crate) fn rounding(&self, distance: f64) -> f64 {
         let m = self.space.clip_from_view.as_dmat4();
         let per_metre = match self.clamp_plane {
@@ -79,7 +79,7 @@ impl InfiniteFarView {
         let m = space.clip_from_view.as_dmat4();
         let near = m.w_axis.z / m.z_axis.z;
         let distance = near + (farthest - near).max(1.0 / m.z_axis.z.abs()) * (1.0 + SLACK);
-        // The clamp plane lies halfway to the new far plane, so that rounding pushes nothing beyond
+        // Place the clamp plane halfway to the new far plane, so that rounding moves nothing beyond
         // that.
         let per_metre = 0.5 / (distance - near);
         let mut clip_from_view = m;
@@ -100,8 +100,8 @@ impl InfiniteFarView {
     }
 }
 
-/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane,
-/// times [`DEPTH_AT_INFINITY`]. The near plane is at least `nearest` metres away.
+/// Returns the space with an infinite far plane: clip z becomes w minus its value on the near
+/// plane, times [`DEPTH_AT_INFINITY`]. The near plane is at least `nearest` metres away.
 fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     let m = space.clip_from_view;
     let own_near = w_at_near(&m);
@@ -122,15 +122,15 @@ fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     }
 }
 
-/// Returns clip w where clip z is 0, in the middle of the image.
+/// Returns clip w where clip z is 0, at the centre of the image.
 fn w_at_near(clip_from_view: &Mat4) -> f64 {
     let m: DMat4 = clip_from_view.as_dmat4();
     let p = m.inverse() * DVec4::W;
     1.0 / p.w
 }
 
-/// Returns the distance along the view to the nearest thing seen, metres; infinite if there is
-/// none.
+/// Returns the distance along the view to the nearest visible geometry, metres; infinite if there
+/// is none.
 fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
     let depth = -space.view_from_world.as_dmat4().row(2);
     let seen = (0..receivers.len()).filter(|&i| receivers.triangle[i] != NO_TRIANGLE);
@@ -138,11 +138,11 @@ fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the same distance, of all triangles' parts within the camera's pyramid.
+/// Returns the least distance along the view of all parts of triangles within the camera's pyramid.
 fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
     let m = space.clip_from_view.as_dmat4();
     let own_near = w_at_near(&space.clip_from_view);
-    // Of the wider half, where the projection's middle is shifted.
+    // Use the wider half if the projection's centre is shifted.
     let tangents = [
         (m.z_axis.w.abs() + m.z_axis.x.abs()) / m.x_axis.x.abs(),
         (m.z_axis.w.abs() + m.z_axis.y.abs()) / m.y_axis.y.abs(),
@@ -159,7 +159,7 @@ fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
             .map(|p| -row.dot(p.extend(1.0)))
             .into_iter()
             .fold(f32::INFINITY, f32::min);
-        // Most triangles lie behind what was found so far: only the others need to be clipped.
+        // Most triangles are farther than the current nearest: clip only the others.
         if first < nearest && f64::from(nearest) > own_near {
             let range = depth_range(&pyramid, std::iter::once(corners));
             nearest = range.map_or(nearest, |[near, _]| nearest.min(near));

@@ -1,4 +1,4 @@
-//! Techniques that look up a shadow map: the map, and the filter through which it is looked up.
+//! Techniques that look up a shadow map: the map and the filter.
 
 use crate::{
     listing::{DeserializeOwned, ListedTechnique, Serialize},
@@ -7,24 +7,24 @@ use crate::{
 use std::fmt::Debug;
 use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
 
-/// A way to look up a shadow map. Its parameters are its public fields.
+/// Filter for shadow map lookups. Its parameters are its public fields.
 ///
-/// [`MapTechnique`] makes a technique of it: named, listed, and with its settings as data. As for
+/// [`MapTechnique`] makes it a technique with a name, a list entry, and settings as data. As for
 /// [`ListedTechnique`], derive `serde`'s traits with `#[serde(default, deny_unknown_fields)]`. No
-/// field is called `map`.
+/// field may be called `map`.
 pub trait MapFilter:
     Clone + Debug + Default + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
 {
-    /// The technique's name, in lower case: `pcf`.
+    /// Name of the technique, in lower case: `pcf`.
     const NAME: &'static str;
 
-    /// What the technique does, in one line, with the paper that it comes from.
+    /// One-line summary of the technique, with the paper that describes it.
     const SUMMARY: &'static str;
 
     /// Returns the recipe of a technique that looks up `map` through this filter.
     ///
     /// # Errors
-    /// As [`ShadowTechnique::recipe`].
+    /// See [`ShadowTechnique::recipe`].
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
     /// Returns the settings in a few words: `3x3`. Empty if there are none.
@@ -32,13 +32,13 @@ pub trait MapFilter:
         String::new()
     }
 
-    /// Returns the map that the technique has by default.
+    /// Returns the technique's default map.
     fn default_map() -> ShadowMap {
         ShadowMap::default()
     }
 
-    /// Returns the map that is made for a technique with the map `map`, if the filter needs some of
-    /// its settings to be its own.
+    /// Returns the map for a technique with the map `map`. Filters override this if they require
+    /// some of its settings.
     fn adapted(map: ShadowMap) -> ShadowMap {
         map
     }
@@ -60,14 +60,14 @@ pub trait MapFilter:
     }
 }
 
-/// A technique that looks up a shadow map. In files, the filter's fields stand beside the table
+/// A technique that looks up a shadow map. In files, the filter's fields are next to the table
 /// `map`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize))]
 pub struct MapTechnique<F> {
     /// The map.
     pub map: ShadowMap,
-    /// How it is looked up.
+    /// Filter of the lookup.
     #[cfg_attr(feature = "presets", serde(flatten))]
     pub filter: F,
 }

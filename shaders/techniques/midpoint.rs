@@ -1,17 +1,19 @@
-//! Midpoint shadow mapping: the map holds the mean of the two nearest surfaces' depths, so that the
-//! nearest surface lies before it and all behind the second one lies behind it, without a constant
-//! to tune.
+//! Midpoint shadow mapping: the map holds the mean of the two nearest surfaces' depths. The nearest
+//! surface is before it, and everything behind the second one is behind it, without any constant to
+//! tune.
 //!
-//! Woo 1992, "The shadow depth map revisited" (Graphics Gems III). The second surface is found by
-//! peeling: of all depths greater than the nearest, the least. On closed casters the margin on both
+//! Woo 1992, "The shadow depth map revisited" (Graphics Gems III). Peeling finds the second
+//! surface: the least of all depths greater than the nearest. On closed casters, the margin on both
 //! sides is half their thickness. Near silhouettes both surfaces meet and the margin vanishes,
-//! while the surface slopes most under its texel: so lookups follow the receiver's plane by default
-//! ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE), of which it takes that half), which takes the slope
-//! out and leaves the margin for the rest. No single constant does as well over casters of
-//! different thickness. Known failures: open meshes put the middle between one caster and the next
-//! thing behind it, or, where nothing is behind, halfway to the far plane, so receivers close
-//! behind a lone sheet are lit; facets near the silhouette keep some acne; thin casters have thin
-//! margins; and every map's: see [`shadow_map`](crate::shadow_map).
+//! while the surface's slope within a texel is greatest. So lookups follow the receiver's plane by
+//! default (that half of [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE)). This removes the slope and
+//! leaves the margin for other errors. No single constant does as well over casters of different
+//! thickness.
+//!
+//! Known failures: with open meshes, the midpoint is between one caster and the next surface behind
+//! it. If there is none, it is halfway to the far plane, so receivers close behind a single sheet
+//! are lit. Facets near the silhouette keep some acne. Thin casters have thin margins. The failures
+//! of every map also apply: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     shadow_map::{ShadowMap, Surface},
@@ -19,7 +21,7 @@ use crate::{
 };
 use umbrage_core::{Recipe, RecipeError, View};
 
-/// Comparisons with the middle between the nearest two surfaces.
+/// Comparisons with the midpoint of the nearest two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -27,14 +29,14 @@ use umbrage_core::{Recipe, RecipeError, View};
     serde(default, deny_unknown_fields)
 )]
 pub struct Midpoint {
-    /// As [`Pcf::radius`].
+    /// Radius of the filter: see [`Pcf::radius`].
     pub radius: u32,
 }
 
 impl MapFilter for Midpoint {
     const NAME: &'static str = "midpoint";
     const SUMMARY: &'static str =
-        "comparisons with the middle of the nearest two surfaces (Woo 1992)";
+        "comparisons with the midpoint of the nearest two surfaces (Woo 1992)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.pcf().recipe(map, view)

@@ -1,4 +1,4 @@
-//! The techniques, one a file in Rust beside one of the same name in WGSL.
+//! Shadow techniques, each one Rust file with a WGSL file of the same name.
 
 pub mod evsm;
 pub mod exact;
@@ -25,13 +25,13 @@ pub mod vsm;
 
 use umbrage_core::{Geometry, RecipeError};
 
-/// Errors if anything is cut out of casters, for techniques that take them for whole; `why` says
-/// what they do with them.
+/// Errors if any caster is alpha-tested, for techniques that treat casters as opaque. `why`
+/// describes how they use casters.
 fn check_no_holes(geometry: &Geometry, why: &str) -> Result<(), RecipeError> {
     if !geometry.has_cut_out_casters() {
         return Ok(());
     }
     Err(RecipeError::unsupported(format!(
-        "holes that alpha textures cut into casters are not told here, {why}: use `traced`, `exact`, `soft` or a map"
+        "alpha-tested casters are not supported, {why}: use `traced`, `exact`, `soft` or a map"
     )))
 }

@@ -1,27 +1,28 @@
 //! Moment shadow maps: the mean of the first four powers of depth, blurred once, and the least
-//! shadow that they allow.
+//! shadow that is consistent with them.
 //!
-//! Peters and Klein 2015, "Moment shadow mapping" (I3D). Of all distributions of depth with four
-//! given moments, the one with the least shadow has three depths, one of them the receiver's: they
-//! are the zeros of a quadratic. So two blockers and one receiver, or one blocker and two
-//! receivers, are known without doubt, where two moments ([`Vsm`](crate::Vsm)) know one and one.
-//! Where depths end at the map's near and far planes (Hausdorff's moment problem; without ends it
-//! is Hamburger's), distributions of four depths leak less still. Depths are counted from -1 to 1,
-//! and the bias mixes in the moments (0, 3/8, 0, 3/8) of depths far apart, as Peters, Münstermann,
-//! Wetzstein and Klein 2017 have it ("Improved moment shadow maps for translucent occluders, soft
-//! shadows and single scattering").
+//! Peters and Klein 2015, "Moment shadow mapping" (I3D). Of all depth distributions with four given
+//! moments, the one with the least shadow has three depths. One is the receiver's; the others are
+//! the zeros of a quadratic. So two blockers and one receiver, or one blocker and two receivers,
+//! are represented exactly; two moments ([`Vsm`](crate::Vsm)) represent one and one. If depths are
+//! limited to the map's near and far planes, distributions of four depths leak even less
+//! (Hausdorff's moment problem; without limits it is Hamburger's). Depths are from -1 to 1. The
+//! bias mixes in the moments (0, 3/8, 0, 3/8) of depths far apart, as in Peters, Münstermann,
+//! Wetzstein and Klein 2017, "Improved moment shadow maps for translucent occluders, soft shadows
+//! and single scattering".
 //!
-//! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is
-//! as near as the plane's nearest part. So the receiver counts as nearer by a standard deviation of
-//! its own plane's depths within the filter ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) and
-//! [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) give the plane; with other biases slopes
-//! are grey).
+//! On a sloping plane, the least shadow is up to half. No bound distinguishes the plane from a
+//! blocker at the plane's nearest depth. So the receiver is moved nearer by a standard deviation of
+//! its plane's depths within the filter. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) and
+//! [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) provide the plane; with other biases
+//! slopes are grey.
 //!
-//! Known failures: three and more depths in the filter bleed light, less than with two moments;
-//! fourth powers need most of a float's 24 bits, so that `moment_bias` lights what lies within some
-//! thousandths of the map's depth behind a blocker: feet and thin slices. One width for all
-//! penumbrae, light in contacts as far as the blur reaches, and every map's failures: see
-//! [`shadow_map`](crate::shadow_map). Maps take 32 bytes a texel while they are blurred.
+//! Known failures: three or more depths in the filter bleed light, but less than with two moments.
+//! Fourth powers need most of a float's 24 bits. So `moment_bias` lights receivers within some
+//! thousandths of the map's depth behind a blocker: feet and thin slices. All penumbrae have one
+//! width, and light leaks into contacts as far as the blur reaches. The failures of every map also
+//! apply: see [`shadow_map`](crate::shadow_map). Maps use 32 bytes per texel while they are
+//! blurred.
 
 use crate::{
     filtering::moments::{
@@ -42,7 +43,7 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Which distributions of depth the moments may belong to.
+/// Class of depth distributions that the reconstruction assumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -50,14 +51,14 @@ use umbrage_core::{
     serde(rename_all = "snake_case")
 )]
 pub enum Reconstruction {
-    /// Any: three depths. Somewhat cheaper.
+    /// Any distribution, with three depths. Somewhat cheaper.
     Hamburger,
-    /// Those between the map's near and far plane: three depths, or four.
+    /// Distributions between the map's near and far plane, with three or four depths.
     #[default]
     Hausdorff,
 }
 
-/// The least shadow of four moments.
+/// Least shadow from four moments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -65,22 +66,22 @@ pub enum Reconstruction {
     serde(default, deny_unknown_fields)
 )]
 pub struct Msm {
-    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    /// Number of texels on each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
-    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
-    /// as noisy under a moving camera as one texel is.
+    /// Number of mipmap levels beyond the first, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), down to
+    /// levels 16 texels wide. They are used for pixels that span several texels. Without them, such
+    /// pixels are as noisy under a moving camera as a single texel.
     pub mipmaps: u32,
-    /// Bits of each moment.
+    /// Bits per moment.
     pub precision: MomentPrecision,
-    /// Which distributions are allowed.
+    /// Class of depth distributions.
     pub reconstruction: Reconstruction,
-    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding. Where
-    /// it is left out, it is what the precision needs: 0.000003 with 32 bits, 0.00006 with 16 (the
-    /// latter by Peters and others 2017).
+    /// Weight of a fixed distribution that is mixed into the moments, 0 to 1, to hide rounding. If
+    /// it is `None`, the precision determines it: 0.000003 with 32 bits, 0.00006 with 16 (the
+    /// latter from Peters and others 2017).
     pub moment_bias: Option<f32>,
-    /// Light up to this much counts as none, 0 to
-    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light-bleeding reduction, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION):
+    /// light up to this value counts as none, and the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -100,7 +101,7 @@ impl Default for Msm {
 impl MapFilter for Msm {
     const NAME: &'static str = "msm";
     const SUMMARY: &'static str =
-        "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
+        "the least shadow consistent with four blurred powers of depth (Peters, Klein 2015)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let moment_bias = self.moment_bias.unwrap_or(match self.precision {
@@ -157,29 +158,29 @@ impl Msm {
 
 /// Bias of 32-bit moments.
 const MOMENT_BIAS_32: f32 = 3e-6;
-/// Bias of 16-bit ones.
+/// Bias of 16-bit moments.
 const MOMENT_BIAS_16: f32 = 6e-5;
 
 uniforms! {
     /// Uniforms of [`MsmKernel`].
     pub struct MsmUniforms {
-        /// The map: its layers, and how it is looked up.
+        /// Layers of the map and how it is looked up.
         pub lookup: ShadowMapUniforms,
-        /// Its levels, and what chooses them.
+        /// Levels, and the data for selecting them.
         pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
-        /// What the rest is stretched by.
+        /// Stretch factor of the rest.
         pub bleeding_scale: f32,
-        /// Share of a fixed distribution that is mixed into the moments, 0..=1.
+        /// Weight of a fixed distribution that is mixed into the moments, 0..=1.
         pub moment_bias: f32,
-        /// Standard deviation of the depths of a plane within the filter, in units of the plane's
-        /// slope a texel.
+        /// Standard deviation of the depths of a plane within the filter, relative to the plane's
+        /// slope per texel.
         pub plane_deviation: f32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of MSM.
 #[derive(Clone, Copy, Debug)]
 pub struct MsmKernel {
     images: MomentImages,
@@ -200,8 +201,8 @@ impl MsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
-    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
+    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
+    /// (world space) with the unit `normal`; `None` if it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }
@@ -242,16 +243,15 @@ impl ReceiveKernel for MsmKernel {
     }
 }
 
-/// The moments that are mixed in: of depths of which three eighths lie at the map's two ends, and
-/// the rest in its middle.
+/// Moments that are mixed in: three eighths of the depths are at the map's two ends, and the rest
+/// at its centre.
 const BIAS_MOMENTS: [f32; 4] = [0.0, 0.375, 0.0, 0.375];
 
 impl MsmUniforms {
-    /// Returns moments, moved a little towards [`BIAS_MOMENTS`].
+    /// Returns the moments mixed with [`BIAS_MOMENTS`].
     #[inline(always)]
     fn biased(&self, moments: [f32; 4]) -> Vec4 {
-        // One by one, and not four at once, so that a loop over receivers becomes one of vector
-        // instructions.
+        // Process one at a time, and not four at once, so that a loop over receivers is vectorised.
         let mut out = [0.0; 4];
         for (i, out) in out.iter_mut().enumerate() {
             *out = moments[i] + (BIAS_MOMENTS[i] - moments[i]) * self.moment_bias;
@@ -260,11 +260,11 @@ impl MsmUniforms {
     }
 }
 
-/// Returns the standard deviation of the depths of a plane within the filter, in units of the
-/// plane's slope a texel.
+/// Returns the standard deviation of the depths of a plane within the filter, relative to the
+/// plane's slope per texel.
 ///
-/// Among the n texels of a box their places have a variance of (n² - 1) / 12 texels² along each
-/// axis, and a blend of two neighbours adds up to 1/4.
+/// The positions of the n texels of a box have a variance of (n² - 1) / 12 texels² along each axis.
+/// A blend of two neighbours adds up to 1/4.
 fn plane_deviation(blur: u32) -> f32 {
     let side = (2 * blur + 1) as f32;
     let variance = (side * side + 2.0) / 12.0;
@@ -272,14 +272,14 @@ fn plane_deviation(blur: u32) -> f32 {
 }
 
 impl MsmUniforms {
-    /// Returns the clip depth that is asked about: nearer than the receiver by a standard deviation
-    /// of its own plane's depths.
+    /// Returns the clip depth to compare: nearer than the receiver by a standard deviation of its
+    /// plane's depths.
     ///
-    /// A plane's depths lie as far beyond their mean as before it. The distribution with their four
-    /// moments and the least shadow has depths nearer than the receiver until this is nearer than
-    /// the mean by a standard deviation: there the plane starts to be lit, where at the mean itself
-    /// up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second
-    /// has its zeros one deviation from the mean.)
+    /// The depths of a plane are symmetric around their mean. The distribution with their four
+    /// moments and the least shadow has depths nearer than the receiver, until the receiver is a
+    /// standard deviation nearer than the mean. The plane begins to be lit there; at the mean
+    /// itself, up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the
+    /// zeros of the second are one deviation from the mean.)
     #[inline(always)]
     fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
         let slope = (l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y).sqrt();
@@ -287,8 +287,8 @@ impl MsmUniforms {
     }
 }
 
-/// Returns the standard deviation of a plane's depths where a coarser level adds `spread` to the
-/// variance of places, texels squared.
+/// Returns the standard deviation of a plane's depths if a coarser level adds `spread` to the
+/// variance of positions, texels squared.
 #[inline(always)]
 fn spread_deviation(deviation: f32, spread: f32) -> f32 {
     if spread > 0.0 {

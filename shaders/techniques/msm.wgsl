@@ -1,4 +1,4 @@
-// Twin of msm.rs: the bounds by four powers of depth.
+// Twin of msm.rs: the bounds from four powers of depth.
 
 struct MsmUniforms {
     lookup: ShadowMapUniforms,
@@ -21,7 +21,7 @@ fn compared_depth(l: ShadowCoord, spread: f32) -> f32 {
     return l.depth - spread_deviation(kernel.plane_deviation, spread) * slope;
 }
 
-// Moments, moved a little towards those of a distribution whose depths are far apart.
+// Returns the moments mixed with those of a distribution whose depths are far apart.
 fn biased_moments(moments: vec4f) -> vec4f {
     return moments + (vec4f(0.0, 0.375, 0.0, 0.375) - moments) * kernel.moment_bias;
 }

@@ -2,11 +2,14 @@
 //! texel.
 //!
 //! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first,
-//! then average; r = 1 is the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide
-//! kernels need more bias: their outer taps see the receiver's own surface r texels away. Known
-//! failures: light leaks into contacts and under feet as far as the kernel reaches; the receiver's
-//! plane leads outer taps astray across creases (acne on stairs and hills); the penumbra's one
-//! width is wrong for every lamp; and those of every map: see [`shadow_map`](crate::shadow_map).
+//! then average; r = 1 is the textbooks' 3x3. All penumbrae have the same width in texels. Wide
+//! kernels need more bias, since their outer taps compare with the receiver's own surface r texels
+//! away.
+//!
+//! Known failures: light leaks into contacts and under feet as far as the kernel reaches. At
+//! creases the receiver's plane misleads outer taps (acne on stairs and hills). A constant penumbra
+//! width is wrong for every area light. The failures of every map also apply: see
+//! [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -35,7 +38,7 @@ pub const MAX_RADIUS: u32 = 16;
     serde(default, deny_unknown_fields)
 )]
 pub struct Pcf {
-    /// Texels to each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
+    /// Number of texels on each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
     pub radius: u32,
 }
 
@@ -70,21 +73,21 @@ impl MapFilter for Pcf {
 uniforms! {
     /// Uniforms of [`PcfKernel`].
     pub struct PcfUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
-        /// Texels to each side.
+        /// Number of texels on each side.
         pub radius: i32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of PCF.
 #[derive(Clone, Copy, Debug)]
 pub struct PcfKernel(
-    /// Uniforms.
+    /// Map and filter radius.
     pub PcfUniforms,
 );
 
-/// The textbooks' 3x3: compilers unroll loops whose length they know.
+/// Specialisation for the textbooks' 3x3: compilers unroll loops of known length.
 const SQUARE_OF_THREE: Module = constant!("IS_SQUARE_OF_THREE = true");
 const ANY_SQUARE: Module = constant!("IS_SQUARE_OF_THREE = false");
 
@@ -116,7 +119,7 @@ impl ReceiveKernel for PcfKernel {
         let side = (2 * radius + 1) as f32;
         let count = side * side;
         let simd = inputs.simd;
-        // A known radius lets the compiler unroll rows; the others share one loop.
+        // Specialise common radii, so that the compiler unrolls rows. All others share one loop.
         match radius {
             0 => look_up_span(simd, &lookup, span, out, &OwnTexel { map }),
             1 => look_up_span(
@@ -158,7 +161,7 @@ impl ReceiveKernel for PcfKernel {
     }
 }
 
-/// `SIDE` and `LANES` as in [`square::level_squares`]; 0 for any side.
+/// Square of taps. `SIDE` and `LANES` are those of [`square::level_squares`]; 0 means any side.
 struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
     map: DepthMap<'a>,
     radius: i32,
@@ -166,8 +169,9 @@ struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
 }
 
 impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE, LANES> {
-    /// As `visibility`, a row of texels at a time: 2.8 to 11 times as fast as one receiver after
-    /// the other (3x3 to 9x9, 1280x720, `street`, a map of 2048, AVX2).
+    /// Processes a row of texels at a time: 2.8 to 11 times as fast as one receiver after the other
+    /// (3x3 to 9x9, 1280x720, `street`, a map of 2048, AVX2). The result equals that of
+    /// `visibility`.
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         if SIDE == 0 || self.map.packed {
@@ -201,7 +205,7 @@ impl<const SIDE: usize, const LANES: usize> SquareOfTaps<'_, SIDE, LANES> {
         batch.one_by_one(out, |l, _| self.visibility(l));
     }
 
-    /// Answers for receivers whose squares reach beyond the map.
+    /// Computes the visibility of covered receivers whose count isn't known.
     #[inline(never)]
     fn complete(&self, batch: &Batch, is_known: &[bool], out: &mut [f32]) {
         for (i, out) in out.iter_mut().enumerate() {

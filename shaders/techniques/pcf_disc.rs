@@ -1,12 +1,14 @@
 //! Percentage-closer filtering over a disc: the mean of comparisons at the taps of a pattern.
 //!
-//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", with taps spread
-//! over a disc instead of a square of texels: the radius need not be whole, the cost is the number
-//! of taps whatever the radius, and edges look alike from all sides. Turned by each pixel's noise,
-//! few taps give fine noise instead of bands. The blur is as wide everywhere and tells nothing of
-//! the light's size: see [`Pcss`](crate::Pcss). Fails like [`Pcf`](crate::Pcf) by acne that grows
-//! with the radius, by light that leaks into contacts, by one width for all penumbrae, and by noise
-//! where taps are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", with taps on a
+//! disc instead of a square of texels. The radius need not be an integer. The cost is the number of
+//! taps for any radius, and edges look the same in all directions. Each pixel's noise rotates the
+//! taps, so that few taps give fine noise instead of bands. The blur has a constant width that is
+//! independent of the light's size; compare [`Pcss`](crate::Pcss).
+//!
+//! Known failures: like [`Pcf`](crate::Pcf), acne that grows with the radius, light leaks into
+//! contacts, and one width for all penumbrae. Noise appears if taps are few for the radius. The
+//! failures of every map also apply: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     filtering::{
@@ -27,7 +29,7 @@ use umbrage_core::{
 /// Greatest radius accepted, texels.
 pub const MAX_DISC_RADIUS: f32 = 64.0;
 
-/// A disc of comparisons.
+/// Disc of comparisons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -35,13 +37,13 @@ pub const MAX_DISC_RADIUS: f32 = 64.0;
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfDisc {
-    /// Texels, 0 to [`MAX_DISC_RADIUS`].
+    /// Radius, texels, 0 to [`MAX_DISC_RADIUS`].
     pub radius: f32,
-    /// Taps, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS).
+    /// Number of taps, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS).
     pub taps: u32,
-    /// How they are spread.
+    /// Distribution of the taps.
     pub pattern: Pattern,
-    /// Whether each pixel turns the pattern by its own noise.
+    /// True if each pixel rotates the pattern by its own noise.
     pub rotate: bool,
 }
 
@@ -58,7 +60,7 @@ impl Default for PcfDisc {
 
 impl MapFilter for PcfDisc {
     const NAME: &'static str = "pcf_disc";
-    const SUMMARY: &'static str = "comparisons spread over a disc that each pixel turns";
+    const SUMMARY: &'static str = "comparisons over a disc, rotated per pixel";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
@@ -106,18 +108,18 @@ impl MapFilter for PcfDisc {
 uniforms! {
     /// Uniforms of [`PcfDiscKernel`].
     pub struct PcfDiscUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
-        /// Texels.
+        /// Radius, texels.
         pub radius: f32,
-        /// Taps: the table's first.
+        /// Number of taps; they are first in the table.
         pub taps: u32,
         /// Greatest turn of the pattern: one less than the number of turns, or 0.
         pub turns: u32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of disc PCF.
 #[derive(Clone, Debug)]
 pub struct PcfDiscKernel {
     /// Uniforms.
@@ -153,7 +155,7 @@ impl ReceiveKernel for PcfDiscKernel {
     }
 }
 
-/// The disc of one span, whose first pixel is `pixel`.
+/// Disc of a span whose first pixel is `pixel`.
 #[derive(Clone, Copy)]
 struct DiscOfTaps<'a> {
     kernel: &'a PcfDiscKernel,
@@ -164,7 +166,7 @@ struct DiscOfTaps<'a> {
 
 impl BatchTaps for DiscOfTaps<'_> {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
-        // Its own task: once compiled for all ways to project.
+        // A separate task, which is compiled once for all kinds of projection.
         self.simd.run_task(DiscBatch {
             disc: *self,
             batch,
@@ -212,8 +214,8 @@ impl SimdTask for DiscBatch<'_> {
 }
 
 impl DiscOfTaps<'_> {
-    /// Returns how the disc is laid over the map for the pixel `offset` in the span: turned by the
-    /// pixel's noise.
+    /// Returns the placement of the disc on the map for the pixel `offset` in the span, rotated by
+    /// the pixel's noise.
     #[inline(always)]
     fn placement(&self, offset: usize) -> KernelPlacement {
         let u = &self.kernel.uniforms;

@@ -1,11 +1,13 @@
-//! Dithered percentage-closer filtering: four comparisons, placed by the pixel's parity.
+//! Dithered percentage-closer filtering: four comparisons, positioned by the pixel's parity.
 //!
-//! Bunnell and Pellacini 2004, "Shadow map antialiasing" (GPU Gems, chapter 11): taps at (-1.5,
+//! Bunnell and Pellacini 2004, "Shadow map antialiasing" (GPU Gems, chapter 11). Taps are at (-1.5,
 //! .5), (.5, .5), (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block
-//! of 2x2 pixels covers sixteen texels. Cheap, at the price of a fine pattern in the penumbra; its
-//! levels are fourths. Known failures: single pixels of acne where light grazes curved or creased
-//! surfaces, as some taps are 2.5 texels away; light leaks into contacts as far; and those of every
-//! map: see [`shadow_map`](crate::shadow_map).
+//! of 2x2 pixels covers sixteen texels. It is cheap, but penumbrae have a fine pattern with levels
+//! of quarters.
+//!
+//! Known failures: single pixels of acne at grazing light on curved or creased surfaces, as some
+//! taps are 2.5 texels away. Light leaks into contacts as far. The failures of every map also
+//! apply: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -33,7 +35,7 @@ pub struct PcfDithered {}
 impl MapFilter for PcfDithered {
     const NAME: &'static str = "pcf_dithered";
     const SUMMARY: &'static str =
-        "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
+        "four comparisons, positioned by the pixel's parity (Bunnell, Pellacini 2004)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         map.recipe(view, 2.0, |lookup| {
@@ -46,10 +48,10 @@ impl MapFilter for PcfDithered {
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of dithered PCF.
 #[derive(Clone, Copy, Debug)]
 pub struct PcfDitheredKernel(
-    /// Uniforms.
+    /// Map and its layers.
     pub MapOnlyUniforms,
 );
 
@@ -95,8 +97,8 @@ impl DitheredTaps<'_> {
         lit * 0.25
     }
 
-    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of
-    /// (0 or 1, 0 or 1). `offset` is its place in the span.
+    /// Returns the tap offset of a pixel, texels. Each pixel of a 2x2 block has a different one of
+    /// (0 or 1, 0 or 1). `offset` is its index in the span.
     #[inline(always)]
     fn shift(&self, offset: usize) -> Vec2 {
         let pixel_x = self.first.x.wrapping_add(offset as u32);
@@ -112,24 +114,26 @@ impl DitheredTaps<'_> {
     }
 }
 
-/// Where taps lie along each axis before they are shifted, texels.
+/// Tap positions along each axis before the shift, texels.
 const TAPS: [f32; 2] = [-1.5, 0.5];
 
 impl BatchTaps for DitheredTaps<'_> {
-    /// The same in vector lanes: 2.5 and 2.9 times as fast as one receiver after the other
-    /// (1280x720, `street`, a map of 2048, AVX2).
+    /// Runs in vector lanes, 2.5 and 2.9 times as fast as one receiver after the other (1280x720,
+    /// `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         if self.map.packed {
             self.one_by_one(batch, first, out);
             return;
         }
+        // Shift the taps of each pixel.
         let [mut shift_x, mut shift_y] = [[0.0; BATCH]; 2];
         for i in 0..BATCH {
             let shift = self.shift(first + i);
             shift_x[i] = shift.x;
             shift_y[i] = shift.y;
         }
+        // Count the lit taps.
         let mut lit = [0.0; BATCH];
         let mut is_known = [true; BATCH];
         for down in TAPS {
@@ -143,12 +147,13 @@ impl BatchTaps for DitheredTaps<'_> {
                 }
             }
         }
+        // Convert counts to visibilities.
         let mut is_complete = true;
         for (i, out) in out.iter_mut().enumerate() {
             *out = lit[i] * 0.25;
             is_complete &= is_known[i] | !batch.covered[i];
         }
-        // Beside the map all is lit, unless its edge repeats.
+        // Receivers outside the map are lit, unless its edge repeats.
         if self.map.clamped && !is_complete {
             self.one_by_one(batch, first, out);
         }
@@ -170,7 +175,7 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{batch, map, texels};
 
-    /// Returns the mean of the four taps, as Bunnell and Pellacini have it.
+    /// Returns the mean of the four taps of Bunnell and Pellacini.
     fn expected(map: &DepthMap<'_>, batch: &Batch, i: usize, pixel: UVec2) -> f32 {
         let l = batch.lookup(i);
         if !l.covered {
@@ -189,8 +194,7 @@ mod tests {
         lit * 0.25
     }
 
-    /// At both kinds of edges, from odd pixels and even ones on, in batches that are full and in
-    /// one that isn't.
+    /// Includes both kinds of edges, odd and even first pixels, and full and partial batches.
     #[test]
     fn batches_are_as_single_receivers() {
         let texels = texels();

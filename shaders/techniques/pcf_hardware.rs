@@ -1,19 +1,19 @@
-//! Percentage-closer filtering by the comparison sampler: the mean of n² samples, a texel apart,
-//! each of which blends four comparisons by where it lies between their texels.
+//! Percentage-closer filtering with the comparison sampler: the mean of n² samples, one texel
+//! apart. Each blends four comparisons bilinearly.
 //!
-//! One sample is what "hardware shadow maps" mean; n² of them make a tent-edged square of (n + 1)²
-//! texels, without the steps of [`Pcf`](crate::Pcf): visibility is continuous, as the filter
+//! One sample is a "hardware shadow map". n² of them form a square of (n + 1)² texels with linear
+//! edges. It has no steps, unlike [`Pcf`](crate::Pcf): visibility is continuous, as the filter
 //! follows the receiver within a texel (Reeves, Salesin and Cook 1987, "Rendering antialiased
-//! shadows with depth maps", in the form that graphics chips have). Depth less than or equal to the
-//! stored one is lit. Beside the map all is lit, as a sampler with a border of depth 1 would find,
-//! blended at the rim; or [`Border::Clamp`](crate::Border) repeats the edge, as `CLAMP_TO_EDGE`
-//! does.
+//! shadows with depth maps", in the form of graphics chips). Depth less than or equal to the stored
+//! one is lit. Outside the map everything is lit, as for a sampler with a border of depth 1,
+//! blended at the edge. [`Border::Clamp`](crate::Border) repeats the edge instead, like
+//! `CLAMP_TO_EDGE`.
 //!
-//! Known failures: graphics chips hold the weights in 8 bits, so that masks of two devices may
-//! differ by [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth, so the receiver's
-//! plane is followed from sample to sample only, and the bias for the rest grows with the slope.
-//! Depth must be stored as depth: neither packed nor averaged. Light leaks into contacts as far as
-//! the samples reach; and every map's: see [`shadow_map`](crate::shadow_map).
+//! Known failures: graphics chips store the weights in 8 bits, so masks of two devices may differ
+//! by [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth. So the receiver's plane
+//! is only followed from sample to sample, and the bias for the rest grows with the slope. Depth
+//! must be stored as depth, neither packed nor averaged. Light leaks into contacts as far as the
+//! samples reach. The failures of every map also apply: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     filtering::comparison_sampler::{self, Axis, LANES, Samples},
@@ -29,7 +29,7 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// A square of samples.
+/// Square of comparison samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -37,7 +37,7 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfHardware {
-    /// Samples a side, 1 to 4.
+    /// Number of samples per side, 1 to 4.
     pub samples: u32,
 }
 
@@ -48,10 +48,9 @@ impl Default for PcfHardware {
 }
 
 impl PcfHardware {
-    /// How far the samples' texels reach beyond what
+    /// Returns the reach of the samples' texels beyond the receiver's own, texels, for
     /// [`Bias::normal_offset`](crate::Bias::normal_offset) and
-    /// [`Bias::polygon_offset`](crate::Bias::polygon_offset) take for the receiver's own, in
-    /// texels.
+    /// [`Bias::polygon_offset`](crate::Bias::polygon_offset).
     pub const fn reach(samples: u32) -> f32 {
         samples as f32 * 0.5
     }
@@ -59,7 +58,7 @@ impl PcfHardware {
 
 impl MapFilter for PcfHardware {
     const NAME: &'static str = "pcf_hardware";
-    const SUMMARY: &'static str = "comparison samplers, each of which blends 2x2 texels";
+    const SUMMARY: &'static str = "comparison samples, each a blend of 2x2 texels";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_hardware", self.samples, 1)?;
@@ -92,14 +91,14 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
     ))
 }
 
-/// Checks that samplers can compare with a map: only with depth images.
+/// Checks that samplers can compare with a map, which requires depth images.
 ///
 /// # Errors
 /// Errors if the map's depth is packed or averaged.
 pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
     if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
         return Err(RecipeError::unsupported(
-            "comparison samplers read depth images, and this map's depth is packed or averaged: use `pcf`",
+            "comparison samplers need depth images, but this map's depth is packed or averaged: use `pcf`",
         ));
     }
     Ok(())
@@ -108,17 +107,17 @@ pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
 uniforms! {
     /// Uniforms of [`HardwareKernel`].
     pub struct HardwareUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
-        /// Samples a side.
+        /// Number of samples per side.
         pub samples: i32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of hardware PCF.
 #[derive(Clone, Copy, Debug)]
 pub struct HardwareKernel(
-    /// Uniforms.
+    /// Map and number of samples.
     pub HardwareUniforms,
 );
 
@@ -178,7 +177,7 @@ impl<const N: usize, const FOLLOWS_PLANE: bool> Taps for SquareOfSamples<'_, N, 
     }
 }
 
-/// Returns samples a texel apart along one axis, centred on `texel`.
+/// Returns samples one texel apart along one axis, centred on `texel`.
 #[inline(always)]
 fn axis<const N: usize>(texel: f32) -> Axis {
     let first = texel + (0.5 - 0.5 * N as f32);

@@ -1,4 +1,4 @@
-// Twin of pcf_hardware.rs: the mean of a square of samples, a texel apart.
+// Twin of pcf_hardware.rs: the mean of a square of samples, one texel apart.
 
 struct HardwareUniforms {
     lookup: ShadowMapUniforms,

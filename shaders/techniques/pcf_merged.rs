@@ -1,15 +1,14 @@
-//! Percentage-closer filtering with a smooth filter, four texels merged into each sample of the
-//! comparison sampler: (r + 1)² samples for a filter of (2r + 1)² texels.
+//! Percentage-closer filtering with a smooth filter. Each sample of the comparison sampler merges
+//! four texels: (r + 1)² samples for a filter of (2r + 1)² texels.
 //!
-//! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 in four samples, 5x5 in nine;
-//! 7x7 takes sixteen. The filter and how it is merged: see
-//! [`bilinear_weights`](crate::filtering::bilinear_weights). The merged sum is the filter's own to
-//! the rounding of texel coordinates. Smoother than the square of
-//! [`PcfHardware`](crate::PcfHardware) at the same count of samples, since the filter falls off to
-//! its edge.
+//! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 with four samples, 5x5 with
+//! nine; 7x7 uses sixteen. See [`bilinear_weights`](crate::filtering::bilinear_weights) for the
+//! filter and its merging. The merged sum equals the filter's except for the rounding of texel
+//! coordinates. It is smoother than the square of [`PcfHardware`](crate::PcfHardware) with the same
+//! number of samples, since the filter falls off towards its edge.
 //!
-//! Known failures: those of [`PcfHardware`](crate::PcfHardware); samples lie between texels, where
-//! chips round the place to 1/256 texel, so the filter is off by as much.
+//! Known failures: those of [`PcfHardware`](crate::PcfHardware). Samples are between texels, where
+//! chips round the position to 1/256 texel, so the filter has the same error.
 
 use crate::{
     filtering::{
@@ -29,7 +28,7 @@ use umbrage_core::{
     uniforms,
 };
 
-/// A smooth filter.
+/// Smooth filter of merged samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -37,7 +36,7 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfMerged {
-    /// Texels to each side, 1 to 3; 1 is 3x3 in four samples.
+    /// Number of texels on each side, 1 to 3; 1 is 3x3 with four samples.
     pub radius: u32,
 }
 
@@ -48,7 +47,7 @@ impl Default for PcfMerged {
 }
 
 impl PcfMerged {
-    /// As [`PcfHardware::reach`](crate::PcfHardware::reach).
+    /// Returns the reach of the filter: see [`PcfHardware::reach`](crate::PcfHardware::reach).
     pub const fn reach(radius: u32) -> f32 {
         radius as f32 + 0.5
     }
@@ -82,19 +81,19 @@ impl MapFilter for PcfMerged {
 uniforms! {
     /// Uniforms of [`MergedKernel`].
     pub struct MergedUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
-        /// As [`merged_rows`] makes them.
+        /// Rows of the filter: see [`merged_rows`].
         pub rows: [Vec4; 4],
-        /// Samples a side.
+        /// Number of samples per side.
         pub samples: i32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of merged PCF.
 #[derive(Clone, Copy, Debug)]
 pub struct MergedKernel(
-    /// Uniforms.
+    /// Map and filter rows.
     pub MergedUniforms,
 );
 
@@ -148,7 +147,7 @@ impl<const N: usize, const FOLLOWS_PLANE: bool> Taps for MergedTaps<'_, N, FOLLO
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
         let x = axis::<N>(&self.rows, l.texel.x);
         let y = axis::<N>(&self.rows, l.texel.y);
-        // The weights are summed in the order of the shader's loop.
+        // Sum the weights in the order of the shader's loop.
         let mut column_total = 0.0;
         for weight in &y.weight[..N] {
             column_total += weight;
@@ -159,19 +158,19 @@ impl<const N: usize, const FOLLOWS_PLANE: bool> Taps for MergedTaps<'_, N, FOLLO
         }
         let samples = Samples::<N, 2, FOLLOWS_PLANE> { map: self.map };
         let lit = samples.sum(l, &x, &y);
-        // Rounding may carry the quotient above 1.
+        // Rounding may raise the quotient above 1.
         (lit / total).min(1.0)
     }
 }
 
-/// Returns samples about two texels apart along one axis, which make up the filter around `texel`.
+/// Returns samples about two texels apart along one axis, which replace the filter around `texel`.
 #[inline(always)]
 fn axis<const N: usize>(rows: &[Vec4; 4], texel: f32) -> Axis {
     let centre = (texel - 0.5).floor();
     let part = texel - 0.5 - centre;
     let first = centre + (1.5 - N as f32);
     let merged: [Vec2; 4] = std::array::from_fn(|i| {
-        // Lanes after the last repeat it, so that nothing divides by zero.
+        // Lanes after the last repeat it, so that nothing is divided by zero.
         merged_sample(rows[if i < N { i } else { N - 1 }], part)
     });
     Axis {

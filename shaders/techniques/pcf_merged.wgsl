@@ -1,4 +1,4 @@
-// Twin of pcf_merged.rs: a square of samples, each of which stands for four texels of the filter.
+// Twin of pcf_merged.rs: a square of samples, each of which replaces four texels of the filter.
 
 struct MergedUniforms {
     lookup: ShadowMapUniforms,

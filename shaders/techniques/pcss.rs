@@ -1,59 +1,62 @@
-//! Percentage-closer soft shadows: look for blockers, conclude how wide the penumbra is, filter
-//! that widely.
+//! Percentage-closer soft shadows: search blockers, estimate the penumbra, filter with its width.
 //!
 //! Fernando 2005, "Percentage-closer soft shadows". A light of width w over a blocker at distance
-//! d_b throws on a receiver at distance d_r a penumbra of width w (d_r - d_b) / d_b. Seen from the
-//! light, that is w (1/d_b - 1/d_r) in tangents; and clip depth with perspective is linear in 1/d
-//! (without, in d, as the penumbra then is). So all steps follow from differences of clip depth z,
-//! with the light's half axes U and V in texels per unit of it ([`LightExtent`]): **through the
-//! texel at z (x U + y V) from its own, a receiver that is deeper by z sees the light's point (x,
-//! y).**
+//! d_b casts a penumbra of width w (d_r - d_b) / d_b on a receiver at distance d_r. Viewed from the
+//! light, that is w (1/d_b - 1/d_r) in tangents. Clip depth is linear in 1/d with perspective.
+//! (Without, it is linear in d, as is the penumbra.) So all steps use differences of clip depth z,
+//! and the light's half axes U and V in texels per unit of clip depth ([`LightExtent`]). **For a
+//! receiver that is deeper by z, the ray to the light's point (x, y) passes through the texel at z
+//! (x U + y V) from its own.**
 //!
-//! 1. **Bound** z by the nearest caster that may hide some of the light, from a coarse grid over
-//!    the map ([`DepthInReachKernel`](crate::DepthInReachKernel)). None is: lit. So the search is
-//!    as wide as the blockers there ask for, wherever the map's near plane lies, and most of what
-//!    is lit needs no search.
-//! 2. **Search** the taps of a pattern over that z times (U, V), closer together towards the
-//!    middle: where blockers near the receiver must lie. A tap counts if what it finds hides some
-//!    of the light: if it lies before the receiver's plane, is nearer to the light than the
-//!    receiver, and by so much that the light's point through it is within the light.
-//! 3. **Penumbra**: the mean of z_r - z_b over them, each weighed by how much of the light it
-//!    hides. If no tap counts, the search's own z: then what the search missed hides little of the
-//!    light, and the filter's taps, which are spread evenly over the light and more, tell how much.
-//!    Where the receiver's plane is followed, z_r is the plane's depth at the tap.
-//! 4. **Filter**: the share of lit taps over that mean times (U, V), which is a texel at least. A
-//!    tap that finds something too low to be in the ray's way looks again where the ray is as low:
-//!    a wall beside the receiver rises under the rays, a solid caster, wide below, does not let
-//!    them through. (The wall is known by lying less than half as high there.)
-//! 5. **Horizon**: taps at points of the light below the receiver's plane do not count, and the
-//!    answer is multiplied by the share of the light above it, which is known without error
+//! 1. **Bound** z by the nearest caster that may hide part of the light, from a coarse grid over
+//!    the map ([`DepthInReachKernel`](crate::DepthInReachKernel)). If there is none, the receiver
+//!    is lit. So the width of the search follows from nearby blockers, independent of the map's
+//!    near plane. Most lit receivers need no search.
+//! 2. **Search** the taps of a pattern over that z times (U, V). Taps are denser towards the
+//!    centre, where blockers near the receiver must be. A tap counts if its surface hides part of
+//!    the light. The surface must be before the receiver's plane and nearer to the light than the
+//!    receiver. The light's point through it must be within the light.
+//! 3. **Penumbra**: the mean of z_r - z_b over these taps, weighted by the fraction of the light
+//!    that each hides. If no tap counts, use the search's own z. The search then missed only
+//!    blockers that hide little of the light. The filter has more taps, distributed evenly over the
+//!    light, and measures them. If the receiver's plane is followed, z_r is the plane's depth at
+//!    the tap.
+//! 4. **Filter**: the fraction of lit taps over that mean times (U, V), which is at least a texel.
+//!    A tap that finds a surface too low to block the ray looks again where the ray is that low. A
+//!    wall next to the receiver rises below the rays. A solid caster, wide at its base, does block
+//!    them. (The second lookup identifies the wall by a height of less than half.)
+//! 5. **Horizon**: taps at points of the light below the receiver's plane do not count. The result
+//!    is multiplied by the fraction of the light above the plane, which is computed exactly
 //!    ([`Horizon`]).
 //!
-//! That only blockers count that hide some of the light is backprojection's rule (Guennebaud,
-//! Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection"). Rectangles are
-//! sampled over the parallelogram and discs over the ellipse that the light makes on the map, so
-//! with all blockers in one plane the answer is exact up to texels and taps, if that plane is
-//! parallel to the map, or to the receiver whose plane is followed: on a slanting map, blockers on
-//! one side of an edge are otherwise nearer in the mean than the edge. Ideal lights have no width:
-//! there this is one hard comparison, the recipe of [`Hard`].
+//! The rule that only blockers that hide part of the light count is that of backprojection
+//! (Guennebaud, Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection").
+//! Rectangles are sampled over the light's parallelogram on the map, and discs over its ellipse. So
+//! with all blockers in one plane, the result is exact up to texels and taps under a condition.
+//! That plane must be parallel to the map, or to the receiver whose plane is followed. Otherwise,
+//! on a slanting map, blockers on one side of an edge are nearer in the mean than the edge. Ideal
+//! lights have no width, and use one hard comparison, the recipe of [`Hard`].
 //!
-//! Known failures, all of them from speaking of *the* blocker: blockers at several depths are
-//! merged into a mean that fits none of them (where a pole's shadow crosses a wall's, the pole's
-//! grows sharp and the wall's soft); an outline seen against nearer parts of the same caster has
-//! too wide a penumbra (around a pot's shadow); what lies behind the nearest surface is not in the
-//! map, so shadows of two casters under one another do not add up as they should. With few taps a
-//! blocker that hides little of the light is missed by the search; where nearer ones are in reach,
-//! the filter then takes it for less than it hides, and light leaks through leaves: more taps help.
-//! Lights so wide or casters so near to them that the search would leave the map are followed only
-//! half a map far, and cube faces are never left: their outermost receivers are then too bright.
-//! Under a ball as wide as a seventh of a room, a few hundredths of the light differ between two
-//! faces of a cube. Under ideal lights it fails as [`Hard`] does, and as every map: see
-//! [`shadow_map`](crate::shadow_map).
+//! Known failures, all caused by assuming a single blocker:
 //!
-//! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or
-//! too much for narrow ones. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) compares each tap with the
-//! receiver's plane there, which is exact on planes of any width, and is the default. Biases also
-//! shift z_r in the steps above, by themselves.
+//! - Blockers at several depths are merged into a mean that fits none of them. Where a pole's
+//!   shadow crosses a wall's, the pole's becomes sharp and the wall's soft.
+//! - An outline before nearer parts of the same caster has too wide a penumbra (around a pot's
+//!   shadow).
+//! - Surfaces behind the nearest one are not in the map. So shadows of two casters, one below the
+//!   other, do not add up correctly.
+//! - With few taps, the search misses a blocker that hides little of the light. If nearer blockers
+//!   are in reach, the filter underestimates it, and light leaks through leaves. More taps help.
+//! - The search is limited to half a map for wide lights or casters near them, and does not leave
+//!   cube faces. The outermost receivers are then too bright. Under a ball as wide as a seventh of
+//!   a room, two faces of a cube differ by a few hundredths of the light.
+//! - Under ideal lights, the failures are those of [`Hard`] and of every map: see
+//!   [`shadow_map`](crate::shadow_map).
+//!
+//! Bias: taps are far from the receiver, so a constant is too small for wide lights or too large
+//! for narrow ones. The default, [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE), compares each tap with
+//! the receiver's plane there, which is exact on planes for any width. Biases also shift z_r by
+//! their own amount in the steps above.
 
 mod lanes;
 
@@ -84,7 +87,7 @@ use umbrage_core::{
     UniformBlock, View, module, uniforms,
 };
 
-/// Penumbrae as wide as the light makes them.
+/// Penumbrae with the width that the light causes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -92,14 +95,14 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct Pcss {
-    /// Taps of the search, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS). Ideal
-    /// lights take none.
+    /// Number of search taps, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS). Ideal
+    /// lights use none.
     pub blocker_taps: u32,
-    /// Taps of the filter, likewise. Ideal lights take one.
+    /// Number of filter taps, with the same range. Ideal lights use one.
     pub filter_taps: u32,
-    /// How both are spread.
+    /// Distribution of both.
     pub pattern: Pattern,
-    /// Whether each pixel turns (or shifts) the pattern by its own noise.
+    /// True if each pixel rotates (or shifts) the pattern by its own noise.
     pub rotate: bool,
 }
 
@@ -116,7 +119,8 @@ impl Default for Pcss {
 
 impl MapFilter for Pcss {
     const NAME: &'static str = "pcss";
-    const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
+    const SUMMARY: &'static str =
+        "soft shadows: a blocker search, then a filter as wide as the penumbra (Fernando 2005)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let pattern = self.pattern_table(view)?;
@@ -126,13 +130,14 @@ impl MapFilter for Pcss {
         let size = map.size;
         let spaces = light_extent::spaces(map, view)?;
         let extent = LightExtent::new(view.light, &spaces, size);
-        // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any
-        // slope under a plate that is parallel to it. Only its plane tells those from the
-        // receiver's own surface.
+        // Wide taps find blockers that are deeper than the receiver but above its plane, as on any
+        // slope under a plate that is parallel to it. Only the receiver's plane distinguishes those
+        // from its own surface.
         let mut lookup = ShadowMapUniforms::new(map, view, &spaces);
         for layer in &mut lookup.layers {
             layer.deepest_tap = 1.0;
         }
+        // Build the kernel's uniforms.
         let uniforms = PcssUniforms {
             lookup,
             extent,
@@ -143,11 +148,13 @@ impl MapFilter for Pcss {
             square: u32::from(pattern.shape == PatternShape::Square),
             cell: Cells::over(size).side(),
         };
+        // Add the map and the grid of least depths.
         let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
         let depths = maps.map;
         let packed = map.format == MapFormat::Rgba8;
         let in_reach = depth_in_reach::add(&mut maps, size, packed, pattern.shape, extent);
         let table = pattern.table.clone();
+        // Add the lookup and its table of taps.
         let mut recipe = maps.recipe(PcssKernel { uniforms, pattern });
         recipe.receive.inputs = vec![depths, in_reach];
         recipe.tables.push(table);
@@ -183,26 +190,26 @@ impl Pcss {
 uniforms! {
     /// Uniforms of [`PcssKernel`].
     pub struct PcssUniforms {
-        /// The map: its layers, and how it is compared with.
+        /// Layers of the map and how they are compared.
         pub lookup: ShadowMapUniforms,
-        /// The light on the map.
+        /// Extent of the light on the map.
         pub extent: LightExtent,
-        /// The light in the world.
+        /// Extent of the light in the world.
         pub horizon: Horizon,
-        /// Taps of the search: the table's first.
+        /// Number of search taps; they are first in the table.
         pub blocker_taps: u32,
-        /// Taps of the filter: the table's next.
+        /// Number of filter taps; they are next in the table.
         pub filter_taps: u32,
         /// Greatest turn of the pattern: one less than the number of turns, or 0.
         pub turns: u32,
-        /// 1 if the light is a square's image, 0 if it is a disc's.
+        /// Set to 1 if the light's projection is a parallelogram, 0 if it is an ellipse.
         pub square: u32,
         /// Side of a cell of the second image, texels of the first.
         pub cell: u32,
     }
 }
 
-/// The receive kernel: it bounds the search, searches blockers, estimates the penumbra, and
+/// Receive kernel of PCSS: bounds the search, searches blockers, estimates the penumbra, and
 /// filters.
 #[derive(Clone, Debug)]
 pub struct PcssKernel {
@@ -212,10 +219,10 @@ pub struct PcssKernel {
 }
 
 impl PcssKernel {
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
-    /// unit `normal` goes beyond its own texel: as far as a search could go, or a filter, which may
-    /// be wider where the receiver's plane lies deeper under a blocker than under the receiver, and
-    /// is a texel wide at least.
+    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
+    /// (world space) with the unit `normal`. It is the greatest reach of a search or a filter. The
+    /// filter may be wider if the receiver's plane is deeper under a blocker than under the
+    /// receiver. It is at least a texel.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> f32 {
         let u = &self.uniforms;
         let l = shadow_coord(&u.lookup, position, normal);
@@ -265,21 +272,20 @@ impl ReceiveKernel for PcssKernel {
     }
 }
 
-/// The search for blockers of one span's receivers.
+/// Blocker search for the receivers of a span.
 #[derive(Clone, Copy)]
 struct Search<'a> {
     kernel: &'a PcssKernel,
     simd: Simd,
     comparisons: Comparisons<'a>,
-    /// The least depth in reach of each cell: see
-    /// [`DepthInReachKernel`](crate::DepthInReachKernel).
+    /// Least depth in reach of each cell: see [`DepthInReachKernel`](crate::DepthInReachKernel).
     in_reach: &'a ImageView<'a>,
     span: &'a Span<'a>,
 }
 
 impl BatchTaps for Search<'_> {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
-        // Its own task: once compiled for all ways to project.
+        // A separate task, which is compiled once for all kinds of projection.
         self.simd.run_task(SearchBatch {
             search: *self,
             batch,
@@ -309,9 +315,11 @@ impl SimdTask for SearchBatch<'_> {
         } = self;
         let comparisons = search.comparisons;
         let pattern = &search.kernel.pattern;
+        // Start from the fraction of the light above the horizon.
         for (batch_index, out) in out.iter_mut().enumerate() {
             *out = search.share(first + batch_index);
         }
+        // Collect the receivers that a blocker may reach.
         let size = comparisons.map.size;
         let mut bounds = BoundsLanes::new();
         let mut receivers = ReceiverLanes::none();
@@ -326,10 +334,11 @@ impl SimdTask for SearchBatch<'_> {
                 receivers.push(&l, batch_index, size, placement);
             }
         }
+        // Estimate their penumbrae, and filter.
         let mean = mean_nearer(&comparisons, &receivers, &bounds, &pattern.sets[0]);
         let counts = count_taps(&comparisons, &receivers, &bounds, &mean, &pattern.sets[1]);
         for i in 0..receivers.count {
-            // No tap above the horizon says nothing: the share of the light above it stands.
+            // If no tap is above the horizon, use the fraction of the light above it.
             let seen = if counts.above[i] > 0.0 {
                 counts.lit[i] / counts.above[i]
             } else {
@@ -341,7 +350,8 @@ impl SimdTask for SearchBatch<'_> {
 }
 
 impl Search<'_> {
-    /// Returns the share of the light above the horizon, 0..=1, of the pixel `offset` in the span.
+    /// Returns the fraction of the light above the horizon, 0..=1, of the pixel `offset` in the
+    /// span.
     #[inline(always)]
     fn share(&self, offset: usize) -> f32 {
         let u = &self.kernel.uniforms;
@@ -353,8 +363,8 @@ impl Search<'_> {
         )
     }
 
-    /// Returns how the pattern is laid over the map for a receiver at `l`, and its bounds; `None`
-    /// where nothing may hide any of the `share` of the light above the horizon.
+    /// Returns the placement of the pattern on the map for a receiver at `l`, and its bounds;
+    /// `None` if nothing can hide the `share` of the light above the horizon.
     #[inline(always)]
     fn placement(
         &self,
@@ -368,17 +378,19 @@ impl Search<'_> {
         let half_axis_u = u.extent.half_axis_u[layer];
         let half_axis_v = u.extent.half_axis_v[layer];
         let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
+        // Bound the search by the nearest caster in reach.
         let max = half_axis_v.w;
         let search = bounded(l.depth - self.depth_in_reach(l), max);
         if share == 0.0 || search == 0.0 {
             return None;
         }
+        // Rotate the light's half axes by the pixel's noise.
         let rotation = PixelRotation::at(&self.kernel.pattern, u.turns, self.span.first, offset);
         let cos_sin = rotation.cos_sin;
         let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), cos_sin);
         let texel = texel_depth(reach_along(u.square, axes));
-        // Where all of the light is above the horizon, all of its points have the height 1, so that
-        // every tap counts.
+        // If the whole light is above the horizon, all its points have the height 1, so every tap
+        // counts.
         let heights = if share < 1.0 {
             turned_heights(self.heights(layer, offset, from_middle), cos_sin)
         } else {
@@ -398,11 +410,11 @@ impl Search<'_> {
     }
 
     /// Returns [`Horizon::heights`] of the pixel `offset` in the span, `from_middle` texels from
-    /// the middle of its layer.
+    /// the centre of its layer.
     #[inline(always)]
     fn heights(&self, layer: usize, offset: usize, from_middle: Vec2) -> Vec3 {
         let u = &self.kernel.uniforms;
-        // The tangent that a texel from the middle spans, and that of half the layer's angle.
+        // Tangent that a texel from the centre spans, and that of half the layer's angle.
         let texel_tangent = u.extent.half_axis_u[layer].w;
         let half_tangent = texel_tangent * (u.lookup.size * 0.5);
         u.horizon.heights(
@@ -415,20 +427,20 @@ impl Search<'_> {
         )
     }
 
-    /// Returns the least clip depth at which something may hide some of the light from a receiver
+    /// Returns the least clip depth at which a surface may hide part of the light from a receiver
     /// at `l`.
     #[inline(always)]
     fn depth_in_reach(&self, l: &ShadowCoord) -> f32 {
         let last = (self.comparisons.map.size - 1) as f32;
         let cell = self.kernel.uniforms.cell as i32;
-        // Bounded first: then conversion rounds down.
+        // Clamp first, so that the conversion rounds down.
         let x = l.texel.x.max(0.0).min(last) as i32;
         let y = l.texel.y.max(0.0).min(last) as i32;
         self.in_reach.load(x / cell, y / cell, l.layer as u32)
     }
 }
 
-/// Returns a difference of clip depths bounded to 0..=max, and 0 for NaN.
+/// Clamps a difference of clip depths to 0..=max, and NaN to 0.
 #[inline(always)]
 fn bounded(depth: f32, max: f32) -> f32 {
     let depth = if depth > 0.0 { depth } else { 0.0 };

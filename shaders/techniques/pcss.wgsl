@@ -1,5 +1,5 @@
-// Twin of pcss.rs: bounds the search, searches for blockers, estimates the penumbra's width, and
-// filters that widely.
+// Twin of pcss.rs: bounds the search, searches blockers, estimates the penumbra's width, and
+// filters with it.
 
 struct PcssUniforms {
     lookup: ShadowMapUniforms,
@@ -12,9 +12,9 @@ struct PcssUniforms {
     cell: u32,
 }
 
-// A receiver's place on the map, the light's half axes there (turned), the bounds of differences of
-// clip depth (`most` is the greatest that is followed, `texel` the one that moves the light's rim
-// by a texel), and the heights of the light's points.
+// Coordinates of a receiver on the map, the light's rotated half axes there, and the bounds of
+// differences of clip depth. `most` is the greatest difference that is followed, `texel` the one
+// that moves the light's edge by a texel. `heights` are those of the light's points.
 struct Soft {
     l: ShadowCoord,
     size: i32,
@@ -25,7 +25,7 @@ struct Soft {
     heights: vec3f,
 }
 
-// A shifted tap: its place in the pattern, and how far that is from the middle.
+// Returns a shifted tap: its position in the pattern (xy), and its distance from the centre (z).
 fn spot(s: Soft, tap: u32) -> vec3f {
     let row = pattern_row(tap);
     let x = wrapped(row.x + s.shift.x);
@@ -33,7 +33,7 @@ fn spot(s: Soft, tap: u32) -> vec3f {
     return vec3f(x, y, from_middle(x, y, row.z));
 }
 
-// By how much blockers are nearer in the mean; the whole search if it finds none.
+// Returns the mean by which blockers are nearer; the whole search range if there are none.
 fn mean_nearer(s: Soft, widest: f32) -> f32 {
     let axes = s.axes * widest;
     var sum = 0.0;
@@ -55,8 +55,8 @@ fn mean_nearer(s: Soft, widest: f32) -> f32 {
     return widest;
 }
 
-// Whether something hides the light's point at the tap: what is found there, or, if that is too low
-// to be in the way, what the ray passes where it is as low.
+// Returns whether the light's point at the tap is hidden. A surface at the tap that is too low to
+// block the ray is looked up again where the ray is at its height.
 fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
     let d = place_depths(s.l, s.size, place(s.l.texel, axes, q.xy));
     if d.y <= d.x {
@@ -73,7 +73,7 @@ fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
     return !(lower.y <= lower.x) && s.l.depth - lower.x >= nearer * 0.5;
 }
 
-// The share of the light above the horizon that is seen: 1 where no tap is above it.
+// Returns the visible fraction of the light above the horizon; 1 if no tap is above it.
 fn filtered(s: Soft, mean: f32) -> f32 {
     let axes = s.axes * min(max(mean, s.texel), s.most);
     var above = 0;
@@ -103,7 +103,7 @@ fn heights_of_light(r: Receiver, layer: i32, from_middle: vec2f) -> vec3f {
     return vec3f(middle, dot3(r.normal, h.half_u.xyz), dot3(r.normal, h.half_v.xyz));
 }
 
-// The least clip depth at which something may hide some of the light.
+// Returns the least clip depth at which a surface may hide part of the light.
 fn depth_in_reach(l: ShadowCoord) -> f32 {
     let last = i32(kernel.lookup.size) - 1;
     let x = clamp(i32(floor(l.texel.x)), 0, last) / i32(kernel.cell);
@@ -111,7 +111,7 @@ fn depth_in_reach(l: ShadowCoord) -> f32 {
     return load_1(vec2i(x, y), l.layer).x;
 }
 
-// The share of the light above the horizon.
+// Returns the fraction of the light above the horizon.
 fn full_light(r: Receiver) -> f32 {
     return light_share(kernel.horizon, kernel.square, kernel.lookup.light, r.position, r.normal);
 }

@@ -1,16 +1,15 @@
-//! Planar projected shadows: casters flattened onto each flat receiver, seen from the camera.
+//! Planar projected shadows: casters flattened onto each flat receiver, rendered from the camera.
 //!
-//! Blinn 1988, "Me and my (fake) shadow": [`planar_shadow_matrix`] maps a caster to its
-//! shadow on a plane. Each plane that the camera sees lit has a layer as large as the camera's
-//! image, into which the flattened casters are drawn; a pixel is dark if its own plane's layer is
-//! covered there. So shadows end where their receiver does, and its neighbours keep their own.
-//! Casters are cut to the slab between plane and light first: without that, those behind the light
-//! throw anti-shadows, and those below the plane are projected up to it.
+//! Blinn 1988, "Me and my (fake) shadow": [`planar_shadow_matrix`] maps a caster to its shadow on a
+//! plane. Each visible plane that faces the light has a layer of the camera's image size. The
+//! flattened casters are drawn into it. A pixel is dark if its own plane's layer is covered there.
+//! So shadows end at the border of their receiver, and adjacent receivers have their own. Casters
+//! are first clipped to the slab between plane and light. Otherwise, those behind the light would
+//! cast anti-shadows, and those below the plane would be projected up to it.
 //!
-//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known
-//! failures: receivers that are curved, which need a plane a triangle (not supported beyond
-//! [`Planar::planes`]); casters with holes that alpha textures cut out are refused; every plane
-//! draws all casters again.
+//! Exact on flat receivers, without bias. Area lights count as their centre. Known failures: curved
+//! receivers need one plane per triangle (not supported beyond [`Planar::planes`]). Alpha-tested
+//! casters are refused. Every plane draws all casters again.
 
 mod flatten;
 mod matrix;
@@ -38,7 +37,7 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Most planes accepted: what every device has in layers.
+/// Maximum number of planes accepted, the number of layers that every device supports.
 pub const MAX_PLANES: u32 = 256;
 
 /// Casters flattened onto planes.
@@ -49,8 +48,8 @@ pub const MAX_PLANES: u32 = 256;
     serde(default, deny_unknown_fields)
 )]
 pub struct Planar {
-    /// Most planes that may be seen lit, 1 to [`MAX_PLANES`]; each takes a layer of the camera's
-    /// size.
+    /// Maximum number of visible planes that face the light, 1 to [`MAX_PLANES`]. Each uses a layer
+    /// of the camera's size.
     pub planes: u32,
 }
 
@@ -75,15 +74,15 @@ impl ShadowTechnique for Planar {
         view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "planes are found among the scene's triangles, and this view has none",
+                "the view has no triangles to find planes in: make it with `View::new`",
             ));
         };
-        check_no_holes(geometry, "where whole casters are flattened")?;
+        check_no_holes(geometry, "since casters are flattened as opaque")?;
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
         if planes.planes.len() > self.planes as usize {
             return Err(RecipeError::unsupported(format!(
-                "the lit receivers that are seen lie in more than {} planes: this is for flat receivers",
+                "the visible lit receivers are in more than {} planes: raise `planes`, or use another technique for curved receivers",
                 self.planes
             )));
         }
@@ -101,6 +100,7 @@ impl ListedTechnique for Planar {
 
 /// Returns the recipe with one layer for each plane.
 fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) -> Recipe {
+    // Flatten the casters onto each plane's layer.
     let space = InfiniteFarView::new(view, geometry).space;
     let mut casts = Vec::with_capacity(planes.planes.len());
     for (layer, &plane) in (0..).zip(&planes.planes) {
@@ -139,7 +139,7 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
     }
 }
 
-/// Returns the triangles' plane numbers as a table, four in each row; at least one row.
+/// Returns the triangles' plane numbers as a table, four in each row, with at least one row.
 fn rows(of_triangle: &[u32]) -> Arc<[[u32; 4]]> {
     if of_triangle.is_empty() {
         return [[NO_PLANE; 4]].into();
@@ -156,14 +156,15 @@ fn rows(of_triangle: &[u32]) -> Arc<[[u32; 4]]> {
 uniforms! {
     /// Uniforms of [`PlanarKernel`].
     pub struct PlanarUniforms {
-        /// The light's middle, homogeneous: a unit direction to it (w = 0) or its position (w = 1).
+        /// Centre of the light, homogeneous: a unit direction to it (w = 0) or its position (w =
+        /// 1).
         pub light: Vec4,
-        /// Id of the first receiving triangle: the first entry of the table.
+        /// Id of the first receiving triangle, which is the first entry of the table.
         pub first: u32,
     }
 }
 
-/// Dark where the layer of the pixel's plane is covered, or where the surface faces away.
+/// Receive kernel: dark if the layer of the pixel's plane is covered or the surface faces away.
 #[derive(Clone, Debug)]
 pub struct PlanarKernel {
     uniforms: PlanarUniforms,
@@ -171,7 +172,7 @@ pub struct PlanarKernel {
 }
 
 impl PlanarKernel {
-    /// Returns the number of the plane in which a triangle lies, or [`NO_PLANE`].
+    /// Returns the number of a triangle's plane, or [`NO_PLANE`].
     fn plane(&self, triangle: u32) -> u32 {
         let i = triangle.wrapping_sub(self.uniforms.first) as usize;
         self.rows.get(i / 4).map_or(NO_PLANE, |row| row[i % 4])

@@ -1,4 +1,4 @@
-// Twin of planar.rs: dark where the layer of the pixel's plane (table_0, four triangles a row) is
+// Twin of planar.rs: dark if the layer of the pixel's plane (table_0, four triangles per row) is
 // covered.
 
 struct PlanarUniforms {
@@ -9,7 +9,7 @@ struct PlanarUniforms {
 const NO_PLANE = 0xffffffffu;
 
 fn receive(r: Receiver) -> f32 {
-    // w is 0 or 1: its sign is never set.
+    // w is 0 or 1, so its sign bit is never set.
     opaque_zero = bitcast<u32>(kernel.light.w) >> 31u;
     if turned_away(kernel.light, r.position, r.normal) != 0u {
         return 0.0;

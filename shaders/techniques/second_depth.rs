@@ -1,13 +1,14 @@
-//! Second-depth shadow mapping: only faces turned away from the light are drawn into the map, so
-//! the depth compared with lies on the far side of each caster and the lit side needs no bias.
+//! Second-depth shadow mapping: only faces turned away from the light are drawn into the map. The
+//! compared depth is on the far side of each caster, so the lit side needs no bias.
 //!
 //! Wang and Molnar 1994, "Second-depth shadow mapping" (technical report UNC TR94-019). It is a map
-//! with [`Cull::Front`] and no other bias; the lookup is [`Pcf`]'s. Known failures: open casters
-//! turned to the light vanish; light leaks in at the base of a caster that stands on its receiver,
-//! whose far side touches it; walls thinner than a texel's depth span leak; the far sides
-//! themselves get acne, which hides in their own shadow only as long as shading darkens faces
-//! turned away. Meshes with holes, or with a side that winds the wrong way, leak there. And every
-//! map's: see [`shadow_map`](crate::shadow_map).
+//! with [`Cull::Front`] and no other bias; the lookup is [`Pcf`]'s.
+//!
+//! Known failures: open casters that face the light vanish. Light leaks in at the base of a caster
+//! whose far side touches its receiver. Walls thinner than a texel's depth span leak. The far sides
+//! themselves get acne, which is hidden only if shading darkens faces turned away. Meshes with gaps
+//! or with inconsistent winding leak there. The failures of every map also apply: see
+//! [`shadow_map`](crate::shadow_map).
 
 use crate::{
     shadow_map::{Bias, ShadowMap},
@@ -23,7 +24,7 @@ use umbrage_core::{Cull, Recipe, RecipeError, View};
     serde(default, deny_unknown_fields)
 )]
 pub struct SecondDepth {
-    /// As [`Pcf::radius`].
+    /// Radius of the filter: see [`Pcf::radius`].
     pub radius: u32,
 }
 
@@ -47,7 +48,7 @@ impl MapFilter for SecondDepth {
         }
     }
 
-    /// Culls front faces, whatever else the bias says.
+    /// Always culls front faces.
     fn adapted(mut map: ShadowMap) -> ShadowMap {
         map.bias.cull = Cull::Front;
         map

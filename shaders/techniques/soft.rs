@@ -1,35 +1,41 @@
-//! The fraction of a light that a receiver sees, from one search for all that may hide any of it,
-//! with a stated error.
+//! Soft shadows with a stated error: the fraction of a light that is visible from a receiver, from
+//! one search for all casters that may hide any of it.
 //!
-//! All rays from a receiver to a light lie within a shaft (Haines and Wallace 1991, "Shaft Culling
-//! for Efficient Ray-Traced Radiosity"). One walk through the hierarchy finds the casters that
-//! reach into it: none, and the receiver is lit; one that covers the light alone, and it is in the
-//! umbra; both are certain, and take no sample. Else each caster hides a run of points in each row
-//! of a lattice over the light: bits, set row by row (`soft/hidden.rs`). So hundreds of points cost
-//! about as much as a few rays. On the CPU neighbours share the walk. The set of conservative
-//! blockers, then samples, is what Wang et al. 2014, "GEARS: A General and Efficient Algorithm for
-//! Rendering Shadows", and Laine et al. 2005, "Soft Shadow Volumes for Ray Tracing", do; bit masks
-//! for sampling lights are those of Schwarz and Stamminger 2007, "Bitmask Soft Shadows", and
-//! Kalbertodt 2023.
+//! All rays from a receiver to a light are within a shaft (Haines and Wallace 1991, "Shaft Culling
+//! for Efficient Ray-Traced Radiosity"). One traversal of the hierarchy finds the casters that
+//! reach into it. With none, the receiver is lit. With one that covers the light alone, it is in
+//! the umbra. Both are certain and need no sample. Otherwise each caster hides a run of points in
+//! each row of a lattice over the light: bits, set row by row (`soft/hidden.rs`). So hundreds of
+//! points cost about as much as a few rays. On the CPU, neighbours share the traversal.
 //!
-//! **Error.** [`Soft::error`] asks for a root mean square error at straight edges, and the number
-//! of points follows. Each edge crosses at most 2 k - 1 of the cells around the points in k rows,
-//! and only there can an answer be wrong: [`Soft::bound`]. Where several edges cross a light, the
-//! errors add up as noise does.
+//! Finding conservative blockers first, and then sampling, follows Wang et al. 2014, "GEARS: A
+//! General and Efficient Algorithm for Rendering Shadows", and Laine et al. 2005, "Soft Shadow
+//! Volumes for Ray Tracing". Bit masks for sampling lights are those of Schwarz and Stamminger
+//! 2007, "Bitmask Soft Shadows", and Kalbertodt 2023.
 //!
-//! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one
-//! point decides.
+//! **Error.** [`Soft::error`] is the requested root mean square error at straight edges, which
+//! determines the number of points. Each edge crosses at most 2 k - 1 of the cells around the
+//! points in k rows. Errors occur only there: [`Soft::bound`]. If several edges cross a light, the
+//! errors add up like noise.
 //!
-//! Where alpha textures cut holes into casters, the points that such a triangle's outline covers
-//! are asked one by one (`soft/holes.rs`), and what is slow about rays is slow again.
+//! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Ideal lights have a single
+//! point.
 //!
-//! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread
-//! evenly over a plane instead of over the sky, at the rim by up to a tenth more thinly.
+//! For alpha-tested casters, the points that such a triangle's outline covers are tested one by one
+//! (`soft/holes.rs`), which is as slow as tracing rays.
 //!
-//! In `soft/`: `lattice.rs` (the points, in rows), `light_plane.rs` (the light as a receiver sees
-//! it), `hidden.rs` (which points a triangle hides), `footprint.rs` (which rows a box or a triangle
-//! can touch), `holes.rs` (points that pass through holes), `search.rs` (the CPU half: eight
-//! neighbours walk through the hierarchy together).
+//! Known failures: directional lights more than [`MAX_SUN_DEGREES`] wide are refused. Their points
+//! are distributed evenly over a plane instead of over the sky, so they are up to a tenth sparser
+//! at the edge.
+//!
+//! Modules in `soft/`:
+//!
+//! - `lattice.rs`: the points, in rows
+//! - `light_plane.rs`: the light as viewed from a receiver
+//! - `hidden.rs`: the points that a triangle hides
+//! - `footprint.rs`: the rows that a box or a triangle can touch
+//! - `holes.rs`: points that pass the alpha test
+//! - `search.rs`: the CPU half, in which eight neighbours traverse the hierarchy together
 
 mod footprint;
 mod hidden;
@@ -59,13 +65,14 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// The widest sun that is served, degrees across: there the points at its rim are a tenth too thin.
+/// Greatest supported angular diameter of directional lights, degrees. Points at the edge are then
+/// a tenth too sparse.
 pub const MAX_SUN_DEGREES: f32 = 30.0;
 
-/// The range of [`Soft::error`].
+/// Range of [`Soft::error`].
 pub const SOFT_ERRORS: [f32; 2] = [0.002, 0.2];
 
-/// Light points behind the casters of a shaft.
+/// Light points hidden by the casters in a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -73,8 +80,8 @@ pub const SOFT_ERRORS: [f32; 2] = [0.002, 0.2];
     serde(default, deny_unknown_fields)
 )]
 pub struct Soft {
-    /// The root mean square error at straight edges, as a part of the light, within
-    /// [`SOFT_ERRORS`]: it chooses the number of points.
+    /// Root mean square error at straight edges, as a fraction of the light, within
+    /// [`SOFT_ERRORS`]. It determines the number of points.
     pub error: f32,
 }
 
@@ -85,14 +92,14 @@ impl Default for Soft {
 }
 
 impl Soft {
-    /// Returns the number of points of the light that are asked, about: one for ideal lights.
+    /// Returns the approximate number of points of the light that are tested; one for ideal lights.
     pub fn points(&self, light: &Light) -> u32 {
         let lattices = self.lattices(&LightSampler::new(light));
         lattices.of_noise(0).points
     }
 
-    /// Returns the greatest error that one straight edge can make, as a part of the light: it
-    /// crosses at most 2 k - 1 of the cells around the points in k rows.
+    /// Returns the greatest error that one straight edge can cause, as a fraction of the light. The
+    /// edge crosses at most 2 k - 1 of the cells around the points in k rows.
     pub fn bound(&self, light: &Light) -> f32 {
         self.lattices(&LightSampler::new(light)).bound()
     }
@@ -114,6 +121,7 @@ impl ShadowTechnique for Soft {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        // Check the settings, the geometry and the light.
         let [least, greatest] = SOFT_ERRORS;
         if !(least..=greatest).contains(&self.error) {
             let why = format!("is {}", self.error);
@@ -123,7 +131,7 @@ impl ShadowTechnique for Soft {
         view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "shafts need the scene's triangles, and this view has none",
+                "the view has no triangles to search: make it with `View::new`",
             ));
         };
         if let Light::Directional {
@@ -132,11 +140,12 @@ impl ShadowTechnique for Soft {
             && *angular_diameter > MAX_SUN_DEGREES.to_radians()
         {
             return Err(RecipeError::unsupported(format!(
-                "suns are served up to {MAX_SUN_DEGREES} degrees across, and this one has {}: use `traced`",
+                "directional lights are supported up to {MAX_SUN_DEGREES} degrees across, but this one has {}: use `traced`",
                 angular_diameter.to_degrees()
             )));
         }
         check_stack(geometry)?;
+        // Build the kernel and its tables.
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
@@ -173,12 +182,12 @@ impl ShadowTechnique for Soft {
 /// Rows of four words.
 type Rows = Arc<[[u32; 4]]>;
 
-/// The hierarchy's triangles, the corners of each in the order in which functions of edges take
-/// them.
+/// Triangles of the hierarchy. The corners of each have the order that the edge functions expect.
 struct SortedTriangles(Rows);
 
 impl SortedTriangles {
-    /// `rows` are three a triangle: a corner, and the triangle's id as the fourth word.
+    /// Builds the table; `rows` are three per triangle: a corner, and the triangle's id as the
+    /// fourth word.
     fn of(rows: &[[u32; 4]]) -> Self {
         let mut out = Vec::with_capacity(rows.len());
         for triangle in rows.chunks_exact(3) {
@@ -196,7 +205,7 @@ impl SortedTriangles {
 
 impl ListedTechnique for Soft {
     const SUMMARY: &'static str =
-        "points of the light behind the casters of a shaft (Haines, Wallace 1991; Wang 2014)";
+        "light points hidden by the casters in a shaft (Haines, Wallace 1991; Wang 2014)";
 
     fn settings(&self) -> String {
         format!("error {}", self.error)
@@ -243,30 +252,31 @@ uniforms! {
         pub light: LightSampler,
         /// The camera's position; w is unused.
         pub eye: Vec4,
-        /// How far the light reaches from its middle along each axis: metres, for suns as a part of
-        /// the way. Fourth: the tangent of half a sun's angular diameter.
+        /// Extent of the light from its centre along each axis: metres, or a fraction of the
+        /// distance for directional lights. w: the tangent of half a directional light's angular
+        /// diameter.
         pub spread: Vec4,
         /// Greatest extent of a receiving triangle, metres.
         pub extent: f32,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
-        /// Points by which rows of a lattice are shifted, at most.
+        /// Maximum number of points by which rows of a lattice are shifted.
         pub shift: f32,
-        /// Rows of a lattice.
+        /// Number of rows of a lattice.
         pub rows: u32,
-        /// The number of lattices.
+        /// Number of lattices.
         pub lattices: u32,
     }
 }
 
-/// Points of the light behind the casters of a shaft.
+/// Receive kernel: light points hidden by the casters in a shaft.
 #[derive(Clone, Debug)]
 pub struct SoftKernel {
     /// Uniforms.
     pub uniforms: SoftUniforms,
     lattices: Lattices,
     bvh: Arc<Bvh>,
-    /// Holes of casters; none if none has any.
+    /// Alpha test of casters; `None` if none is alpha-tested.
     cut_outs: Option<Arc<CutOuts>>,
 }
 
@@ -280,8 +290,8 @@ impl SoftKernel {
         }
     }
 
-    /// Returns by how much the share of the light above a receiver's horizon may be wrong, 0..=1:
-    /// points of the light are counted, and the horizon is one straight edge.
+    /// Returns the error bound, 0..=1, of the light's fraction above a receiver's horizon. Points
+    /// of the light are counted, and the horizon is one straight edge.
     pub fn share_error(&self) -> f32 {
         if self.uniforms.light.is_ideal() {
             0.0

@@ -1,5 +1,5 @@
-// Twin of soft.rs: finds the casters in a receiver's shaft through a two-way hierarchy (table_0)
-// over triangles with sorted corners (table_1), and hides points of a lattice over the light
+// Twin of soft.rs: finds the casters in a receiver's shaft through a binary hierarchy (table_0)
+// over triangles with sorted corners (table_1). Hides the points of a lattice over the light
 // (table_2) behind them.
 
 struct SoftUniforms {
@@ -26,7 +26,7 @@ fn shaft_from(o: vec3f) -> Shaft {
     return shaft_to(o, product3(low, far), product3(high, far));
 }
 
-// Hides what casters hide, triangle `skip` apart. Returns whether anything is still open.
+// Hides points behind casters, except triangle `skip`. Returns whether any point is still open.
 fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool {
     let shaft = shaft_from(f.start);
     var stack: array<u32, STACK>;
@@ -60,7 +60,7 @@ fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool 
 }
 
 fn receive(r: Receiver) -> f32 {
-    // There are less than 2^31 kinds of lights.
+    // There are fewer than 2^31 kinds of lights.
     opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let plane = light_plane(o);

@@ -1,12 +1,12 @@
-//! Ray-traced shadows: the fraction of the light that a receiver sees, by any-hit rays. No map, no
-//! bias.
+//! Ray-traced shadows: the fraction of the light that is visible from a receiver, by any-hit rays,
+//! without map or bias.
 //!
 //! Whitted 1980, "An improved illumination model for shaded display"; Cook, Porter and Carpenter
-//! 1984, "Distributed ray tracing" for lights with an extent. Surfaces are two-sided, and opaque
-//! but for holes that alpha textures cut out, behind which rays go on; a light point below the
-//! receiver's tangent plane is not seen. Exact for ideal lights; noisy with few samples of wide
-//! ones: four rays miss what passes for smooth in penumbrae (the noise of 16 independent rays)
-//! where many casters overlap. Costs one traversal a sample.
+//! 1984, "Distributed ray tracing" for area lights. Surfaces are two-sided and opaque, except where
+//! an alpha test lets rays pass. A light point below the receiver's tangent plane is not visible.
+//! Exact for ideal lights; noisy with few samples of wide ones. Four rays are too few for smooth
+//! penumbrae (the noise of 16 independent rays) where many casters overlap. Costs one traversal per
+//! sample.
 
 use crate::{listing::ListedTechnique, techniques::exact::longest_ray};
 use std::sync::Arc;
@@ -21,11 +21,11 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// Most samples accepted a receiver.
+/// Maximum number of samples accepted per receiver.
 pub const MAX_SAMPLES: u32 = 65_536;
 
-/// Nodes that shaders can keep for later: `STACK` in traced.wgsl and soft.wgsl. Each level of the
-/// hierarchy leaves one.
+/// Capacity of the shaders' traversal stack: `STACK` in traced.wgsl and soft.wgsl. Each level of
+/// the hierarchy pushes one node.
 const STACK: usize = 64;
 
 /// Any-hit rays.
@@ -36,8 +36,8 @@ const STACK: usize = 64;
     serde(default, deny_unknown_fields)
 )]
 pub struct Traced {
-    /// Rays a receiver for lights with an extent, 1 to [`MAX_SAMPLES`]; powers of two are best.
-    /// Ideal lights take one.
+    /// Number of rays per receiver for area lights, 1 to [`MAX_SAMPLES`]; powers of two are best.
+    /// Ideal lights use one.
     pub samples: u32,
 }
 
@@ -53,6 +53,7 @@ impl ShadowTechnique for Traced {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        // Check the settings and the geometry.
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             let why = format!("are {}", self.samples);
             return Err(
@@ -62,10 +63,11 @@ impl ShadowTechnique for Traced {
         view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "rays need the scene's triangles, and this view has none",
+                "the view has no triangles to trace: make it with `View::new`",
             ));
         };
         check_stack(geometry)?;
+        // Build the tables.
         let [nodes, triangles] = geometry.bvh_tables();
         let mut tables = vec![
             Table {
@@ -135,7 +137,7 @@ pub(super) fn check_stack(geometry: &Geometry) -> Result<(), RecipeError> {
         return Ok(());
     }
     Err(RecipeError::unsupported(format!(
-        "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
+        "the scene's hierarchy is {depth} nodes deep, but the shader's stack holds {STACK}: use a technique with a map"
     )))
 }
 
@@ -150,25 +152,25 @@ uniforms! {
         pub extent: f32,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
-        /// Rays a receiver.
+        /// Number of rays per receiver.
         pub samples: u32,
     }
 }
 
-/// Any-hit rays through the hierarchy.
+/// Receive kernel: any-hit rays through the hierarchy.
 #[derive(Clone, Debug)]
 pub struct TracedKernel {
     /// Uniforms.
     pub uniforms: TracedUniforms,
     bvh: Arc<Bvh>,
-    /// Whether the geometry has cut-outs.
+    /// True if the geometry has alpha-tested casters.
     has_holes: bool,
 }
 
-/// Hits of casters without holes.
+/// Leaf intersection for opaque casters.
 const LEAF_OPAQUE: Module = module!("leaf_opaque", "traced/leaf_opaque.wgsl");
 
-/// Hits of casters with holes.
+/// Leaf intersection for alpha-tested casters.
 const LEAF_CUT_OUT: Module = module!("leaf_cut_out", "traced/leaf_cut_out.wgsl");
 
 impl Kernel for TracedKernel {
@@ -199,7 +201,7 @@ impl ReceiveKernel for TracedKernel {
             let mut seen = 0_u32;
             for sample in 0..u.samples {
                 let ray = segment(&u.light, origin, unit_square(sample, scramble), u.far);
-                // Points of the light below the receiver's tangent plane are not seen.
+                // Points of the light below the receiver's tangent plane are not visible.
                 if dot3(n, ray) > 0.0 && !self.bvh.occluded(origin, ray, span.triangle[i]) {
                     seen += 1;
                 }

@@ -1,5 +1,5 @@
-// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do.
-// Which hits count is said in leaf_opaque.wgsl or leaf_cut_out.wgsl.
+// Twin of traced.rs: any-hit traversal of a binary hierarchy (table_0) over triangles (table_1).
+// leaf_opaque.wgsl or leaf_cut_out.wgsl defines the leaf test.
 
 struct TracedUniforms {
     light: LightSampler,
@@ -39,7 +39,7 @@ fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
 }
 
 fn receive(r: Receiver) -> f32 {
-    // There are less than 2^31 kinds of lights.
+    // There are fewer than 2^31 kinds of lights.
     opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let scramble = seed(r.pixel.x, r.pixel.y);

@@ -1,8 +1,8 @@
-//! No shadows: all is lit but what faces away from the light.
+//! No shadows: everything is lit except surfaces that face away from the light.
 //!
-//! Known failures: every shadow. Where nothing casts onto what is seen it is exact and costs next
-//! to nothing, so it is what all others are measured against: a shadow that nobody misses need not
-//! be made. Lights with an extent count as their middle.
+//! Known failures: every shadow. It is exact if nothing casts onto visible geometry, and costs
+//! almost nothing. So it is the reference for the cost of all others: a shadow without a visible
+//! effect need not be drawn. Area lights count as their centre.
 
 use crate::{
     listing::ListedTechnique,
@@ -15,7 +15,7 @@ use umbrage_core::{
     Span, UniformBlock, View, module, uniforms,
 };
 
-/// No shadows. There is nothing to set.
+/// No shadows. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -55,7 +55,7 @@ impl ShadowTechnique for Unshadowed {
 }
 
 impl ListedTechnique for Unshadowed {
-    const SUMMARY: &'static str = "no shadows: for scenes in which nothing casts onto what is seen";
+    const SUMMARY: &'static str = "no shadows: for views in which no shadow is visible";
 
     fn settings(&self) -> String {
         "no shadows".to_owned()
@@ -65,15 +65,16 @@ impl ListedTechnique for Unshadowed {
 uniforms! {
     /// Uniforms of [`UnshadowedKernel`].
     pub struct UnshadowedUniforms {
-        /// The light's middle, homogeneous: a unit direction to it (w = 0) or its position (w = 1).
+        /// Centre of the light, homogeneous: a unit direction to it (w = 0) or its position (w =
+        /// 1).
         pub light: Vec4,
     }
 }
 
-/// Lit if the surface does not face away.
+/// Receive kernel: lit if the surface does not face away.
 #[derive(Clone, Copy, Debug)]
 pub struct UnshadowedKernel(
-    /// Uniforms.
+    /// Direction or position of the light.
     pub UnshadowedUniforms,
 );
 

@@ -1,28 +1,30 @@
-//! Shadow volumes: what each caster hides from the light is a solid, and a seen point is lit if it
-//! lies in none.
+//! Shadow volumes: the region that each caster hides from the light is a solid. A visible point is
+//! lit if it is in none of them.
 //!
-//! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no
-//! notice of where the eye is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow
-//! volumes for hardware-accelerated rendering"; McGuire et al. 2003, "Fast, practical and robust
-//! shadows". Along a pixel's ray, the volumes' back faces less their front faces that are not
-//! before the seen surface are the volumes that it lies in. Volumes reach beyond all there is, and
-//! the view has no far plane to cut them.
+//! Crow 1977, "Shadow algorithms for computer graphics". Counting uses depth-fail, which is
+//! independent of the eye's position: Everitt and Kilgard 2002, "Practical and robust stenciled
+//! shadow volumes for hardware-accelerated rendering"; McGuire et al. 2003, "Fast, practical and
+//! robust shadows". Along a pixel's ray, only faces that are not before the visible surface count.
+//! The number of back faces minus the number of front faces is the number of volumes around the
+//! surface. Volumes extend beyond all geometry, and the view has no far plane to cut them.
 //!
-//! * Closed casters extrude the edges between faces turned to the light and faces turned away; all
-//!   others, and those with the light inside their bounds, extrude each triangle, and edges that
-//!   two of these share cancel (Bergeron 1986, "A general version of Crow's shadow volumes").
-//!   Triangles are split where a corner of one lies on another's edge.
-//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none
-//!   ever lies before what is seen, and no bias is needed.
-//! * Edges are as sharp as pixels; there is no map. Lights with an extent count as their middle.
+//! - Closed casters extrude the edges between faces turned to the light and faces turned away. All
+//!   others, and those with the light inside their bounds, extrude each triangle. Edges that two of
+//!   these share cancel (Bergeron 1986, "A general version of Crow's shadow volumes"). Triangles
+//!   are split where a corner of one is on another's edge.
+//! - A lit surface is its own volume's cap. The depth image holds every cap as it is drawn. So no
+//!   cap is ever before the visible surface, and no bias is needed.
+//! - Edges are as sharp as pixels; there is no map. Area lights count as their centre.
 //!
-//! Known failures: the time goes into filling the volumes' faces, which often cover the image many
-//! times over; casters with holes that alpha textures cut out are refused, since outlines know
-//! nothing of textures; counts wrap, so a point under exactly 256 surfaces (or 512, ..) is lit;
-//! where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23
-//! w^2 / near metres at distance w, and pixels there are noise (light that grazes whole planes is
-//! lifted off them, and refused where that is not enough: `grazing.rs`); a closed mesh that is
-//! turned inside out in one part is lit inside that part.
+//! Known failures:
+//!
+//! - The fill cost of the volumes' faces dominates; they often cover the image many times.
+//! - Alpha-tested casters are refused, since outlines ignore textures.
+//! - Counts wrap, so a point under exactly 256 surfaces (or 512, ..) is lit.
+//! - At grazing light, the volume's side is within the rounding of the surface's depth, about 2^-23
+//!   w^2 / near metres at distance w. Pixels there are noise. If the light grazes whole planes, it
+//!   is lifted off them, and refused if that is not enough: `grazing.rs`.
+//! - A closed mesh that is turned inside out in one part is lit inside that part.
 
 mod clip_window;
 mod depth_clamp;
@@ -54,17 +56,17 @@ use umbrage_core::{
     uniforms,
 };
 
-/// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen
-/// surface has the surface's depth there, and must not come to lie before it by rounding: pixel
-/// centres lie on edges often on devices that move vertices to a coarse grid. A slope of 1/1024
-/// moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
+/// Offset of the volumes' faces away from the eye. A wall that begins at the edge of a visible
+/// surface has the surface's depth there, and rounding must not move it before the surface. On
+/// devices that snap vertices to a coarse grid, pixel centres are often exactly on edges. A slope
+/// of 1/1024 moves faces as 1/1024 pixel on the image would; 4 units cover their own rounding.
 const BEHIND: RasterBias = RasterBias {
     constant: 4,
     slope: 1.0 / 1024.0,
     clamp: 0.0,
 };
 
-/// Stencil shadow volumes. There is nothing to set.
+/// Stencil shadow volumes. There are no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -82,13 +84,14 @@ impl ShadowTechnique for ShadowVolumes {
         view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "volumes are made from the scene's triangles, and this view has none",
+                "the view has no triangles to build volumes from: make it with `View::new`",
             ));
         };
         check_no_holes(
             geometry,
-            "since volumes grow from the outlines of whole casters",
+            "since volumes are built from outlines of opaque casters",
         )?;
+        // Lift the light off planes that it grazes.
         let light = homogeneous(view.light);
         let infinite_far = InfiniteFarView::new(view, geometry);
         let lifted = LiftedLight::new(geometry, light.as_dvec4());
@@ -98,12 +101,13 @@ impl ShadowTechnique for ShadowVolumes {
         };
         if lost > MIN_SHARE {
             let reason = format!(
-                "the light grazes the planes of {:.1} % of what is seen, and depth is too coarse there to tell them from the \
+                "the light grazes the planes of {:.1} % of the visible receivers, and depth is too coarse to separate them from the \
                  volumes' sides: move the light, or use rays",
                 100.0 * lost
             );
             return Err(RecipeError::unsupported(reason));
         }
+        // Find the silhouette, and extrude it beyond the scene.
         let casters = geometry.derived(CasterShells::new);
         let mesh = &casters.mesh;
         let silhouette = casters.silhouette(lifted.light);
@@ -127,8 +131,8 @@ impl ListedTechnique for ShadowVolumes {
     }
 }
 
-/// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest
-/// depths of all there is and of `missing_caps`, image 1 the counts.
+/// Returns the recipe that counts `faces` behind the visible geometry. Image 0 holds the nearest
+/// depths of the whole geometry and of `missing_caps`, image 1 the counts.
 fn recipe(
     view: &View<'_>,
     infinite_far: &InfiniteFarView,
@@ -136,6 +140,7 @@ fn recipe(
     missing_caps: Faces,
     light: Vec4,
 ) -> Recipe {
+    // Describe the images.
     let depth = ImageDesc {
         label: "seen depth",
         size: view.camera.size,
@@ -147,6 +152,7 @@ fn recipe(
         format: Format::Stencil8,
         ..depth
     };
+    // Draw the nearest depths of the scene and of caps that it lacks.
     let space = infinite_far.space;
     let mut casts = vec![Cast {
         source: Source::Everything,
@@ -158,6 +164,7 @@ fn recipe(
             ..Cast::nearest(0, 0, space)
         });
     }
+    // Count the volumes' faces behind them.
     casts.push(Cast {
         source: Source::Faces(Arc::new(faces)),
         mode: CastMode::StencilDepthFail { depth: 0 },
@@ -182,15 +189,16 @@ fn recipe(
 uniforms! {
     /// Uniforms of [`VolumesKernel`].
     pub struct VolumesUniforms {
-        /// The light's middle, homogeneous: a unit direction to it (w = 0) or its position (w = 1).
+        /// Centre of the light, homogeneous: a unit direction to it (w = 0) or its position (w =
+        /// 1).
         pub light: Vec4,
     }
 }
 
-/// Lit if the pixel's count is 0 and its surface does not face away.
+/// Receive kernel: lit if the pixel's count is 0 and its surface does not face away.
 #[derive(Clone, Copy, Debug)]
 pub struct VolumesKernel(
-    /// Uniforms.
+    /// Direction or position of the light.
     pub VolumesUniforms,
 );
 

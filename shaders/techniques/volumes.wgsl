@@ -5,7 +5,7 @@ struct VolumesUniforms {
 }
 
 fn receive(r: Receiver) -> f32 {
-    // w is 0 or 1: its sign is never set.
+    // w is 0 or 1, so its sign bit is never set.
     opaque_zero = bitcast<u32>(kernel.light.w) >> 31u;
     if turned_away(kernel.light, r.position, r.normal) != 0u {
         return 0.0;

@@ -1,20 +1,19 @@
 //! Variance shadow maps: the mean of depth and of its square, blurred once, and Chebyshev's bound
-//! of what lies beyond the receiver.
+//! of the fraction beyond the receiver.
 //!
 //! Donnelly and Lauritzen 2006, "Variance shadow maps". Means of depth can be averaged further,
-//! which comparisons with depth can't: so a filter as wide as wanted is two passes over the map,
-//! whatever the number of receivers, and each receiver looks up one blend of four texels. With one
-//! blocker before one receiver the bound is exact: visibility is what filtering all comparisons
-//! gives.
+//! unlike comparisons with depth. So a filter of any width is two passes over the map for any
+//! number of receivers, and each receiver looks up one blend of four texels. With one blocker
+//! before one receiver the bound is exact: visibility equals that of filtering all comparisons.
 //!
-//! Known failures: where blockers of several depths meet in the filter, light bleeds into what they
-//! darken together: around the outline of a near blocker within the shadow of a far one, under
-//! stacks of thin slices, and through a hedge. `bleeding_reduction` darkens it, and narrows all
-//! penumbrae with it. Like any filter of depths it has one width for all penumbrae, and lets light
-//! into contacts as far as the blur reaches. Squares of depth have 24 bits: what is nearer to its
-//! blocker than `least_deviation` is lit in part. Every map's failures: see
-//! [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel while they are blurred, with 16
-//! bits a moment 8.
+//! Known failures: if blockers of several depths are in the filter, light bleeds into their common
+//! shadow. This occurs around the outline of a near blocker within the shadow of a far one, under
+//! stacks of thin slices, and through a hedge. `bleeding_reduction` darkens it and narrows all
+//! penumbrae. Like any filter of depths, it has one width for all penumbrae, and leaks light into
+//! contacts as far as the blur reaches. Squares of depth have 24 bits: receivers nearer to their
+//! blocker than `least_deviation` are partly lit. The failures of every map also apply: see
+//! [`shadow_map`](crate::shadow_map). Maps use 16 bytes per texel while they are blurred, 8 with
+//! 16-bit moments.
 
 use crate::{
     filtering::moments::{
@@ -34,7 +33,7 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Chebyshev's bound.
+/// Chebyshev's bound from depth and its square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "presets",
@@ -42,20 +41,19 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct Vsm {
-    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    /// Number of texels on each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
-    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
-    /// as noisy under a moving camera as one texel is.
+    /// Number of mipmap levels beyond the first, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), down to
+    /// levels 16 texels wide. They are used for pixels that span several texels. Without them, such
+    /// pixels are as noisy under a moving camera as a single texel.
     pub mipmaps: u32,
-    /// Bits of each moment.
+    /// Bits per moment.
     pub precision: MomentPrecision,
-    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on
-    /// even surfaces. Where it is left out, it is what the precision needs: 0.0003 with 32 bits,
-    /// 0.001 with 16.
+    /// Least standard deviation of depth, clip depth, 0 to 0.5, which hides rounding on even
+    /// surfaces. If it is `None`, the precision determines it: 0.0003 with 32 bits, 0.001 with 16.
     pub least_deviation: Option<f32>,
-    /// Light up to this much counts as none, 0 to
-    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light-bleeding reduction, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION):
+    /// light up to this value counts as none, and the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -126,30 +124,30 @@ impl Vsm {
 
 /// Least deviation of 32-bit moments, clip depth.
 const LEAST_DEVIATION_32: f32 = 3e-4;
-/// Of 16-bit ones: their means of depth are off by some 2e-5, which is to leave a thousandth of the
-/// light dark at most.
+/// Least deviation of 16-bit moments: their means of depth have errors of about 2e-5. At most a
+/// thousandth of the light may become dark.
 const LEAST_DEVIATION_16: f32 = 1e-3;
 
-/// What keeps a division by a variance of 0 finite.
+/// Least variance, so that a division stays finite.
 const SMALLEST_VARIANCE: f32 = 1e-12;
 
 uniforms! {
     /// Uniforms of [`VsmKernel`].
     pub struct VsmUniforms {
-        /// The map: its layers, and how it is looked up.
+        /// Layers of the map and how it is looked up.
         pub lookup: ShadowMapUniforms,
-        /// Its levels, and what chooses them.
+        /// Levels, and the data for selecting them.
         pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
-        /// What the rest is stretched by.
+        /// Stretch factor of the rest.
         pub bleeding_scale: f32,
         /// Least variance, squared centred depth.
         pub least_variance: f32,
     }
 }
 
-/// The receive kernel.
+/// Receive kernel of VSM.
 #[derive(Clone, Copy, Debug)]
 pub struct VsmKernel {
     images: MomentImages,
@@ -166,8 +164,8 @@ impl VsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
-    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
+    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
+    /// (world space) with the unit `normal`; `None` if it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }

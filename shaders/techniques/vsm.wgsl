@@ -1,4 +1,4 @@
-// Twin of vsm.rs: the bound by the mean of depth and of its square.
+// Twin of vsm.rs: the bound from the mean of depth and of its square.
 
 struct VsmUniforms {
     lookup: ShadowMapUniforms,

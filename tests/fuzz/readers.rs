@@ -1,11 +1,12 @@
-//! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used.
-//! An error is an answer; a panic, a hang or a wrong number is a fault. The tests play the kept
+//! Processing of each kind of file that a fuzzer makes: the file is read, and the result is used.
+//! An error is a valid result; a panic, a hang or a wrong number is a bug. The tests run the kept
 //! corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
 //!
-//! Scene files, models, pictures, presets and results come from anywhere. `tests/fuzz` is a
-//! workspace of its own with a libFuzzer target for each kind of file; `tests/fuzz/run.sh`
-//! continues from the kept corpus. Of glTF no file is kept: `umbrage-scenes`' `gltf/tests/model.rs`
-//! makes the first inputs. Sanitizers of memory are off, since the workspace forbids unsafe code.
+//! Scene files, models, images, presets and results come from untrusted sources. `tests/fuzz` is a
+//! separate workspace with a libFuzzer target for each kind of file; `tests/fuzz/run.sh` continues
+//! from the kept corpus. The corpus has no glTF files: `umbrage-scenes`' `gltf/tests/model.rs`
+//! generates the initial inputs. Memory sanitizers are off, since the workspace forbids unsafe
+//! code.
 
 #[path = "../../crates/umbrage-scenes/src/gltf/tests/model.rs"]
 #[expect(dead_code, reason = "the reader's own tests use more of it")]
@@ -26,19 +27,19 @@ use umbrage_lab::{
     stability::{Demand, report::StabilityResults},
 };
 
-/// A picture that is small enough to be rendered for each input.
+/// Image size that is small enough to render for each input.
 const SIZE: UVec2 = UVec2::new(16, 9);
-/// Scenes of more triangles are read and baked, not rendered.
+/// Greatest number of triangles of rendered scenes. Others are only read and baked.
 const MAX_TRIANGLES: usize = 2_000;
-/// Settings that need larger maps are read, not played.
+/// Greatest size of the maps of rendered settings. Others are only read.
 const MAX_IMAGE_BYTES: u64 = 1 << 20;
-/// Parts the files of one input: first the one that is read, then one that it names.
+/// Separator between the files of one input: first the main one, then one that it names.
 const PART: &[u8] = b"\n%%%%\n";
 
 thread_local! {
-    /// A folder for what is read by its path.
+    /// A folder for files that are read by path.
     static FOLDER: TempDir = tempfile::tempdir().expect("a folder for temporary files");
-    /// One thread: fuzzers run beside each other.
+    /// One thread, since several fuzzers run at the same time.
     static CPU: RefCell<Cpu> = RefCell::new(
         Cpu::with_options(&CpuOptions::default().threads(1)).expect("a thread"),
     );
@@ -53,7 +54,7 @@ fn file(name: &str, bytes: &[u8]) -> PathBuf {
     })
 }
 
-/// Parts an input at the first mark.
+/// Splits an input at the first separator.
 fn parted(bytes: &[u8]) -> (&[u8], &[u8]) {
     match bytes.windows(PART.len()).position(|piece| piece == PART) {
         Some(at) => (&bytes[..at], &bytes[at + PART.len()..]),
@@ -71,7 +72,7 @@ fn play(scene: &Scene) {
         .sum();
     let geometry = match Geometry::bake(scene) {
         Ok(geometry) => geometry,
-        // What was read is sound, or reading would have failed.
+        // A scene that was read is valid.
         Err(error) => panic!("a scene that was read can't be baked: {error}"),
     };
     let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
@@ -110,8 +111,8 @@ fn render(view: &View<'_>, technique: &dyn ShadowTechnique) {
     );
 }
 
-/// A scene file, beside the models that it may name; and cameras of a path. All that a scene file
-/// names is looked for in memory, so none leads to the machine's files.
+/// Processes a scene file, with models that it may name, and as cameras of a path. All files that
+/// it names are read from memory, so that none of the machine's files is read.
 pub(super) fn scene_file(bytes: &[u8]) {
     let mut files = models();
     files.insert("scene.toml", bytes);
@@ -125,7 +126,7 @@ pub(super) fn scene_file(bytes: &[u8]) {
     }
 }
 
-/// Returns `model.obj`, and `0.glb` and on: all that is read of glTF.
+/// Returns `model.obj`, and files from `0.glb` on that cover everything that is read of glTF.
 fn models() -> FilesInMemory {
     let mut files = FilesInMemory::default();
     files.insert(
@@ -138,7 +139,7 @@ fn models() -> FilesInMemory {
     files
 }
 
-/// A model, and after [`PART`] its materials.
+/// Processes a model, followed by [`PART`] and its materials.
 pub(super) fn model(bytes: &[u8]) {
     let (obj, mtl) = parted(bytes);
     let files: FilesInMemory = [("model.obj", obj), ("looks.mtl", mtl)]
@@ -149,8 +150,8 @@ pub(super) fn model(bytes: &[u8]) {
     }
 }
 
-/// A glTF model: a whole `.glb` file; or a document and, after [`PART`], the bytes that it names,
-/// as files of their own and as one file.
+/// Processes a glTF model: a whole `.glb` file; or a document, [`PART`] and the bytes that it
+/// names, as separate files and as one file.
 pub(super) fn gltf(bytes: &[u8]) {
     if bytes.starts_with(b"glTF") {
         return gltf_of([("model.glb", bytes.to_vec())], "model.glb");
@@ -164,7 +165,7 @@ pub(super) fn gltf(bytes: &[u8]) {
 
 fn gltf_of<const N: usize>(files: [(&str, Vec<u8>); N], path: &str) {
     let files: FilesInMemory = files.into_iter().collect();
-    // The default scene, where there is no other.
+    // Fall back to the default scene if there is no other.
     let scene =
         scenes::read(path, &files).or_else(|_| scenes::read(path.trim_end_matches("#1"), &files));
     if let Ok(scene) = scene {
@@ -172,7 +173,7 @@ fn gltf_of<const N: usize>(files: [(&str, Vec<u8>); N], path: &str) {
     }
 }
 
-/// Returns inputs that between them have all that is read of glTF.
+/// Returns inputs that together cover everything that is read of glTF.
 pub(super) fn first_gltf_inputs() -> Vec<Vec<u8>> {
     let mut out = Vec::new();
     for model in gltf_model::first_inputs() {
@@ -185,7 +186,7 @@ pub(super) fn first_gltf_inputs() -> Vec<Vec<u8>> {
     out
 }
 
-/// A picture as texture, as heights and as normals. The first byte tells which.
+/// Processes an image as texture, as heights or as normals, depending on the first byte.
 pub(super) fn picture(bytes: &[u8]) {
     let Some((&which, png)) = bytes.split_first() else {
         return;
@@ -207,7 +208,7 @@ pub(super) fn picture(bytes: &[u8]) {
     }
 }
 
-/// A preset: what was read is written and read again, and played.
+/// Processes a preset: it is read, written, read again, and rendered.
 pub(super) fn preset(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return;
@@ -245,14 +246,14 @@ pub(super) fn preset(bytes: &[u8]) {
     }
 }
 
-/// Results of `compare` and of `stability`, read as a baseline and as what a plan asks for.
+/// Processes results of `compare` and of `stability`, as a baseline and as input of a plan.
 pub(super) fn results(bytes: &[u8]) {
     let path = file("results.json", bytes);
     if let Ok(comparison) = baseline::read(&path) {
         let changes = baseline::changes(&comparison, &comparison, &Except::default());
         assert!(
             changes.lost.is_empty(),
-            "results lack what they have: {:?}",
+            "results lack their own contents: {:?}",
             changes.lost
         );
         let lines = umbrage_lab::report::lines(&comparison);

@@ -1,5 +1,5 @@
-//! Absurd numbers anywhere in the public interface: an error that says so, or an answer, and never
-//! a panic or a hang.
+//! Tests of absurd numbers in the whole public interface: the result is an error about them or a
+//! value, and never a panic or a hang.
 
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::cell::{Cell, RefCell};
@@ -51,7 +51,7 @@ fn techniques_answer_or_refuse() {
             Err(_) => refused.set(refused.get() + 1),
         }
     });
-    // Both happen, or the test tests nothing.
+    // Both outcomes must occur, or the test is void.
     assert!(
         answered.get() > 200 && refused.get() > 200,
         "{answered:?} {refused:?}"
@@ -74,8 +74,7 @@ fn anchors_boxes_and_lights_answer_or_refuse() {
     });
 }
 
-/// What may be asked of a planner: errors, times, bytes, samples and picture sizes, sensible or
-/// not.
+/// Limits for a planner: errors, times, bytes, samples and image sizes, sensible or not.
 fn bounds() -> impl Strategy<Value = Bounds> {
     let maybe = || {
         prop_oneof![
@@ -107,8 +106,8 @@ fn planners_answer_or_refuse() {
             refused.set(refused.get() + 1);
             return Ok(());
         };
-        // Techniques without maps: trying maps of all sizes takes seconds a plan, and what is
-        // tested is the planner.
+        // Use techniques without maps. Testing maps of all sizes takes seconds a plan, and the
+        // subject here is the planner.
         let few = |name: &str| ["none", "exact", "soft", "traced"].contains(&name);
         let options = PlanOptions {
             catalogue: Catalogue::built_in().retain(few),

@@ -1,5 +1,5 @@
-//! The programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs` compares the
-//! page with them.)
+//! Tests that the programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs`
+//! compares the page with them.)
 
 #[allow(dead_code, reason = "a program, of which the test needs a part")]
 #[path = "../../examples/add_shadows/deferred.rs"]
@@ -14,7 +14,7 @@ use umbrage::{ShadowTechnique, techniques::Pcf};
 use umbrage_examples::renderer::BoxScene;
 use umbrage_techniques::MapTechnique;
 
-/// Returns the brightness, 0 to 255, of a point that the camera sees.
+/// Returns the brightness, 0 to 255, of a visible point.
 fn brightness(scene: &BoxScene, pixels: &[u8], point: Vec3) -> u8 {
     let clip = scene.clip_from_world().project_point3(point);
     let size = scene.camera.size.as_vec2();
@@ -23,21 +23,24 @@ fn brightness(scene: &BoxScene, pixels: &[u8], point: Vec3) -> u8 {
     pixels[4 * (y as usize * scene.camera.size.x as usize + x as usize)]
 }
 
-/// The sun's shadows of some boxes lie on the floor where they should in both programs, and the two
-/// see the same everywhere.
+/// Both programs draw the sun's shadows of some boxes at the right positions, and are equal
+/// everywhere.
 #[test]
 fn both_programs_draw_the_same_shadows() {
     let technique: Arc<dyn ShadowTechnique> = Arc::new(MapTechnique::<Pcf>::default());
-    let pictures = [forward::picture(&technique), deferred::picture(&technique)];
+    let pictures = [
+        forward::picture(Some(&technique)),
+        deferred::picture(&technique),
+    ];
     let pictures = pictures.map(|picture| picture.expect("draws"));
     let scene = BoxScene::small().expect("valid");
     let sun = scene.lights[0].direction_from(Vec3::ZERO);
-    // Those of the row that is nearest to the camera, of which all shadows are seen.
+    // Test the row that is nearest to the camera, whose shadows are all visible.
     let boxes: Vec<Affine3A> = scene.placements(1.0);
     for place in &boxes[21..25] {
         let middle = Vec3::from(place.translation);
-        // Boxes reach twice as high as their middle. The ray from here to the sun meets their axis
-        // a little below the top.
+        // Boxes are twice as high as their centres. The ray from here to the sun meets their axis
+        // slightly below the top.
         let below_top = middle.with_y(1.7 * middle.y);
         let shadowed = below_top - sun * (below_top.y / sun.y);
         let lit = middle.with_y(0.0) + Vec3::X;
@@ -52,8 +55,8 @@ fn both_programs_draw_the_same_shadows() {
             );
         }
     }
-    // Masks are stored in steps of 1/255, and normals in 11 bits: so colours differ by a step here
-    // and there, and the receivers of a few pixels at edges lie on another side of a comparison.
+    // Masks have steps of 1/255, and normals 11 bits. Some colours therefore differ by a step, and
+    // a few pixels at edges have the opposite result of a comparison.
     let differing = pictures[0]
         .iter()
         .zip(&pictures[1])

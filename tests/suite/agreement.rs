@@ -1,4 +1,4 @@
-//! The fourth net: whole recipes over random scenes, played by both backends.
+//! The fourth test of twins: whole recipes over random scenes, executed by both backends.
 //!
 //! On the pinned software driver, masks must be bit-equal. On any other, decided pixels must be.
 
@@ -20,22 +20,22 @@ use umbrage_tests::{
     random_scene::{Case, cases},
 };
 
-/// Each gives other cases.
+/// Seeds of the cases.
 const SEEDS: [u8; 2] = [1, 2];
-/// Scenes a seed: so many that five hundred are rendered with maps in all. Some lights are not
-/// supported, and some cases are ray-traced.
+/// Number of scenes for each seed, for a total of at least five hundred rendered with maps. Some
+/// lights are not supported, and some cases are ray-traced.
 const SCENES: u32 = 410;
 /// Seeds, numbers and techniques of cases that failed on a driver once, and always run. The first
-/// had one decided pixel off on an H100 and an H200.
+/// had one wrong decided pixel on an H100 and an H200.
 const FAILED_ONCE: [(u8, usize, &str); 1] = [(1, 203, "pcf_disc")];
-/// Scenes that each technique must have rendered at the least; planar shadows refuse most.
+/// Least number of rendered scenes for each technique. Planar shadows refuse most.
 const LEAST_EACH: u32 = 12;
 
 #[test]
 fn random_scenes_agree() {
     let (rendered, shadowed) = (RefCell::new(BTreeMap::new()), Cell::new(0_u32));
     let excused = Cell::new([0_u64; 2]);
-    // Of scenes with holes, those with a shadow.
+    // Count alpha-tested scenes with a shadow.
     let holed = Cell::new(0_u32);
     let check = |case: Case| {
         let played = agree(&case).map_err(TestCaseError::fail)?;
@@ -58,7 +58,7 @@ fn random_scenes_agree() {
         let failed = Cell::new(None);
         let outcome = runner(seed).run(&cases(), |case| {
             let this = number.replace(number.get() + 1);
-            // What comes after a failure are smaller cases of it.
+            // After a failure, the cases are smaller variants of it.
             let is_smaller = failed.get().is_some();
             let failed_once = FAILED_ONCE
                 .iter()
@@ -70,7 +70,7 @@ fn random_scenes_agree() {
                 let drawn = case.technique.name();
                 assert_eq!(
                     drawn, *technique,
-                    "other cases are drawn now: find this one again"
+                    "the cases have changed: find this one again"
                 );
             }
             let outcome = check(case);
@@ -97,7 +97,7 @@ fn random_scenes_agree() {
         .filter(|(name, _)| umbrage_techniques::find(name).is_some_and(|entry| entry.has_map))
         .map(|(_, n)| n)
         .sum();
-    // Lamps have no cascades, and suns no cubes.
+    // Only suns have cascades, and suns have no cubes.
     assert!(
         mapped >= 425,
         "only {mapped} scenes were rendered with maps: {rendered:?}"
@@ -112,17 +112,17 @@ fn random_scenes_agree() {
     }
     assert!(
         shadowed.get() >= 200,
-        "only {} scenes had a shadow in them: the others prove little",
+        "only {} scenes had a shadow: the others prove little",
         shadowed.get()
     );
     assert!(
         holed.get() >= 25,
-        "only {} scenes with holes had a shadow in them",
+        "only {} alpha-tested scenes had a shadow",
         holed.get()
     );
 }
 
-/// Returns a runner of the random cases that a seed gives.
+/// Returns a runner of the random cases of a seed.
 fn runner(seed: u8) -> TestRunner {
     let config = Config {
         cases: SCENES,
@@ -134,15 +134,15 @@ fn runner(seed: u8) -> TestRunner {
     TestRunner::new_with_rng(config, random)
 }
 
-/// What came of a case.
+/// The result of a case.
 struct Played {
-    /// Whether the mask has any shadow.
+    /// `true` if the mask has any shadow.
     dark: bool,
     agreement: Agreement,
 }
 
-/// Plays a case on both backends, which must agree; none if the technique doesn't support the
-/// scene.
+/// Executes a case on both backends, which must agree. Returns `None` if the technique doesn't
+/// support the scene.
 fn agree(case: &Case) -> Result<Option<Played>, String> {
     let geometry = Geometry::bake(&case.scene).map_err(|e| e.to_string())?;
     let (camera, light) = (&case.scene.cameras[0], &case.scene.lights[0]);
@@ -191,7 +191,7 @@ fn same_receivers(a: &Receivers, b: &Receivers) -> Result<(), String> {
     Ok(())
 }
 
-/// The net must catch what it is for: one pixel of one mask is spoilt.
+/// Negative control: one wrong pixel in one mask must be detected.
 #[test]
 fn a_spoilt_pixel_is_caught() {
     let mask = vec![1.0; 64];

@@ -1,5 +1,5 @@
-//! What a frame of a light set allocates: nothing while all stands still, and only what wgpu's own
-//! writes allocate while casters move.
+//! Heap allocations of a light set's frames: none at rest, and only those of wgpu's writes while
+//! casters move.
 
 use dhat::HeapStats;
 use glam::{Mat4, UVec2};
@@ -10,23 +10,23 @@ use umbrage_tests::{
     light_stage::{Stage, at, camera},
 };
 use umbrage_wgpu::{
-    DepthBuffer, LightId, MaskFormat, MaskInputs, NormalCoding, SetBudget, SetFrame, SetNormals,
-    SetReceivers,
+    DepthBuffer, LightId, MaskFormat, MaskInputs, MaskReceivers, NormalCoding, SetBudget, SetFrame,
+    SetNormals,
 };
 use wgpu::{BufferUsages, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor};
 
 #[global_allocator]
 static ALLOCATIONS: dhat::Alloc = dhat::Alloc;
 
-/// Returns how many blocks `work` allocated.
+/// Returns the number of blocks that `work` allocated.
 fn blocks(work: impl FnOnce()) -> u64 {
     let before = HeapStats::get().total_blocks;
     work();
     HeapStats::get().total_blocks - before
 }
 
-/// Calls `work` from a depth of so many calls more. wgpu captures a backtrace at each write in
-/// debug builds, and the list of frames that it allocates grows with the depth.
+/// Calls `work` with `depth` more stack frames. wgpu captures a backtrace at each write in debug
+/// builds, and allocates a list of stack frames whose length grows with the depth.
 #[inline(never)]
 fn from_below(depth: u32, work: &mut dyn FnMut()) {
     if depth == 0 {
@@ -48,7 +48,7 @@ fn prepare(stage: &mut Stage) {
         .expect("prepares");
 }
 
-/// One test, since the counts are those of the whole program.
+/// A single test, since the counts are those of the whole program.
 #[test]
 fn steady_frames_allocate_nothing() {
     let _profiler = dhat::Profiler::builder().testing().build();
@@ -56,7 +56,7 @@ fn steady_frames_allocate_nothing() {
     let lights = [-4.0, 0.0, 4.0].map(|x| stage.light(x, 1.0));
     stage.frame();
     let d = stage.program.d;
-    // Lists have grown as far as they will after a frame in which a caster moved.
+    // Lists have their final capacity after a frame in which a caster moved.
     for x in [0.1, 0.2] {
         let caster = stage.casters[1];
         stage.set.move_caster(caster, at(x)).expect("is there");
@@ -64,11 +64,11 @@ fn steady_frames_allocate_nothing() {
     }
     let still = blocks(|| prepare(&mut stage));
     assert_eq!(still, 0, "a still frame");
-    // Without `black_box` the compiler may leave the block out.
+    // Use `black_box`, since the compiler may otherwise remove the block.
     let counted = blocks(|| drop(black_box(Box::new(1_u8))));
     assert_eq!(counted, 1, "the counter counts");
-    // wgpu allocates for each write, and now and then for many; a frame with a moved caster writes
-    // twice: its placement, and the matrix of the layer in which it shows.
+    // wgpu allocates for each write, and sometimes for several. A frame with a moved caster has two
+    // writes: its placement, and the matrix of its layer.
     let buffer =
         |usage| umbrage_tests::foreign::buffer(d, usage | BufferUsages::COPY_DST, &[0; 1024]);
     let placements = buffer(BufferUsages::VERTEX);
@@ -98,7 +98,7 @@ fn steady_frames_allocate_nothing() {
         "a frame in which a caster moved allocated {own:.2} blocks more than wgpu's writes do"
     );
 
-    // Masks of the same lights from the same textures, whatever the camera's matrix.
+    // Masks of the same lights from the same textures, with different camera matrices.
     let seen = DepthInputs::new(d, stage.program.size());
     let matrices = [0.0, 0.1].map(world_from_clip);
     for matrix in matrices {
@@ -152,7 +152,7 @@ fn world_from_clip(turn: f32) -> Mat4 {
 fn prepare_masks(stage: &mut Stage, seen: &DepthInputs, world_from_clip: Mat4, lights: &[LightId]) {
     let inputs = MaskInputs {
         size: seen.size,
-        receivers: SetReceivers::Depth {
+        receivers: MaskReceivers::Depth {
             depth: DepthBuffer {
                 depth: &seen.depth,
                 world_from_clip,

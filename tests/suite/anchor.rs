@@ -1,4 +1,4 @@
-//! What stands far from the origin has the shadows that it has at the origin, bit for bit, where
+//! Tests that scenes far from the origin have the same shadows as at the origin, bit for bit, if
 //! positions are relative to an anchor.
 
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
@@ -12,14 +12,14 @@ use umbrage_cpu::Cpu;
 use umbrage_techniques::ShadowMap;
 use umbrage_tests::{gpu::gpu, random_scene::scenes};
 
-/// A map of one comparison, one of many, and what has no map.
+/// Techniques with a map of one comparison, a map of several, and without a map.
 const TECHNIQUES: [&str; 6] = ["hard", "pcf", "pcss", "exact", "traced", "soft"];
-/// Random scenes of each test.
+/// Number of random scenes of each test.
 const SCENES: u32 = 24;
-/// Positions of the scenes are multiples of this, metres: 32 bits hold them around the origin, 64
-/// bits hold them 8,000 km away.
+/// Grid of the scenes' positions, metres. 32 bits can represent it around the origin, and 64 bits
+/// up to 8,000 km away.
 const GRID: f32 = 1.0 / (1 << 20) as f32;
-/// Steps between anchors from the origin: 1,000,448 m along an axis.
+/// Distance of far anchors from the origin, in steps between anchors: 1,000,448 m along an axis.
 const FAR: i32 = 977;
 
 fn technique(name: &str) -> Arc<dyn ShadowTechnique> {
@@ -33,7 +33,7 @@ fn on_grid(v: Vec3) -> Vec3 {
     (v / GRID).round() * GRID
 }
 
-/// Returns a scene all of whose places are on the grid.
+/// Returns a scene whose positions are all on the grid.
 fn snapped(mut scene: Scene) -> Scene {
     let snap = |v: &mut Vec3A| *v = on_grid((*v).into()).into();
     for instance in &mut scene.instances {
@@ -50,8 +50,8 @@ fn snapped(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Returns a scene that stands `away` from where it is, relative to an anchor; without one,
-/// relative to the world's origin.
+/// Returns a scene moved by `away`, relative to an anchor, or without one, relative to the world's
+/// origin.
 fn moved(scene: &Scene, away: DVec3, anchor: Anchor) -> Scene {
     let mut out = scene.clone();
     let place = |world_from_local: &mut glam::Affine3A| {
@@ -75,13 +75,13 @@ fn moved(scene: &Scene, away: DVec3, anchor: Anchor) -> Scene {
     out
 }
 
-/// Returns where a scene's eye is if the scene stands `away` from where it is.
+/// Returns the eye of a scene moved by `away`.
 fn eye(scene: &Scene, away: DVec3) -> DVec3 {
     scene.cameras[0].eye().as_dvec3() + away
 }
 
-/// Returns the masks that both backends make of a scene's first light and camera; none if the
-/// technique refuses.
+/// Returns the masks of both backends for a scene's first light and camera. `None` if the technique
+/// refuses.
 fn masks(scene: &Scene, technique: &dyn ShadowTechnique) -> Result<Option<[Vec<f32>; 2]>, String> {
     let geometry = Geometry::bake(scene).map_err(|e| e.to_string())?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -103,17 +103,17 @@ fn differing(a: &[f32], b: &[f32]) -> usize {
     pairs.filter(|(a, b)| a.to_bits() != b.to_bits()).count()
 }
 
-/// What was seen of a technique.
+/// Counts of a technique.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    /// Scenes that it served and in which it found a shadow.
+    /// Number of scenes that it supports and that have a shadow.
     shadowed: u32,
-    /// Of these, how many have another mask far away, on the CPU and on the device.
+    /// Number of these with a different mask far away, on the CPU and on the device.
     others: [u32; 2],
 }
 
-/// Plays random scenes at the origin and far from it, relative to the anchor that `anchor` gives
-/// for an eye.
+/// Renders random scenes at the origin and far from it, relative to the anchor that `anchor`
+/// returns for an eye.
 fn compare(
     seed: u64,
     away: impl Strategy<Value = [i32; 3]>,
@@ -141,7 +141,7 @@ fn compare(
             let mut seen = seen.borrow_mut();
             let entry = seen.entry(name).or_default();
             entry.shadowed += 1;
-            // Rounded positions may be such that nothing can be planned.
+            // Rounded positions may make planning impossible.
             let far_away = masks(&far, &*technique).ok().flatten();
             for backend in 0..2 {
                 let is_other = far_away
@@ -156,7 +156,7 @@ fn compare(
 
 #[test]
 fn shadows_are_those_at_the_origin() {
-    // Up to 8,000 km along each axis, and everywhere more than 1e6 m away.
+    // Up to 8,000 km along each axis, and more than 1e6 m away.
     let away = (FAR..8192, -8192..8192, -8192..8192_i32).prop_map(|(x, y, z)| [x, y, -z]);
     let seen = compare(1, away, |eye| Anchor::near(eye).expect("finite"));
     for name in TECHNIQUES {
@@ -166,7 +166,7 @@ fn shadows_are_those_at_the_origin() {
     }
 }
 
-/// The comparison above can fail: 32-bit positions 1,000 km from the origin give other bits.
+/// Negative control of the comparison above: 32-bit positions 1,000 km from the origin change bits.
 #[test]
 fn without_an_anchor_shadows_differ() {
     let seen = compare(1, Just([FAR, 0, -FAR]), |_| Anchor::ORIGIN);
@@ -180,7 +180,7 @@ fn without_an_anchor_shadows_differ() {
     }
 }
 
-/// Coordinates in units of 2^-20 m, up to 1e7 m: whole numbers have differences without any error.
+/// Coordinates in units of 2^-20 m, up to 1e7 m. Differences of integers are exact.
 fn unit_places() -> impl Strategy<Value = [i64; 3]> {
     prop::array::uniform3(-(10_i64.pow(7) << 20)..10_i64.pow(7) << 20)
 }
@@ -201,7 +201,7 @@ proptest! {
         let world = DVec3::from_array(place.map(metres));
         let expected = std::array::from_fn(|axis| {
             let anchor_units = (anchor.point()[axis] / f64::from(GRID)) as i64;
-            // Conversions of whole numbers round to the nearest; a power of two adds no error.
+            // Conversions of integers round to the nearest. A power of two adds no error.
             (place[axis] - anchor_units) as f32 * GRID
         });
         prop_assert_eq!(anchor.position(world), Vec3::from_array(expected));

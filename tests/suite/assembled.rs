@@ -1,4 +1,4 @@
-//! The assembled WGSL of every technique, as users paste it.
+//! Tests of the assembled WGSL of every technique, as users paste it.
 
 use umbrage_techniques::{Hard, MapTechnique, Pcf};
 use umbrage_tests::assembled::{Assembled, PREFIX, all, assemble, difference, kept, validate};
@@ -31,8 +31,8 @@ fn naga_accepts_every_text() {
     assert!(validate("fn f() -> f32 { return 1; } fn f() {}").is_err());
 }
 
-/// Two lights of different techniques in one shader, which has names of its own that the texts use,
-/// too.
+/// Two lights of different techniques fit into one shader, which also declares names that the texts
+/// use.
 #[test]
 fn several_lights_fit_into_one_shader() {
     let sun = assemble(&MapTechnique::<Pcf>::default(), "sun_");

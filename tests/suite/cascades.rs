@@ -1,5 +1,5 @@
-//! Cascades: both halves pick the same layers, every seen receiver is held by one of them, and what
-//! moves with the camera moves in whole texels.
+//! Tests of cascades: both halves choose the same layers, one of them contains every visible
+//! receiver, and maps that follow the camera move in whole texels.
 
 use glam::{UVec2, Vec2, Vec3};
 use proptest::prelude::*;
@@ -22,7 +22,7 @@ use umbrage_tests::{
     gpu::gpu,
 };
 
-/// A built-in scene whose sun shines along this direction.
+/// A built-in scene with a sun in this direction.
 struct Place {
     geometry: Geometry,
     camera: Camera,
@@ -60,7 +60,7 @@ fn splits() -> Vec<Split> {
 /// Returns the CPU's mask.
 ///
 /// # Errors
-/// Errors if the device's mask differs, and names the recipe as `label`.
+/// Returns an error that names the recipe as `label` if the device's mask differs.
 fn agreed_mask(view: &View<'_>, recipe: &Recipe, label: &str) -> Result<Vec<f32>, String> {
     let of_cpu = Cpu::new().render(view, recipe).expect("valid");
     let mut gpu = gpu();
@@ -69,8 +69,8 @@ fn agreed_mask(view: &View<'_>, recipe: &Recipe, label: &str) -> Result<Vec<f32>
     Ok(of_cpu.mask)
 }
 
-/// Every technique with a map, every split, both fits, with and without blending: the two halves
-/// agree.
+/// The two halves agree for every technique with a map, every split, and both fits, with and
+/// without blending.
 #[test]
 fn both_halves_agree() {
     let place = place("far-range", UVec2::new(96, 60));
@@ -132,16 +132,16 @@ fn both_halves_agree() {
         return;
     }
     assert!(compared >= 40 && blended >= 20, "{compared} compared");
-    assert!(turn >= MOMENT_MAPS, "{turn} maps of moments were played");
+    assert!(turn >= MOMENT_MAPS, "{turn} maps of moments were tested");
     assert!(dark > 1000, "{dark} pixels are dark");
     let all_layers = (0..4).all(|layer| picked.contains(&Some(layer)));
     assert!(all_layers, "{picked:?} are looked up");
 }
 
-/// How many of them [`of_moments`] has.
+/// Number of techniques of [`of_moments`].
 const MOMENT_MAPS: usize = 9;
 
-/// The techniques with maps of moments, in turn.
+/// Returns the techniques with maps of moments, in turn.
 fn of_moments(map: ShadowMap, turn: usize) -> TechniquePreset {
     match turn % MOMENT_MAPS {
         0 => TechniquePreset::from(Vsm::default().on(map)),
@@ -193,7 +193,7 @@ fn of_moments(map: ShadowMap, turn: usize) -> TechniquePreset {
     }
 }
 
-/// All techniques with every bias in turn.
+/// Returns all techniques, with each bias in turn.
 fn techniques(map: ShadowMap, turn: usize) -> Vec<TechniquePreset> {
     let biases = [
         Bias::ADAPTIVE,
@@ -230,8 +230,8 @@ fn masks(view: &View<'_>, recipe: &Recipe) -> [Vec<f32>; 2] {
     [of_cpu.mask, of_gpu.mask]
 }
 
-/// Several equal cascades give the bits of a single map, whichever is picked; one that lies
-/// elsewhere is seen.
+/// Several equal cascades result in the bits of a single map, regardless of the choice. A cascade
+/// at another position is detected.
 #[test]
 fn equal_cascades_give_the_bits_of_a_single_map() {
     let place = place("far-range", UVec2::new(96, 60));
@@ -258,12 +258,12 @@ fn equal_cascades_give_the_bits_of_a_single_map() {
         let of_single = masks(&view, &technique.recipe(&view).expect("plans"));
         assert!(of(&several) == of_single);
         let spoilt = of(&spoilt);
-        assert!(spoilt[0] != of_single[0], "a spoilt cascade on the CPU");
-        assert!(spoilt[1] != of_single[1], "a spoilt cascade on wgpu");
+        assert!(spoilt[0] != of_single[0], "a displaced cascade on the CPU");
+        assert!(spoilt[1] != of_single[1], "a displaced cascade on wgpu");
     }
 }
 
-/// One slice is the fit's one map.
+/// One slice equals the single map of the fit.
 #[test]
 fn one_cascade_is_the_single_map() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -283,7 +283,8 @@ fn one_cascade_is_the_single_map() {
     }
 }
 
-/// Ends that are found and given back make the same spaces, so that a program may hold them.
+/// Ends that are computed and then given result in the same spaces, so that a program may keep
+/// them.
 #[test]
 fn given_ends_cut_like_found_ones() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -339,13 +340,13 @@ fn suns() -> impl Strategy<Value = Light> {
     })
 }
 
-/// Where a camera stands, and where it looks.
+/// Position and direction of a camera.
 #[derive(Clone, Copy, Debug)]
 struct Walk {
     eye: Vec3,
-    /// About the vertical, radians.
+    /// Turn about the vertical, radians.
     turn: f32,
-    /// Above the horizon, radians.
+    /// Angle above the horizon, radians.
     tilt: f32,
     /// Vertical field of view, degrees.
     fov: f32,
@@ -399,10 +400,10 @@ fn random_cascades() -> impl Strategy<Value = (Cascades, Fit)> {
     )
 }
 
-/// Longer than the scene, metres.
+/// Far plane beyond the scene, metres.
 const FAR: f32 = 1e4;
 
-/// Which receivers no cascade holds with room for the kernel.
+/// Returns the receivers that no cascade contains with a margin for the kernel.
 fn not_held(seen: &Receivers, spaces: &LightSpaces, size: u32) -> Vec<usize> {
     let Arrangement::Cascades(pick) = spaces.arrangement else {
         return Vec::new();
@@ -425,8 +426,8 @@ fn not_held(seen: &Receivers, spaces: &LightSpaces, size: u32) -> Vec<usize> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
-    /// Over random cameras, suns, splits and fits: a receiver that no cascade holds is lit in
-    /// truth, or lies beyond the stable fit's range. And with a hard comparison both halves agree.
+    /// Over random cameras, suns, splits and fits: a receiver outside all cascades is lit in the
+    /// reference, or is beyond the stable fit's range. With a hard comparison, both halves agree.
     #[test]
     fn what_is_seen_is_held(walk in walks(), light in suns(), (cascades, fit) in random_cascades(), known in any::<bool>()) {
         let place = place("far-range", UVec2::new(64, 40));
@@ -461,8 +462,8 @@ proptest! {
     }
 }
 
-/// The negative control of the test above: cascades that lie elsewhere leave receivers in shadow
-/// that none holds.
+/// Negative control of the test above: displaced cascades leave receivers in shadow outside all
+/// cascades.
 #[test]
 fn cascades_that_lie_elsewhere_hold_too_little() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -491,8 +492,8 @@ fn cascades_that_lie_elsewhere_hold_too_little() {
     assert!(shadowed_outside(&spaces) > 0);
 }
 
-/// However the camera pans and turns, points of the world keep their place within the texels of
-/// every stable cascade.
+/// Points of the world keep their position within the texels of every stable cascade when the
+/// camera pans and turns.
 #[test]
 fn stable_cascades_move_by_whole_texels() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -538,6 +539,6 @@ fn stable_cascades_move_by_whole_texels() {
     }
     assert!(
         moved > 2.0,
-        "the maps moved by {moved} texels: nothing is proved"
+        "the maps moved by {moved} texels: the test is void"
     );
 }

@@ -1,5 +1,5 @@
-//! Each cause of error on a scene in which nothing else can be wrong, and nothing at all where
-//! truth is played.
+//! Tests of each cause of error on a scene that isolates it. The reference's own technique has no
+//! cause of error.
 
 use umbrage_core::{
     Backend, Camera, Geometry, ShadowTechnique, View,
@@ -51,7 +51,7 @@ impl Stage {
         let recipe = technique
             .recipe(&view.with_receivers(&self.truth.receivers))
             .expect("supported");
-        let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
+        let mask = Cpu::new().render(&view, &recipe).expect("renders").mask;
         Causes::measure(&mask, &self.truth.image().expect("valid")).expect("valid")
     }
 }
@@ -78,7 +78,7 @@ fn each_cause_shows_alone_on_its_scene() {
         println!("{name}: {causes:?}");
         for (cause, share) in shares(&causes) {
             if cause == expected {
-                // A step of 255 over all counted pixels: more than rounding could ever add up to.
+                // A step of 255 over all evaluated pixels, which exceeds the sum of all rounding.
                 assert!(share > 1.0 / 255.0, "{name}: {causes:?}");
             } else {
                 assert_eq!(share, 0.0, "{name}: {causes:?}");
@@ -87,7 +87,8 @@ fn each_cause_shows_alone_on_its_scene() {
     }
 }
 
-/// Truth's own technique has no error of any kind; under the lamp only the noise of its rays.
+/// The reference's own technique has no error of any kind, except for the noise of its rays under
+/// an area light.
 #[test]
 fn truth_played_has_no_cause() {
     for CauseExample {
@@ -98,7 +99,8 @@ fn truth_played_has_no_cause() {
     {
         let causes = Stage::new(name).causes(&Traced { samples: 1024 });
         for (cause, share) in shares(&causes) {
-            // 1,024 stratified rays err by about 1/1024 to 1/32 of the light in penumbrae alone.
+            // The error of 1,024 stratified rays is about 1/1024 to 1/32 of the light, and only in
+            // penumbrae.
             let noise = if cause == Cause::Penumbra && expected == Cause::Penumbra {
                 1e-3
             } else {
@@ -109,8 +111,8 @@ fn truth_played_has_no_cause() {
     }
 }
 
-/// A gap is as long as the bias says: at 45 degrees a constant's depth is the distance from the
-/// blocker.
+/// The length of a gap follows from the bias: at 45 degrees, a constant's depth is the distance
+/// from the blocker.
 #[test]
 fn a_gap_has_the_biases_length() {
     let stage = Stage::new("cause-gap");

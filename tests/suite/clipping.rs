@@ -1,4 +1,5 @@
-//! No technique depends on where a rasteriser clips triangles: the CPU's clips as hardware may.
+//! Tests that no technique depends on the clipping of triangles by a rasteriser. The CPU's
+//! rasteriser clips in the ways that hardware may.
 
 use glam::{UVec2, Vec3, Vec4Swizzles};
 use std::sync::Arc;
@@ -11,10 +12,10 @@ use umbrage_lab::compare;
 use umbrage_plan::truth::{TruthOptions, trace};
 use umbrage_techniques::{MapFilter as _, Pcf, Planar, ShadowMap, ShadowVolumes, TechniquePreset};
 
-/// Pixels in a false shadow on an NVIDIA H200 when volumes ended at infinity.
+/// Number of pixels in a false shadow on an NVIDIA H200 when volumes ended at infinity.
 const FALSE_ON_CARD: [(&str, usize); 2] = [("bar-at-lamp", 6322), ("two-blockers", 6552)];
 
-/// Scenes whose volumes reach around the eye, and those of planar shadows.
+/// Scenes with volumes around the eye, and those of planar shadows.
 const SCENES: &[&str] = &[
     "bar-at-lamp",
     "two-blockers",
@@ -38,7 +39,7 @@ const SCENES: &[&str] = &[
     "tower-out-of-view",
 ];
 
-/// Greatest width, pixels.
+/// Greatest width of images, pixels.
 const WIDTH: u32 = 320;
 
 struct Stage {
@@ -80,15 +81,15 @@ fn cpu_with(options: &CpuOptions) -> Cpu {
     Cpu::with_options(options).expect("valid options")
 }
 
-/// Returns the ways in which devices may clip, and those in which they may sum.
+/// Returns the ways of clipping and of summation on devices.
 fn devices() -> Vec<CpuOptions> {
     let clipping = Clipping::INEXACT.map(|clipping| CpuOptions::default().clipping(clipping));
     let sums = VertexSums::OTHERS.map(|sums| CpuOptions::default().vertex_sums(sums));
     [&clipping[..], &sums].concat()
 }
 
-/// Returns the recipe of shadow volumes with their far ends moved to infinity, where Everitt and
-/// Kilgard 2002 have them.
+/// Returns the recipe of shadow volumes with their far ends moved to infinity, as in Everitt and
+/// Kilgard 2002.
 fn ends_at_infinity(recipe: &Recipe, lamp: Vec3) -> Recipe {
     let mut out = recipe.clone();
     for cast in &mut out.casts {
@@ -101,7 +102,8 @@ fn ends_at_infinity(recipe: &Recipe, lamp: Vec3) -> Recipe {
     out
 }
 
-/// The vertices begin with those of the casters; as many follow, moved away from the lamp.
+/// Returns the faces with their far ends at infinity. The first vertices are those of the casters,
+/// followed by as many that are moved away from the light.
 fn with_far_ends_at_infinity(faces: &Faces, lamp: Vec3) -> Faces {
     let first_cap = faces.triangles[0];
     let first_far_cap = faces.triangles[1];
@@ -113,8 +115,8 @@ fn with_far_ends_at_infinity(faces: &Faces, lamp: Vec3) -> Faces {
     out
 }
 
-/// The cause of the false shadows that an H200 drew: corners at clip w = 0, on the side of 0 to
-/// which rounding took them.
+/// The cause of false shadows on an H200: corners at clip w = 0, on the side of 0 that results from
+/// rounding.
 #[test]
 fn faces_at_zero_w_are_drawn_wrongly_as_on_a_card() {
     for (name, false_on_card) in FALSE_ON_CARD {
@@ -149,7 +151,7 @@ fn faces_at_zero_w_are_drawn_wrongly_as_on_a_card() {
     }
 }
 
-/// Volumes and planar shadows stay the same where truth is certain.
+/// Volumes and planar shadows don't change where the reference is certain.
 #[test]
 fn exact_techniques_stay_exact() {
     let techniques: [&dyn ShadowTechnique; 2] = [&ShadowVolumes::default(), &Planar::default()];
@@ -174,7 +176,7 @@ fn exact_techniques_stay_exact() {
             };
             let expected = Cpu::new().render(&view, &recipe).expect("valid").mask;
             for device in devices() {
-                // At the outline of what is seen, another triangle may cover a pixel.
+                // At outlines of visible surfaces, another triangle may cover a pixel.
                 let own = cpu_with(&device).render(&stage.view(), &recipe);
                 let own = own.expect("valid");
                 let seen = own.receivers.expect("none were given").triangle;
@@ -210,7 +212,7 @@ fn techniques() -> Vec<TechniquePreset> {
     out
 }
 
-/// Decided pixels of each technique are the same: in a sun's maps, cubes around a lamp, and
+/// Decided pixels of each technique don't change: in a sun's maps, cubes around a point light, and
 /// cascades.
 #[test]
 fn no_decided_pixel_changes() {

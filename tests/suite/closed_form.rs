@@ -1,5 +1,5 @@
-//! Shadows known from formulas: truth and the traced technique must reproduce them, through the
-//! lab's own entrance.
+//! Tests of shadows with analytic visibility: the reference and the traced technique must reproduce
+//! them, through the lab's own entry point.
 
 use umbrage_core::{Geometry, Light};
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
@@ -49,7 +49,7 @@ fn ask(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
     seen.iter().map(|s| s.visibility).collect()
 }
 
-/// The comparison must object to a wrong truth: here the light is elsewhere.
+/// Negative control: a reference with a displaced light must fail.
 #[test]
 fn a_moved_light_fails_the_forms() {
     let (entry, form) = cases().next().expect("there are closed forms");

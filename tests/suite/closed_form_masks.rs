@@ -1,6 +1,6 @@
-//! Every technique with a map at the points of the closed forms, on both backends: away from shadow
-//! edges by more than its kernel reaches, its answer must be the formula's. (Volumes and planar
-//! shadows need a camera's pixels: `exact.rs`.)
+//! Tests of every technique with a map at the points of the closed forms, on both backends. If a
+//! point is farther from shadow edges than the kernel's radius, the result must be that of the
+//! formula. (Volumes and planar shadows need a camera's pixels: `exact.rs`.)
 
 use glam::{Mat2, UVec2, Vec2, Vec3};
 use umbrage_core::{
@@ -15,8 +15,8 @@ use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 use umbrage_wgpu::Gpu;
 
-/// What each technique says that closed forms demand of it. Those that need a camera's pixels
-/// (`exact.rs`) say nothing.
+/// Returns the requirements of each technique for closed forms. Those that need a camera's pixels
+/// (`exact.rs`) have none.
 fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
     let map = ShadowMap {
         size: 2048,
@@ -28,7 +28,7 @@ fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
     own.chain(narrow_moment_maps(map)).collect()
 }
 
-/// Moment maps with the narrowest blur: the one by default reaches farther.
+/// Moment maps with the narrowest blur, since the default one is wider.
 fn narrow_moment_maps(map: ShadowMap) -> impl Iterator<Item = ClosedFormDemand<TechniquePreset>> {
     let wide = ["vsm", "evsm", "msm"].into_iter().filter_map(move |name| {
         let entry = umbrage_plan::catalogue::find(name).expect("a built-in technique");
@@ -48,7 +48,7 @@ fn narrow_moment_maps(map: ShadowMap) -> impl Iterator<Item = ClosedFormDemand<T
     })
 }
 
-/// Scenes of closed bodies: neither sheets nor rooms without an outside.
+/// Scenes of closed solids: neither sheets nor rooms without an outside.
 const CLOSED_BODIES: [&str; 5] = [
     "c1-box-sun",
     "c2-sphere-sun",
@@ -57,7 +57,7 @@ const CLOSED_BODIES: [&str; 5] = [
     "c8-faceted-sphere",
 ];
 
-/// A scene under an ideal light, whose formula knows only light and dark.
+/// A scene under a light without extent, whose formula only has light and dark.
 struct Case {
     name: &'static str,
     scene: Scene,
@@ -94,7 +94,7 @@ impl Case {
         }
     }
 
-    /// A recipe for the whole scene, played at the samples alone.
+    /// Executes a recipe for the whole scene at the samples alone.
     fn masks(
         &self,
         technique: &dyn ShadowTechnique,
@@ -107,12 +107,13 @@ impl Case {
             other => other.expect("parameters are valid"),
         };
         let view = view.with_receivers(&self.receivers);
-        let cpu = Cpu::new().render(&view, &recipe).expect("plays").mask;
-        let gpu = gpu.render(&view, &recipe).expect("plays").mask;
+        let cpu = Cpu::new().render(&view, &recipe).expect("renders").mask;
+        let gpu = gpu.render(&view, &recipe).expect("renders").mask;
         Some((recipe, [cpu, gpu]))
     }
 
-    /// Whether truth is the same at a sample and all around it, as far as a kernel reaches there.
+    /// Reports whether the reference is the same at a sample and everywhere within the kernel's
+    /// radius.
     fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
         let sample = &self.samples[i];
         let Some(around) = around(sample, recipe, reach) else {
@@ -133,8 +134,8 @@ impl Case {
     }
 }
 
-/// Faces that the light meets at less than half a degree show only how maps round; those turned
-/// away are left to shading.
+/// Least cosine of the light's angle. Below half a degree, results only show the rounding of maps;
+/// faces turned away are left to shading.
 const LEAST_COSINE: f32 = 0.01;
 
 fn cosine(light: &Light, s: &Sample) -> f32 {
@@ -145,13 +146,13 @@ fn cosine(light: &Light, s: &Sample) -> f32 {
     to_light.normalize().dot(s.normal)
 }
 
-/// Distance between the points at which truth is asked around a sample, texels: less than the
-/// narrowest slit of the scenes, which is 1.2 texels wide on a map of 2048.
+/// Distance between the reference points around a sample, texels. It is less than the narrowest
+/// slit of the scenes, which is 1.2 texels wide on a map of 2048.
 const SPACING: f32 = 0.75;
 
-/// Returns the points of a sample's plane on which a kernel's taps may lie: a grid over the square
-/// of texels that it reaches, and the receiver's own texel. A narrow light within that square
-/// counts, too, and not its rim alone. None where the light meets the plane at too low an angle.
+/// Returns the points of a sample's plane that a kernel's taps may cover: a grid over the square of
+/// texels within its radius, and the receiver's own texel. A grid, and not the rim alone, includes
+/// narrow lights within the square. `None` if the light is at too low an angle to the plane.
 fn around(sample: &Sample, recipe: &Recipe, reach: f32) -> Option<Vec<Vec3>> {
     let (u, v) = sample.normal.any_orthonormal_pair();
     let p = sample.point;
@@ -197,7 +198,7 @@ fn receivers(samples: &[Sample], geometry: &Geometry) -> Receivers {
     out
 }
 
-/// How many decided samples there were, light and dark, and which were answered wrongly.
+/// Number of decided samples, light and dark, and the wrong results.
 #[derive(Debug, Default)]
 struct Answers {
     decided: [usize; 2],
@@ -255,7 +256,7 @@ fn every_technique_meets_the_closed_forms() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Asked for the opposite, every decided sample must object.
+/// Negative control: with the opposite formula, every decided sample must fail.
 #[test]
 fn wrong_formulas_are_noticed() {
     let cases = cases();
@@ -264,8 +265,8 @@ fn wrong_formulas_are_noticed() {
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
 }
 
-/// A slit that is narrower than the kernel's reach lies between two dark points of its rim: points
-/// beside it are undecided all the same.
+/// A slit that is narrower than the kernel can be between two dark points of its rim. Points next
+/// to the slit are still undecided.
 #[test]
 fn light_within_reach_is_seen() {
     let cases = cases();
@@ -282,7 +283,7 @@ fn light_within_reach_is_seen() {
     };
     let dark_samples = (0..slit.samples.len()).filter(dark).count();
     assert_eq!(dark_samples, 2);
-    // A tenth of a texel; and what kernels of 3x3, 7x7 and 17x17 texels reach.
+    // A tenth of a texel, and the radii of kernels of 3x3, 7x7 and 17x17 texels.
     assert_eq!(decided(-1.4), 2);
     for reach in [2.0, 4.0, 9.0] {
         assert_eq!(decided(reach), 0, "{reach} texels");

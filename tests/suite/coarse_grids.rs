@@ -1,6 +1,6 @@
-//! The default biases hold on rasterisers that this project has no device of: the CPU's, told to
-//! move vertices to coarser grids and to lay depth planes through them, makes maps that are no
-//! farther from truth.
+//! Tests that the default biases suffice on rasterisers of other devices. The CPU's rasteriser
+//! moves vertices to coarser grids and puts depth planes through them, and the errors of its maps
+//! must not increase.
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
@@ -20,12 +20,12 @@ use umbrage_techniques::{
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
 
-/// Scenes of more triangles are left out: what they cost is drawing, five times over.
+/// Greatest number of triangles of a scene. The main cost is drawing, five times.
 const MOST_TRIANGLES: usize = 20_000;
 
-/// The coarsest grid that graphics APIs allow, which every scene and light is played on.
+/// The coarsest grid that graphics APIs allow, which is used for every scene and light.
 const COARSEST: Snapping = Snapping::COARSEST;
-/// One of these, too, by turns: grids up to what most hardware has, with planes through moved
+/// Further rules, one of them in turn: grids up to that of most hardware, with planes through moved
 /// vertices, and the coarsest with exact planes.
 const BY_TURNS: [Snapping; 4] = [
     Snapping {
@@ -50,7 +50,7 @@ const BY_TURNS: [Snapping; 4] = [
     },
 ];
 
-/// Map techniques as they are by default: the first setting of each.
+/// Map techniques with default settings: the first settings of each.
 fn techniques() -> Vec<TechniquePreset> {
     let first = |entry: &CatalogueEntry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
     catalogue::all()
@@ -60,12 +60,12 @@ fn techniques() -> Vec<TechniquePreset> {
         .collect()
 }
 
-/// A sun, a spot and a bulb where a scene's own light shines from.
+/// Returns a sun, a spot and a point light in the direction of a scene's own light.
 fn lights(scene: &Scene, bounds: &Aabb) -> [Light; 3] {
     let light = &scene.lights[0];
     let middle = 0.5 * (bounds.min + bounds.max);
     let radius = 0.5 * bounds.min.distance(bounds.max);
-    // Of a lamp right in the middle, the sun is above.
+    // If a point light is exactly at the centre, put the sun above.
     let from = match light.position() {
         Some(position) => (position - middle).try_normalize().unwrap_or(Vec3::Y),
         None => light.direction_from(middle),
@@ -116,8 +116,8 @@ impl Stage {
         }
     }
 
-    /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where
-    /// it isn't supported.
+    /// Returns the increase of a technique's RMSE with these rules relative to the CPU's own.
+    /// `None` if it isn't supported.
     fn excess(&self, technique: &dyn ShadowTechnique, rules: [Snapping; 2]) -> Option<[f64; 2]> {
         let view = View::new(&self.camera, &self.light, &self.geometry)
             .with_receivers(&self.truth.receivers);
@@ -127,7 +127,7 @@ impl Stage {
         let rmse = |rule| {
             let mut cpu =
                 Cpu::with_options(&CpuOptions::default().snapping(rule)).expect("a known rule");
-            let mask = cpu.render(&view, &recipe).expect("plays").mask;
+            let mask = cpu.render(&view, &recipe).expect("renders").mask;
             reference.errors(&mask).expect("a mask").rmse
         };
         let own = rmse(Snapping::default());
@@ -135,27 +135,26 @@ impl Stage {
     }
 }
 
-/// What no bias can help, and the excess that it comes to. Both are as they are on devices.
+/// Returns the allowed increase where no bias can help. Each case also occurs on devices.
 fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
     match (scene, light.kind(), technique) {
-        // Walls without thickness: the far sides that are compared with are the receivers
-        // themselves, without a bias. Half of the pixels are lit that way, and which ones hangs on
-        // every rounding.
+        // Walls without thickness: the compared far sides are the receivers themselves, without a
+        // bias. Half of the pixels are lit in this way, and the selection depends on rounding.
         ("c7-closed-room", _, "second_depth") => 0.01,
-        // The shadow's edge lies on a row of texels' centres, so that a grid's step moves all of it
-        // by a texel.
+        // The shadow's edge is on a row of texel centres, so that a grid's step moves all of it by
+        // a texel.
         ("stairs-lamp", "point", "pcf_dithered") => 0.01,
         // Three pixels of 6,934, on an edge: 5 are wrong instead of 2.
         ("textbook-room", "spot", "second_depth" | "midpoint") => 0.01,
-        // Leaf cards cross each other, and their holes are finer than texels: which leaf is the
-        // second from the light hangs on roundings.
+        // Leaf cards intersect, and their holes are finer than texels: the second leaf from the
+        // light depends on rounding.
         ("foliage", _, "midpoint") => 0.01,
         _ => MAX_EXCESS_RMSE,
     }
 }
 
-/// What is farther from truth than allowed, in words; and how many masks were compared. `turn` says
-/// which rules have their turn.
+/// Returns a message about excessive errors, and the number of compared masks. `turn` selects the
+/// further rules.
 fn faults(scene: &Scene, turn: usize, techniques: &[TechniquePreset]) -> (String, usize) {
     let geometry = Geometry::bake(scene).expect("a built-in scene");
     let mut out = String::new();
@@ -189,7 +188,7 @@ fn faults(scene: &Scene, turn: usize, techniques: &[TechniquePreset]) -> (String
 
 #[test]
 fn default_biases_hold_on_coarse_grids() {
-    // Content is left out: millions of triangles, each drawn by several models of the CPU.
+    // Exclude content scenes: millions of triangles, each drawn by several models of the CPU.
     let scenes: Vec<Scene> = umbrage_scenes::all()
         .iter()
         .filter(|entry| entry.kind != umbrage_scenes::Kind::Content)
@@ -206,15 +205,14 @@ fn default_biases_hold_on_coarse_grids() {
     assert!(compared > 1_000, "only {compared} masks were compared");
 }
 
-/// The net must catch what it is for: a bias that leaves no room for moved vertices, but is right
-/// where none is moved.
+/// Negative control: a bias that is right without moved vertices, but has no margin for them, must
+/// fail.
 #[test]
 fn a_bias_without_margin_is_caught() {
     let scene = (umbrage_scenes::find("cubes")
         .expect("a built-in scene")
         .build)();
-    // Takes back what the bias moves casters by: on flat ground the receiver's plane alone is
-    // exact.
+    // Undo the bias' offset of casters: on flat ground, the receiver's plane alone is exact.
     let bias = Bias {
         raster: RasterBias {
             slope: -0.5,

@@ -1,9 +1,9 @@
-//! Finer maps are better without end: with the default bias, what is wrong falls at least like a
-//! texel's side.
+//! Tests that errors decrease with finer maps: with the default bias, errors decrease at least like
+//! the side of a texel.
 //!
-//! A hard shadow's map is wrong in a band along shadow edges that is about a texel wide, so the
-//! number of wrong pixels falls like 1 / side and the root mean square error like its root. Acne,
-//! shadows that come loose and leaks that don't shrink with the texel would end that.
+//! A hard shadow's map is wrong in a band along shadow edges that is about a texel wide. The number
+//! of wrong pixels is therefore proportional to 1 / side, and the root mean square error to its
+//! root. Acne, detached shadows, and leaks of constant size would violate that.
 
 use glam::UVec2;
 use umbrage_core::{
@@ -15,7 +15,7 @@ use umbrage_lab::bias::lights_around;
 use umbrage_plan::truth::{TruthOptions, trace};
 use umbrage_techniques::{Hard, MapFilter as _, Pcf, ShadowMap};
 
-/// Finely and coarsely tessellated, closed and open, smooth and with edges.
+/// Models that are finely and coarsely tessellated, closed and open, smooth and with edges.
 const MODELS: [&str; 8] = [
     "statue",
     "figure",
@@ -29,11 +29,10 @@ const MODELS: [&str; 8] = [
 const COARSE: u32 = 512;
 const FINE: u32 = 8192;
 const SIZE: UVec2 = UVec2::new(320, 240);
-/// Mean signed error allowed at the finest map: shadows are neither wider nor narrower than they
-/// should be.
+/// Greatest mean signed error at the finest map: shadows have the right width.
 const MOST_SIGNED: f64 = 1e-3;
 
-/// What stands on the floor: the bounds of all that is not flat.
+/// Bounds of the casters on the floor: of everything that is not flat.
 fn bounds_above_floor(geometry: &Geometry) -> Aabb {
     let floor = geometry.bounds().min.y;
     let height = geometry.bounds().extent().y;
@@ -52,11 +51,11 @@ fn errors(
     reference: &ReferenceMask<'_>,
 ) -> Errors {
     let recipe = technique.recipe(view).expect("served");
-    let mask = Cpu::new().render(view, &recipe).expect("plays").mask;
+    let mask = Cpu::new().render(view, &recipe).expect("renders").mask;
     reference.errors(&mask).expect("a mask of this size")
 }
 
-/// Wrong pixels, in squares.
+/// Sum of squared errors, as a number of wrong pixels.
 fn wrong(errors: &Errors) -> f64 {
     errors.rmse.powi(2) * errors.counted as f64
 }
@@ -120,8 +119,8 @@ fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
         let [before, after] =
             [&coarse, &fine].map(|technique| errors(&view, &**technique, &reference));
         let expected = wrong(&before) / f64::from(FINE / COARSE);
-        // As many pixels are wrong by chance as a Poisson distribution of that mean allows in one
-        // of 1,000 cases.
+        // Allow as many random errors as a Poisson distribution of that mean exceeds in one of
+        // 1,000 cases.
         let most = expected + 3.1 * expected.sqrt() + 3.1;
         let name = coarse.name();
         println!(

@@ -1,8 +1,8 @@
-//! Culling to need changes no shadow.
+//! Tests that culling of casters changes no shadow.
 //!
-//! In one light space, casters that are called irrelevant are left out: masks stay bit-equal. And
-//! the culled fit's mask is the whole fit's wherever both are decided. Random scenes, lights,
-//! techniques; both comparators are fed spoilt culling.
+//! In one light space, irrelevant casters are culled, and masks must stay bit-equal. The culled
+//! fit's mask must be the whole fit's where both are decided. The tests use random scenes, lights
+//! and techniques; both comparators have negative controls with wrong culling.
 
 use glam::{UVec2, Vec2};
 use proptest::{
@@ -27,11 +27,11 @@ use umbrage_tests::{
 #[derive(Clone, Debug)]
 struct Case {
     technique: TechniquePreset,
-    /// How far its kernel reaches beyond what the light's extent adds, texels.
+    /// Radius of its kernel beyond the light's extent, texels.
     reach: f32,
 }
 
-/// Tests a property on random values, the same ones in every run. Panics with the first
+/// Tests a property on random values, which are the same in every run. Panics with the first
 /// counterexample.
 fn run<T: std::fmt::Debug>(
     cases: u32,
@@ -94,7 +94,7 @@ fn techniques() -> impl Strategy<Value = Case> {
     )
 }
 
-/// A baked scene, and what its camera sees of it.
+/// A baked scene, and its camera's visible surfaces.
 struct Seen {
     scene: Scene,
     geometry: Geometry,
@@ -123,7 +123,7 @@ impl Seen {
         .with_receivers(&self.receivers)
     }
 
-    /// Returns `None` if the technique does not serve the scene.
+    /// Returns the recipe. `None` if the technique does not support the scene.
     fn recipe(&self, technique: &dyn ShadowTechnique) -> Result<Option<Recipe>, String> {
         match technique.recipe(&self.view()) {
             Ok(recipe) => Ok(Some(recipe)),
@@ -137,7 +137,7 @@ impl Seen {
         Ok(shadows.map_err(|e| e.to_string())?.mask)
     }
 
-    /// Returns the mask when only these casters are drawn.
+    /// Returns the mask with only these casters.
     fn mask_of(
         &self,
         recipe: &Recipe,
@@ -165,7 +165,7 @@ impl Seen {
     }
 }
 
-/// What the property was tested on.
+/// Counts of the tested cases.
 #[derive(Debug, Default)]
 struct Tally {
     masks: u32,
@@ -209,14 +209,14 @@ fn irrelevant_casters_change_no_mask() {
         t.masks >= 300 && t.shadowed >= 150,
         "too few masks, or too few with shadows: {t:?}"
     );
-    // Cameras look at the objects' midst, so most of them matter.
+    // Cameras look at the middle of the objects, so most of them are relevant.
     assert!(
         t.dropped * 20 >= t.casters,
-        "hardly anything was culled, so this proves little: {t:?}"
+        "few casters were culled, so the test proves little: {t:?}"
     );
 }
 
-/// A box over a floor of which the camera sees all.
+/// A box over a floor that is completely visible.
 fn box_over_floor(light: Light) -> Seen {
     let geometry = geometry(1.0, Vec3::ZERO);
     let receivers = Cpu::new()
@@ -243,7 +243,7 @@ const LAMP: Light = Light::Point {
     radius: 0.0,
 };
 
-/// The comparison must fail when a caster is called irrelevant that is not.
+/// Negative control: the comparison must fail when a relevant caster is culled.
 #[test]
 fn a_caster_too_few_is_caught() {
     for light in [SUN, LAMP] {
@@ -275,7 +275,7 @@ fn a_caster_too_few_is_caught() {
     }
 }
 
-/// How far masks are moved to see what is decided: in texels of the coarser map.
+/// Shifts of masks that determine decided pixels, in texels of the coarser map.
 const SHIFTS: [(f32, f32); 9] = [
     (0.0, 0.0),
     (1.0, 1.0),
@@ -287,9 +287,9 @@ const SHIFTS: [(f32, f32); 9] = [
     (0.0, 0.5),
     (0.0, -0.5),
 ];
-/// Clip depth. Its metres differ between fits, as their ranges do: so the depths that [`DEPTHS`]
-/// leaves of it reach from a twelfth to twice as much, and what is decided in both fits is so for a
-/// bias of equal metres, if [`depth_ratio`] is less.
+/// A bias in clip depth. Its length in metres depends on the range of the fit. The depths of
+/// [`DEPTHS`] are therefore from a twelfth to twice as much. Pixels that are decided in both fits
+/// are decided for a bias of equal length, if [`depth_ratio`] is less.
 const CONSTANT: Bias = Bias {
     constant: 0.03,
     ..Bias::NONE
@@ -297,13 +297,14 @@ const CONSTANT: Bias = Bias {
 const DEPTHS: [f32; 3] = [0.0, 0.0275, -0.0275];
 const GREATEST_RATIO: f32 = 12.0;
 
-/// Returns how many times longer a step of clip depth is on one map than on another, at most.
+/// Returns the greatest ratio of the lengths of a step of clip depth on two maps.
 fn depth_ratio(a: &Recipe, b: &Recipe) -> f32 {
     let mut longest = 0.0_f32;
     let mut shortest = f32::INFINITY;
     for cast in a.casts.iter().chain(&b.casts) {
         let clip_from_view = cast.space.clip_from_view;
-        // Depth is linear in the distance along the view; with perspective, in its inverse.
+        // Orthographic depth is linear in the distance along the view, perspective depth in its
+        // inverse.
         let is_orthographic = clip_from_view.row(3) == glam::Vec4::W;
         let depth_per_unit = if is_orthographic {
             clip_from_view.z_axis.z
@@ -317,12 +318,12 @@ fn depth_ratio(a: &Recipe, b: &Recipe) -> f32 {
     longest / shortest
 }
 
-/// Returns a mask, NaN where it is not decided: where the answer changes when the map moves by up
+/// Returns a mask with NaN at undecided pixels: those whose result changes when the map moves by up
 /// to `texels` of its texels sideways, or in depth by [`DEPTHS`].
 fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String> {
     let mut out = seen.mask(recipe)?;
     for depth in DEPTHS {
-        // The middle and the corners are enough where depth moves, too.
+        // With a shift in depth, the centre and the corners are enough.
         let shifts = if depth == 0.0 {
             &SHIFTS[..]
         } else {
@@ -345,7 +346,7 @@ fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String
     Ok(out)
 }
 
-/// Returns the longer side of a texel: metres, or tangents.
+/// Returns the longer side of a texel, in metres or tangents.
 fn texel(recipe: &Recipe) -> f32 {
     let p = recipe
         .casts
@@ -354,8 +355,8 @@ fn texel(recipe: &Recipe) -> f32 {
     2.0 / (p.x_axis.x.min(p.y_axis.y) * recipe.images[0].size.x as f32)
 }
 
-/// At how many pixels both masks are decided, and dark; and at how many of the decided ones they
-/// differ.
+/// Number of pixels at which both masks are decided, and dark; and number of decided ones at which
+/// they differ.
 #[derive(Debug, Default, Clone, Copy)]
 struct Decided {
     pixels: usize,
@@ -364,8 +365,8 @@ struct Decided {
     differing: usize,
 }
 
-/// Returns whether a point lies in the light's cone: elsewhere, shading darkens it anyway, and fits
-/// take no notice.
+/// Reports whether a point is in the light's cone. Shading darkens points outside, and fits ignore
+/// them.
 fn shone_on(light: &Light, p: Vec3) -> bool {
     match *light {
         Light::Spot {
@@ -448,11 +449,11 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
     );
     assert!(
         t.decided * 4 > t.pixels && t.dark > 1000,
-        "too little is decided: {t:?}"
+        "too few pixels are decided: {t:?}"
     );
 }
 
-/// The comparison must fail when the culled fit's map misses a caster.
+/// Negative control: the comparison must fail when the culled fit's map misses a caster.
 #[test]
 fn a_fit_that_loses_a_caster_is_caught() {
     let seen = box_over_floor(SUN);

@@ -1,5 +1,4 @@
-//! Holes that alpha textures cut into casters and receivers, against scenes whose answer is known
-//! without any texture.
+//! Tests of alpha-tested casters and receivers, against equivalent scenes without textures.
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use std::ops::Range;
@@ -19,10 +18,11 @@ use umbrage_tests::gpu::gpu;
 /// Texels along each side of the card's texture.
 const SIDE: u32 = 6;
 
-/// Techniques that say that they don't know holes.
+/// Techniques that don't support alpha tests.
 const WITHOUT_HOLES: [&str; 2] = ["planar", "volumes"];
 
-/// Techniques that throw no shadow of a card: none at all, or of closed casters alone.
+/// Techniques without a shadow of a card: without any shadow, or with shadows of closed casters
+/// alone.
 const WITHOUT_SHADOW: [&str; 3] = ["none", "second_depth", "midpoint"];
 
 fn lights() -> [Light; 2] {
@@ -58,7 +58,7 @@ fn square(name: &str, half: f32) -> Mesh {
     }
 }
 
-/// A floor under a card, with a texture that is there where `is_there` says so.
+/// A floor under a card. Its texture is opaque where `is_there` returns `true`.
 fn card(is_there: Option<fn(u32, u32) -> bool>) -> Scene {
     let floor = Instance {
         casts: false,
@@ -98,7 +98,7 @@ fn chequered(x: u32, y: u32) -> bool {
     (x + y).is_multiple_of(2)
 }
 
-/// The card's opaque texels, a square each.
+/// A floor under the card's opaque texels, a square each.
 fn squares() -> Scene {
     let mut scene = card(None);
     let whole = scene.meshes[1].clone();
@@ -127,8 +127,8 @@ fn rendered(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shad
     backend.render(view, recipe).expect("a good view")
 }
 
-/// Calls `check` with the masks and receivers of both scenes, for all default techniques that know
-/// holes, lights, and backends.
+/// Calls `check` with the masks and receivers of both scenes, for all default techniques that
+/// support alpha tests, all lights, and both backends.
 fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Shadows)) {
     let camera = camera();
     let [a, b] = [a, b].map(|scene| Geometry::bake(scene).expect("a good scene"));
@@ -144,7 +144,7 @@ fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Sh
             let name = technique.name();
             let (first, second) = match recipes {
                 [Ok(first), Ok(second)] => (first, second),
-                // It doesn't serve such a light.
+                // The technique doesn't support the light.
                 [Err(_), Err(_)] => continue,
                 [first, second] => {
                     let why = first.err().or(second.err());
@@ -163,15 +163,15 @@ fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Sh
             }
         }
     }
-    assert!(played >= 30, "only {played} pairs were played");
+    assert!(played >= 30, "only {played} pairs were compared");
 }
 
-/// An alpha texture whose one hole lies beside the mesh's part of it changes no bit, though all is
-/// asked whether it is a hole.
+/// An alpha texture whose only hole is outside the mesh's part of it changes no bit, although the
+/// alpha test runs everywhere.
 #[test]
 fn what_shows_no_holes_is_as_without_alpha() {
     let mut full = card(Some(|x, y| x + y < 2 * (SIDE - 1)));
-    // The hole's texel begins at five sixths.
+    // The texel of the hole begins at five sixths.
     for uv in &mut full.meshes[1].uvs {
         *uv *= 0.75;
     }
@@ -183,8 +183,8 @@ fn what_shows_no_holes_is_as_without_alpha() {
     });
 }
 
-/// An alpha texture without any hole is not asked: the geometry has no cut-outs, and every
-/// technique serves it, those that know no holes, too.
+/// An alpha texture without any hole causes no alpha test: every technique supports the geometry,
+/// even those without alpha tests.
 #[test]
 fn what_has_no_holes_is_served_by_all() {
     let full = Geometry::bake(&card(Some(|_, _| true))).expect("a good scene");
@@ -204,16 +204,16 @@ fn what_has_no_holes_is_served_by_all() {
     }
 }
 
-/// What is all holes neither casts nor is seen.
+/// A completely transparent object neither casts nor is visible.
 #[test]
 fn what_is_all_holes_is_not_there() {
     let clear = card(Some(|_, _| false));
     let mut nothing = card(None);
     nothing.instances.truncate(1);
     for_each_pair(&clear, &nothing, |what, clear, nothing| {
-        // An empty map is dark by its moments' bias: 1.71e-5 with rounding, wherever a receiver
-        // lies, as the unit test `maps_of_one_depth_err_by_their_bias_alone` of
-        // `umbrage-techniques` derives. Cutting off a tenth of the light stretches that by 1 / .9.
+        // An empty map is darkened by the bias of its moments: 1.71e-5 with rounding, at every
+        // receiver, as derived in the unit test `maps_of_one_depth_err_by_their_bias_alone` of
+        // `umbrage-techniques`. Cutting off a tenth of the light scales that by 1 / .9.
         let least = if what.starts_with("msm") {
             1.0 - 1.95e-5
         } else {
@@ -235,8 +235,8 @@ fn what_is_all_holes_is_not_there() {
     });
 }
 
-/// A chequered card throws the shadow of its squares, and is seen as they are, but where a pixel, a
-/// ray or a map's texel lies on their edges.
+/// A chequered card casts the shadow of its opaque squares and looks like them, except where a
+/// pixel, a ray or a map's texel is on their edges.
 #[test]
 fn a_chequered_card_is_its_squares() {
     for_each_pair(
@@ -246,7 +246,7 @@ fn a_chequered_card_is_its_squares() {
             let pixels = chequered.mask.len();
             let pairs = chequered.mask.iter().zip(&squares.mask);
             let unlike = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
-            // Edges of maps' texels show along all edges of the shadow.
+            // Texel edges of maps show along all edges of the shadow.
             let most = if what.starts_with("traced") || what.starts_with("exact") {
                 4
             } else {
@@ -257,7 +257,7 @@ fn a_chequered_card_is_its_squares() {
     );
 }
 
-/// The comparison above tells other holes apart.
+/// Negative control of the comparison above: other holes must fail.
 #[test]
 fn other_holes_are_told_apart() {
     let swapped: fn(u32, u32) -> bool = |x, y| !chequered(x, y);
@@ -272,7 +272,7 @@ fn other_holes_are_told_apart() {
     );
 }
 
-/// Receivers lie behind holes of what is before them, on both backends alike.
+/// On both backends, the camera sees receivers through holes.
 #[test]
 fn the_camera_sees_through_holes() {
     let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
@@ -290,7 +290,7 @@ fn the_camera_sees_through_holes() {
     if exact {
         assert!(on_cpu == on_gpu);
     }
-    // The card comes first in the list, as it has holes.
+    // Alpha-tested triangles come first, so the card precedes the floor.
     let count = |card: bool| {
         let is_seen = |id: &&u32| **id != NO_TRIANGLE && (**id < 2) == card;
         on_cpu.iter().filter(is_seen).count()
@@ -303,7 +303,7 @@ fn the_camera_sees_through_holes() {
     );
 }
 
-/// Techniques that would take holes for surface say so.
+/// Techniques that don't support alpha tests refuse alpha-tested casters.
 #[test]
 fn techniques_without_holes_refuse_them() {
     let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
@@ -325,13 +325,13 @@ fn techniques_without_holes_refuse_them() {
             }
             other => assert!(!refuses && other.is_ok(), "{}", technique.name()),
         }
-        // Holes of what doesn't cast are the camera's business alone.
+        // Alpha tests of objects that don't cast only matter for the camera.
         let recipe = technique.recipe(&View::new(&camera, sun, &uncast));
         assert!(recipe.is_ok(), "{}", technique.name());
     }
 }
 
-/// Returns the default techniques, and maps of other kinds: cascades, fits around the camera, 16
+/// Returns the default techniques, and other kinds of maps: cascades, fits around the camera, 16
 /// bits, peeled layers in 16 bits.
 fn techniques() -> Vec<TechniquePreset> {
     let mut out = TechniquePreset::defaults();
@@ -359,7 +359,7 @@ fn techniques() -> Vec<TechniquePreset> {
     out
 }
 
-/// Masks of the two backends have the same bits, in all layouts of maps.
+/// Masks of the two backends are bit-equal in all layouts of maps.
 #[test]
 fn both_backends_agree_on_holes() {
     let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
@@ -380,7 +380,7 @@ fn both_backends_agree_on_holes() {
             let on_gpu = rendered(&mut *gpu, &recipe, &view).mask;
             let name = technique.name();
             assert_eq!(differing(&on_cpu, &on_gpu), 0, "{name} under {light:?}");
-            // The control: without holes the masks differ.
+            // Negative control: without alpha tests, the masks differ.
             let view = View::new(&camera, &light, &whole);
             let Ok(recipe) = technique.recipe(&view) else {
                 panic!("{name} serves whole casters, too");
@@ -389,11 +389,11 @@ fn both_backends_agree_on_holes() {
             told += usize::from(differing(&on_cpu, &spoilt) > 100);
         }
     }
-    assert!(told >= 20, "only {told} masks tell holes");
+    assert!(told >= 20, "only {told} masks differ with alpha tests");
 }
 
-/// Returns a scene whose holes are fine: a card with a texture of which two thirds are there, and
-/// so many repeats of it that several texels lie in a pixel of the camera and in one of a map.
+/// Returns a scene with a fine alpha texture on a card. Two thirds of it are opaque, and it repeats
+/// so often that several texels are in a pixel of the camera and of a map.
 fn fine_holes(filter: AlphaFilter) -> Scene {
     const FINE: u32 = 180;
     const REPEATS: f32 = 20.0;
@@ -416,8 +416,8 @@ fn fine_holes(filter: AlphaFilter) -> Scene {
     scene
 }
 
-/// Hashed holes are the same to the last bit on both backends, in the camera's image and in all
-/// layouts of maps; they are others than those of the nearest texel, and rays know nothing of them.
+/// Hashed alpha tests are bit-equal on both backends, in the camera's image and in all layouts of
+/// maps. They differ from those of the nearest texel, and rays ignore them.
 #[test]
 fn both_backends_agree_on_hashed_holes() {
     let filters = [AlphaFilter::Hashed, AlphaFilter::Nearest];
@@ -428,7 +428,7 @@ fn both_backends_agree_on_hashed_holes() {
     if !gpu.promises_bits() {
         return;
     }
-    // The same points of the floor for both.
+    // Use the same points of the floor for both.
     let traced = Traced { samples: 1 };
     let uncast = hashed.without_casters();
     let light = &lights()[0];
@@ -463,15 +463,15 @@ fn both_backends_agree_on_hashed_holes() {
             }
         }
     }
-    assert!(told >= 20, "only {told} masks tell hashed holes");
+    assert!(told >= 20, "only {told} masks differ with hashed alpha tests");
 }
 
-/// Returns how many pixels of two masks differ.
+/// Returns the number of pixels at which two masks differ.
 fn differing(a: &[f32], b: &[f32]) -> usize {
     a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
-/// Runs that end, or even begin, where no caster is any more draw what they have of the casters.
+/// Runs that end, or even begin, beyond the last caster draw the casters that they contain.
 #[test]
 fn runs_may_reach_beyond_casters_with_holes() {
     let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
@@ -480,7 +480,7 @@ fn runs_may_reach_beyond_casters_with_holes() {
     let view = View::new(&camera, &sun, &geometry);
     let pcf = Pcf { radius: 1 }.on(ShadowMap::default());
     let casters = geometry.casters();
-    let all = pcf.recipe(&view).expect("a map knows holes");
+    let all = pcf.recipe(&view).expect("maps support alpha tests");
     let with_runs = |first: Range<u32>| {
         let mut recipe = all.clone();
         let beyond = casters.end + 5..casters.end + 9;
@@ -500,7 +500,7 @@ fn runs_may_reach_beyond_casters_with_holes() {
     }
 }
 
-/// Texels that ask for holes have a price of their own: those of the card, and no others.
+/// Alpha-tested texels are counted separately: those of the card, and no others.
 #[test]
 fn work_counts_texels_that_ask_for_holes() {
     let with_holes = card(Some(chequered));
@@ -516,7 +516,7 @@ fn work_counts_texels_that_ask_for_holes() {
             fit: Fit::Whole,
             ..ShadowMap::default()
         });
-        let recipe = pcf.recipe(&view).expect("a map knows holes");
+        let recipe = pcf.recipe(&view).expect("maps support alpha tests");
         Work::of(&view, &recipe, &Catalogue::built_in())
     };
     assert_eq!(work_of(&card(None)).cut_out, 0);

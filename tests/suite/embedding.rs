@@ -1,5 +1,5 @@
-//! The wgpu player inside someone else's program: a foreign device, foreign vertex buffers, a
-//! foreign encoder.
+//! Tests of the wgpu backend inside another program: an external device, external vertex buffers,
+//! an external encoder.
 
 use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
@@ -15,7 +15,7 @@ use umbrage_wgpu::{
 };
 use wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView};
 
-/// What a foreign program has on its GPU.
+/// GPU objects of an external program.
 struct Program {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
@@ -24,7 +24,7 @@ struct Program {
     normal: TextureView,
 }
 
-/// Vertices of 32 bytes with the position in the middle, as an engine might have them.
+/// Vertices of 32 bytes with the position in the middle, as in some engines.
 const LAYOUT: VertexLayout = VertexLayout {
     format: PositionFormat::Float32x3,
     stride: 32,
@@ -59,7 +59,7 @@ impl Program {
         }
     }
 
-    /// One frame of the foreign program, which submits.
+    /// Draws and submits one frame of the external program.
     fn frame(
         &self,
         d: &TestDevice,
@@ -108,7 +108,7 @@ fn a_foreign_program_gets_the_same_shadows() {
     let recipe = MapTechnique::<Pcf>::default()
         .recipe(&view)
         .expect("pcf serves the sun");
-    let cpu = Cpu::new().render(&view, &recipe).expect("plays");
+    let cpu = Cpu::new().render(&view, &recipe).expect("renders");
     let d = device();
     let program = Program::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
     let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
@@ -119,7 +119,7 @@ fn a_foreign_program_gets_the_same_shadows() {
         .zip(&cpu.mask)
         .filter(|(a, b)| (*a - *b).abs() > 1.0 / 255.0)
         .count();
-    // Bit-equal on software drivers; a GPU may decide a few edge texels otherwise.
+    // Masks are bit-equal on software drivers. A GPU may decide a few edge texels differently.
     assert!(
         differing <= mask.len() / 1000,
         "{differing} of {} pixels differ on {}",
@@ -146,7 +146,7 @@ fn later_frames_make_nothing() {
         program.frame(d, &mut shadows, &recipe, receivers.size);
     }
     assert_eq!(shadows.counters(), first);
-    // The counters do count: another kernel needs another pipeline.
+    // Negative control of the counters: another kernel needs another pipeline.
     let other = MapTechnique::<umbrage::techniques::Hard>::default()
         .recipe(&view)
         .expect("hard serves the sun");

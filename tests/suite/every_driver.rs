@@ -1,10 +1,10 @@
-//! Techniques without a rasteriser in their answer: the same bits on every device that rounds sums
-//! and products to nearest.
+//! Tests of techniques without a rasteriser in their result, which is bit-equal on every device
+//! that rounds sums and products to nearest.
 //!
 //! `none`, `traced`, `exact` and `soft` are functions of the receivers alone. Where both backends
-//! see the same triangle, receivers and masks are equal to the last bit, even if the driver fuses
-//! products with sums, or misses quotients and roots. Only a driver that re-associates sums may
-//! change pixels, and these are undecided.
+//! see the same triangle, receivers and masks are bit-equal, even if the driver fuses products with
+//! sums, or returns inexact quotients and roots. Only a driver that re-associates sums may change
+//! pixels, and these are undecided.
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
@@ -15,7 +15,7 @@ use umbrage_lab::{
 use umbrage_techniques::{MapTechnique, Pcss, Vsm};
 use umbrage_tests::{driver_model::DriverModel, gpu::gpu};
 
-/// Map techniques, whose bits drivers may change: the control of a model.
+/// Map techniques, whose bits depend on the driver, as negative controls of a model.
 fn controls() -> [Box<dyn ShadowTechnique>; 2] {
     [
         Box::new(MapTechnique::<Vsm>::default()),
@@ -53,7 +53,7 @@ fn masks_are_equal_where_triangles_are() {
     assert!(model == Some(DriverModel::Reassociated) || same_triangle > 1_000_000);
 }
 
-/// A model that changes no technique's bits would prove nothing.
+/// Each driver model changes bits of some technique; otherwise its tests would be void.
 #[test]
 fn each_model_changes_bits_of_maps() {
     let Some(model) = DriverModel::from_env() else {
@@ -76,7 +76,7 @@ fn each_model_changes_bits_of_maps() {
     assert!(differing > 0, "the model changes no pixel");
 }
 
-/// What the probe reports is what the driver does; and nothing fuses through `product`.
+/// The probe reports the driver's behaviour, and nothing fuses through `product`.
 #[test]
 fn the_probe_reports_fusing() {
     let is_fused = DriverModel::from_env() == Some(DriverModel::Fused);

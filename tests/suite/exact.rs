@@ -1,7 +1,7 @@
-//! Techniques without error: shadow volumes and planar shadows against ray-traced truth, on both
-//! backends.
+//! Tests of techniques without error: shadow volumes and planar shadows against the ray-traced
+//! reference, on both backends.
 //!
-//! Every pixel that is not numerically ambiguous to truth itself must have truth's answer.
+//! Every pixel that is not numerically ambiguous in the reference must equal it.
 
 use glam::{UVec2, Vec2, Vec3};
 use umbrage_core::{Backend, Geometry, RecipeError, Scene, ShadowTechnique, View, metrics::Pixel};
@@ -14,8 +14,8 @@ use umbrage_tests::{
     gpu::gpu,
 };
 
-/// Scenes whose failure rows or closed forms ask for exact shadows, beside those that all
-/// techniques meet.
+/// Scenes whose failure rows or closed forms require exact shadows, in addition to those for all
+/// techniques.
 const VOLUMES: &[&str] = &[
     "c1-box-sun",
     "c2-sphere-sun",
@@ -57,7 +57,7 @@ const VOLUMES: &[&str] = &[
     "tower-out-of-view",
 ];
 
-/// Scenes in which all that is seen lit is flat.
+/// Scenes in which all visible lit surfaces are flat.
 const PLANAR: &[&str] = &[
     "c1-box-sun",
     "c6-slit",
@@ -78,8 +78,8 @@ const PLANAR: &[&str] = &[
 ];
 
 /// Greatest width, pixels. Larger images have more pixels so close to a silhouette that rounding in
-/// the rasteriser decides: of the 574,207 that `ten-thousand-boxes` has at 1280 x 720, volumes get
-/// 6 wrong.
+/// the rasteriser decides: of the 574,207 pixels of `ten-thousand-boxes` at 1280 x 720, 6 are wrong
+/// with volumes.
 const WIDTH: u32 = 480;
 
 fn built_in(name: &str) -> Scene {
@@ -107,7 +107,7 @@ fn truth_of(scene: &Scene, geometry: &Geometry) -> Truth {
     .expect("built-in scenes are valid")
 }
 
-/// What a mask is to truth.
+/// Comparison of a mask with the reference.
 #[derive(Clone, Copy, Debug, Default)]
 struct Compared {
     pixels: usize,
@@ -124,7 +124,7 @@ fn compare(mask: &[f32], truth: &Truth) -> Compared {
     })
 }
 
-/// Plays a technique on both backends, which must agree, and compares with truth.
+/// Executes a technique on both backends, which must agree, and compares it with the reference.
 fn play(
     technique: &dyn ShadowTechnique,
     scene: &Scene,
@@ -133,7 +133,7 @@ fn play(
 ) -> Result<Compared, String> {
     let view = View::new(&scene.cameras[0], &scene.lights[0], geometry);
     let mut compared = Compared::default();
-    // What is seen may be known beforehand, or not.
+    // Plan with and without known receivers.
     for view in [view, view.with_receivers(&truth.receivers)] {
         let recipe = technique.recipe(&view).map_err(|e| e.to_string())?;
         let mine = Cpu::new()
@@ -197,7 +197,7 @@ fn planar_shadows_refuse_curved_receivers() {
     }
 }
 
-/// The comparison must notice a caster that lost a triangle.
+/// Negative control: the comparison must detect a caster without one of its triangles.
 #[test]
 fn a_missing_triangle_is_noticed() {
     let mut scene = built_in("c1-box-sun");
@@ -215,7 +215,7 @@ fn a_missing_triangle_is_noticed() {
     ] {
         let view = View::new(&scene.cameras[0], &scene.lights[0], &spoilt);
         let recipe = technique.recipe(&view).expect("supported");
-        let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
+        let mask = Cpu::new().render(&view, &recipe).expect("renders").mask;
         assert!(
             compare(&mask, &truth).wrong > 0,
             "{} does not notice",
@@ -224,8 +224,7 @@ fn a_missing_triangle_is_noticed() {
     }
 }
 
-/// A floor of 10 m under a sun this far (sine) above its plane, with a box that stands on it and a
-/// ball that floats.
+/// A floor of 10 m under a sun at this sine above its plane, with a box on it and a floating ball.
 fn low_sun(sine: f32) -> Scene {
     let text = format!(
         "[camera]\neye = [3, 2.5, 6]\ntarget = [0, 0.2, 0]\nsize = [320, 240]\n\
@@ -237,9 +236,9 @@ fn low_sun(sine: f32) -> Scene {
     umbrage_scenes::parse(&text, "low-sun.toml", ".").expect("valid")
 }
 
-/// Whether the box of [`low_sun`] hides the sun from a point on the floor, none within 2 mm of the
-/// shadow's edge. The sun is so low that what counts is the way across the floor; the ball hangs
-/// above all rays that reach it.
+/// Reports whether the box of [`low_sun`] hides the sun from a point on the floor. `None` within 2
+/// mm of the shadow's edge. The sun is so low that only the path across the floor matters; the ball
+/// is above all rays that reach it.
 fn is_behind_the_box(p: Vec3) -> Option<bool> {
     let to_sun = Vec2::new(-1.0, -0.3);
     let enters = |half: f32| {
@@ -252,9 +251,9 @@ fn is_behind_the_box(p: Vec3) -> Option<bool> {
     (answer == enters(0.502)).then_some(answer)
 }
 
-/// The sides of volumes lie within a micrometre of the floor: lifted off it, they leave it lit.
-/// What is left are pixels on the floor's very edge, where its own volume begins. (Truth's own rays
-/// start too high above a floor to tell.)
+/// Sides of volumes within a micrometre of the floor are moved off it, and leave it lit. The
+/// remaining pixels are on the floor's edge, where its own volume begins. (The reference's rays
+/// start too high above a floor for this test.)
 #[test]
 fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
     for sine in [1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4] {
@@ -270,7 +269,7 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
             Cpu::new().render(&view, &recipe),
             gpu().render(&view, &recipe),
         ] {
-            let mask = played.expect("plays").mask;
+            let mask = played.expect("renders").mask;
             let mut compared = Compared::default();
             for i in
                 (0..mask.len()).filter(|&i| receivers.receives[i] && receivers.normal(i).y > 0.999)
@@ -287,8 +286,8 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
                 compared.dark > 500 && compared.pixels > 30_000,
                 "{sine}: {compared:?}"
             );
-            // One in ten thousand; without the lift it is one in nine at 1e-7, and every other at
-            // 1e-8.
+            // One in ten thousand. Without the offset, it is one in nine at 1e-7, and every second
+            // one at 1e-8.
             assert!(
                 compared.wrong * 10_000 <= compared.pixels,
                 "{sine}: {compared:?}"

@@ -1,5 +1,5 @@
-//! Far from the origin positions are rounded: biases that move the receiver cover that under
-//! directional light.
+//! Tests far from the origin, where positions are rounded: biases that move the receiver cover this
+//! rounding under directional light.
 
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use umbrage_core::{
@@ -12,11 +12,11 @@ const SUN: Light = Light::Directional {
     direction: Vec3::new(0.6, -0.64, 0.48),
     angular_diameter: 0.0,
 };
-/// Not along one axis, nor along the sun's way.
+/// Direction of the offset, along neither an axis nor the sun's rays.
 const AWAY: Vec3 = Vec3::new(0.8, 0.0, -0.6);
 
-/// A tilted square of 6 m that nothing shadows but itself, and a camera above it, so far from the
-/// origin.
+/// A tilted square of 6 m that is only shadowed by itself, and a camera above it, at this distance
+/// from the origin.
 fn square(metres: f32) -> (Geometry, Camera) {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     let corners = vec![
@@ -39,7 +39,7 @@ fn square(metres: f32) -> (Geometry, Camera) {
     (Geometry::bake(&scene).expect("a good scene"), camera)
 }
 
-/// Of the square's pixels, how many are dark.
+/// Returns the number of dark pixels of the square, and of all its pixels.
 fn dark(technique: &dyn ShadowTechnique, metres: f32) -> (usize, usize) {
     let (geometry, camera) = square(metres);
     let mut cpu = Cpu::new();
@@ -47,7 +47,7 @@ fn dark(technique: &dyn ShadowTechnique, metres: f32) -> (usize, usize) {
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
     let mask = cpu
         .render(&view, &technique.recipe(&view).expect("served"))
-        .expect("plays")
+        .expect("renders")
         .mask;
     let seen: Vec<f32> = (0..mask.len())
         .filter(|&i| receivers.receives[i])
@@ -79,7 +79,7 @@ fn a_lit_plane_stays_lit_far_from_the_origin() {
     }
 }
 
-/// The plane is one that shows it: without a constant that covers rounding there is acne.
+/// Negative control: without a constant that covers rounding, the plane has acne.
 #[test]
 fn rounding_is_seen_where_nothing_covers_it() {
     for metres in [1e4, 1e5] {

@@ -1,12 +1,11 @@
-//! What techniques say of their maps and the camera, against maps that were made for another
+//! Tests of the statement whether a technique's maps follow the camera, against maps for another
 //! camera.
 
 use umbrage_core::{Fit, Geometry, View};
 use umbrage_plan::motion;
 use umbrage_techniques::ShadowMap;
 
-/// A technique that says it doesn't follow the camera makes the same recipe for a camera that
-/// moved.
+/// A technique that doesn't follow the camera returns the same recipe after the camera moves.
 #[test]
 fn what_does_not_follow_the_camera_stays() {
     let fits = [Fit::Tight, Fit::Whole, Fit::Stable { range: 10.0 }];
@@ -37,9 +36,9 @@ fn what_does_not_follow_the_camera_stays() {
             }
         }
     }
-    assert!(staying > 50, "only {staying} say that they stay");
+    assert!(staying > 50, "only {staying} report that they stay");
     assert!(
         following > 5,
-        "only {following} do follow, and could be missed"
+        "only {following} follow, so the test proves little"
     );
 }

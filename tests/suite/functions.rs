@@ -1,4 +1,4 @@
-//! Net 1: twin functions, both halves on the same inputs.
+//! Test 1 of twins: both halves of twin functions on the same inputs.
 
 use std::thread;
 use umbrage_core::{
@@ -27,7 +27,7 @@ fn all() -> Vec<Twin> {
         .collect()
 }
 
-/// All twins on the driver where bits are promised; elsewhere those that decide.
+/// Tests all twins on the pinned driver, elsewhere those that decide.
 #[test]
 fn both_halves_give_the_same_bits() {
     let promised = gpu().promises_bits();
@@ -59,8 +59,8 @@ fn decides(twin: &Twin) -> bool {
     DECIDING.contains(&twin.module.name) || twin.name == "height_over_plane"
 }
 
-/// Drivers may fuse products with sums, and miss quotients and roots: what decides is the same, and
-/// some of the rest is not.
+/// Drivers may fuse products with sums, and return inexact quotients and roots. Deciding functions
+/// stay bit-equal, and some others don't.
 #[test]
 fn what_decides_gives_the_same_bits_on_every_driver() {
     let promised = gpu().promises_bits();
@@ -71,7 +71,7 @@ fn what_decides_gives_the_same_bits_on_every_driver() {
         };
         let device = match open_with(&descriptor) {
             Ok(device) => device,
-            // Lavapipe has 64-bit numbers; Metal has not.
+            // Lavapipe has 64-bit numbers; Metal doesn't.
             Err(why) if !promised => {
                 println!("{model:?} can't be modelled on this device: {why}");
                 continue;
@@ -98,7 +98,7 @@ fn what_decides_gives_the_same_bits_on_every_driver() {
 #[test]
 fn every_changed_operator_is_caught() {
     let twins = all();
-    // Mutants differ widely in number, so threads take turns.
+    // Interleave mutants over threads, since their numbers differ widely.
     let caught: Vec<Caught> = thread::scope(|scope| {
         let check = |first: usize| {
             let twins = &twins;
@@ -121,12 +121,12 @@ fn every_changed_operator_is_caught() {
 
 const MUTANT_THREADS: usize = 2;
 
-/// What became of mutants.
+/// Results of mutants.
 #[derive(Default)]
 struct Caught {
-    /// How many compiled and gave other bits.
+    /// Number of mutants that compiled and changed bits.
     differing: usize,
-    /// Those that were not caught.
+    /// Mutants that were not detected.
     missed: Vec<String>,
 }
 
@@ -136,14 +136,13 @@ impl Caught {
         let in_module = all.iter().filter(|t| t.module.name == twin.module.name);
         let others: Vec<&str> = in_module.map(|t| t.name).collect();
         for (mutant, line) in mutants(twin, &others) {
-            // What corrects quotients and roots shows only on a device that has them wrong.
+            // Corrections of quotients and roots only matter on a device with inexact ones.
             let verdict = check(device(), &mutant, &inputs).and_then(|_| {
                 check_under(device(), &mutant, &inputs, Some(DriverModel::Inaccurate))
             });
             match verdict {
                 Err(Fault::Differs { .. }) => self.differing += 1,
-                // Some slips don't compile (a matrix column plus a scalar): those are caught as
-                // well.
+                // Mutants that don't compile (a matrix column plus a scalar) count as detected.
                 Err(Fault::Wgsl { .. }) => {}
                 verdict => self
                     .missed
@@ -207,7 +206,7 @@ fn ulps_count_neighbouring_floats() {
     assert_eq!(
         difference(1, 1 << 31 | 1, true),
         2,
-        "the least floats beside zero"
+        "the least floats next to zero"
     );
     assert_eq!(
         difference(f32::NAN.to_bits(), f32::NAN.to_bits() + 3, true),

@@ -1,5 +1,5 @@
-//! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows
-//! with reasons.
+//! Tests that shaders which decide whether a point is lit have no driver-dependent operations,
+//! except for those of a list with reasons.
 
 use glam::UVec2;
 use umbrage_core::{Cascades, Geometry, Layout, Scene, ShadowTechnique, View};
@@ -7,7 +7,7 @@ use umbrage_techniques::{Exact, Planar, ShadowMap, ShadowVolumes, Soft, Traced, 
 use umbrage_tests::fusible::{Liberty, liberties, unset_guards};
 use umbrage_wgpu::receive_wgsl;
 
-/// Functions that may leave something to drivers, and why.
+/// Functions that may have driver-dependent operations, with reasons.
 const ALLOWED: &[(&str, &str)] = &[
     (
         "residual",
@@ -28,7 +28,7 @@ const ALLOWED: &[(&str, &str)] = &[
     ("part_of_corners", "bounds with a margin of 1 % of a step"),
 ];
 
-/// Returns a built-in scene with a picture of 16 by 16 pixels, since only shader texts are wanted.
+/// Returns a built-in scene with an image of 16 by 16 pixels, since only shader texts are needed.
 fn small(name: &str) -> (Scene, Geometry) {
     let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
     scene.cameras[0].size = UVec2::splat(16);
@@ -56,7 +56,7 @@ fn texts() -> Vec<(String, String)> {
             }
         }
     }
-    // The others have holes, whose textures are sampled, or normals that are normalized.
+    // The others have alpha tests with sampled textures, or normalized normals.
     let deciding = ["cast", "ids", "receivers", "corners"];
     let placing = umbrage_wgpu::placing_shaders().into_iter();
     out.extend(
@@ -82,8 +82,8 @@ fn what_decides_leaves_nothing_to_drivers() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Compilers know what a private variable starts with: products before the first store may be
-/// fused.
+/// Compilers know the initial value of a private variable, and may fuse products before the first
+/// store.
 #[test]
 fn every_technique_guards_its_products_from_the_start() {
     let mut checked = 0;
@@ -118,7 +118,7 @@ fn every_technique_guards_its_products_from_the_start() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Entry points that color, and passes whose bounds have margins (`exact/on_device`), need no
+/// Entry points that shade, and passes whose bounds have margins (`exact/on_device`), need no
 /// guard.
 #[test]
 fn shaders_that_place_guard_their_products_from_the_start() {

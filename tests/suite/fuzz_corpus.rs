@@ -1,12 +1,12 @@
-//! Plays the kept corpus of the fuzzers (`tests/fuzz`): what once was an interesting input, or a
-//! fault, is read on every run.
+//! Runs the kept corpus of the fuzzers (`tests/fuzz`). All previously interesting inputs and bugs
+//! are read in every run.
 
 #[path = "../fuzz/readers.rs"]
 mod readers;
 
 use std::{fs, path::Path};
 
-/// Plays each file of a target's corpus.
+/// Runs each file of a target's corpus.
 fn play(target: &str, read: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("fuzz/corpus")
@@ -15,12 +15,12 @@ fn play(target: &str, read: fn(&[u8])) {
     let mut files: Vec<_> = entries
         .map(|entry| entry.expect("an entry").path())
         .collect();
-    // The same order on every machine.
+    // Use the same order on every machine.
     files.sort();
     assert!(!files.is_empty(), "{} is empty", folder.display());
     for file in files {
         let bytes = fs::read(&file).expect("a file");
-        // A panic doesn't name the input: this line does, as tests that fail print what they wrote.
+        // Print the input's name: a panic doesn't include it, and failing tests show their output.
         println!("{}", file.display());
         read(&bytes);
     }
@@ -31,7 +31,7 @@ fn scene_files() {
     play("scene_file", readers::scene_file);
 }
 
-/// Scene files that name models, glTF's among them, and in damaged copies: with a byte replaced.
+/// Scene files that name models, including glTF, and damaged copies of them with one byte replaced.
 #[test]
 fn scene_files_with_models() {
     for mesh in [
@@ -62,8 +62,8 @@ fn models() {
     play("model", readers::model);
 }
 
-/// The corpus is made in code, and each of its inputs is also played in damaged copies: cut off,
-/// and with a byte replaced.
+/// The corpus is generated in code. Each input is also read in damaged copies: truncated, and with
+/// one byte replaced.
 #[test]
 fn gltf_models() {
     let inputs = readers::first_gltf_inputs();

@@ -1,4 +1,4 @@
-//! Golden images.
+//! Tests of golden images.
 
 use umbrage_tests::golden::{Golden, MAX_BYTES, SIDE, all, compare, encode};
 
@@ -55,7 +55,7 @@ fn one_changed_pixel_is_caught() {
 
 #[test]
 fn a_large_file_is_caught() {
-    // Noise doesn't compress.
+    // Use noise, which doesn't compress.
     let mut state = 1_u32;
     let image = image::GrayImage::from_fn(SIDE, SIDE, |_, _| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

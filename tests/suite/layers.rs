@@ -1,5 +1,5 @@
-//! The map layer is the unit: a map of several equal layers gives the bits of a single map,
-//! whichever layer a receiver is looked up in; and a layer draws no fewer casters than show in it.
+//! Tests of map layers. A map of several equal layers has the bits of a single map, regardless of a
+//! receiver's layer. A layer draws at least the casters that are visible in it.
 
 use glam::{UVec2, Vec2};
 use umbrage_core::{
@@ -15,10 +15,10 @@ use umbrage_techniques::{
 use umbrage_tests::gpu::gpu;
 
 const CUBE_FACES: usize = 6;
-/// Texels that every kernel here may reach.
+/// Radius that covers every kernel here, texels.
 const REACH: f32 = 2.0;
 
-/// Makes a recipe whose map's layers lie in these spaces.
+/// Constructor of a recipe with map layers in these spaces.
 type MakeRecipe = fn(&ShadowMap, &LightSpaces, &View<'_>) -> Recipe;
 
 const RECIPES: [(&str, MakeRecipe); 4] = [
@@ -67,7 +67,7 @@ fn maps() -> Vec<ShadowMap> {
     ]
 }
 
-/// A lamp beside a teapot: its receivers lie on several faces of a cube around it.
+/// A point light next to a teapot, with receivers on several faces of its cube.
 fn scene() -> (Scene, Geometry, Camera) {
     let mut scene = (find("teapot-lamp").expect("a built-in scene").build)();
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
@@ -75,7 +75,7 @@ fn scene() -> (Scene, Geometry, Camera) {
     (scene, geometry, camera)
 }
 
-/// Packed maps can't be compared by samplers.
+/// Reports whether a technique supports a map. Samplers can't compare packed maps.
 fn serves(name: &str, map: &ShadowMap) -> bool {
     name != "pcf_hardware" || map.format != MapFormat::Rgba8
 }
@@ -89,8 +89,8 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
         let single = map.spaces(&view, REACH).expect("one map holds all casters");
         let space = single.spaces[0];
         let several = LightSpaces::with_all_casters(vec![space; CUBE_FACES]);
-        // The negative control: a layer that lies elsewhere is seen. By part of a texel, since map
-        // and lookup move alike.
+        // Negative control: a displaced layer must be detected. It moves by part of a texel, since
+        // map and lookup move together.
         let mut spoilt = several.clone();
         for space in &mut spoilt.spaces[1..] {
             *space = space.nudged(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
@@ -104,22 +104,23 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
             let label = format!("{name}, {}", map.label());
             assert_eq!(single[0], several[0], "{label} on the CPU");
             assert_eq!(single[1], several[1], "{label} on wgpu");
-            assert_ne!(single[0], spoilt[0], "{label}: a spoilt layer on the CPU");
-            assert_ne!(single[1], spoilt[1], "{label}: a spoilt layer on wgpu");
+            assert_ne!(single[0], spoilt[0], "{label}: a displaced layer on the CPU");
+            assert_ne!(single[1], spoilt[1], "{label}: a displaced layer on wgpu");
             compared += 1;
         }
     }
     assert_eq!(compared, 23);
 }
 
-/// The bits of the mask of each backend.
+/// Returns the bits of each backend's mask.
 fn masks(view: &View<'_>, recipe: &Recipe) -> [Vec<u32>; 2] {
-    let cpu = Cpu::new().render(view, recipe).expect("plays");
-    let gpu = gpu().render(view, recipe).expect("plays");
+    let cpu = Cpu::new().render(view, recipe).expect("renders");
+    let gpu = gpu().render(view, recipe).expect("renders");
     [cpu.mask, gpu.mask].map(|mask| mask.into_iter().map(f32::to_bits).collect())
 }
 
-/// Every built-in scene with a lamp, in a cube of maps: what is left out of a layer changes no bit.
+/// Culling of casters in layers changes no bit, for every built-in scene with a point light in a
+/// cube map.
 #[test]
 fn casters_that_are_left_out_change_no_bit() {
     let map = ShadowMap {
@@ -155,7 +156,7 @@ fn with_all_casters(recipe: &Recipe) -> Recipe {
     recipe
 }
 
-/// The negative control of the test above: a set that lacks what shows is seen.
+/// Negative control of the test above: a missing visible caster must be detected.
 #[test]
 fn casters_that_are_missing_are_seen() {
     let (scene, geometry, camera) = scene();

@@ -1,4 +1,4 @@
-//! Net 2: uniforms, where Rust writes and where shaders read.
+//! Test 2 of twins: the layout of uniforms in Rust and in shaders.
 
 use std::{collections::BTreeSet, fs, path::Path};
 use umbrage_core::{
@@ -32,7 +32,7 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
     for entry in umbrage_plan::catalogue::all() {
         for technique in (entry.exhaustive)(64) {
             let name = format!("{}, {}", entry.technique.name, technique.settings());
-            // Cubes don't serve the sun; everything serves one of the two.
+            // Cubes don't support the sun. Every technique supports one of the two.
             let recipe = views.iter().find_map(|view| technique.recipe(view).ok());
             let recipe = recipe.unwrap_or_else(|| panic!("{name}: serves neither light"));
             for kernel in kernels(&recipe) {
@@ -41,7 +41,7 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
                 };
                 let layout = uniforms.uniform_layout();
                 check(&layout, &join(&kernel.modules())).unwrap_or_else(|e| panic!("{name}: {e}"));
-                // A buffer may end in padding, never before the struct does.
+                // A buffer may have padding at its end, and must contain the struct.
                 assert!(
                     uniforms.uniform_bytes().len() as u64 >= layout.size,
                     "{name}: too few bytes"
@@ -51,7 +51,7 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
     }
 }
 
-/// Returns the modules of every kernel of every built-in technique, under a sun and a lamp.
+/// Returns the modules of every kernel of every built-in technique, under a sun and a point light.
 fn all_modules() -> Vec<(Option<UniformLayout>, Vec<Module>)> {
     let geometry = stage::geometry(1.0, Vec3::ZERO);
     let camera = stage::camera();
@@ -116,7 +116,7 @@ fn every_function_is_in_a_file() {
     }
 }
 
-/// Fields that shaders learn of by constants: what `modules` makes of them.
+/// Fields whose effect on shaders is a constant that `modules` defines.
 const KNOWN_BY_CONSTANTS: [&str; 2] = ["clamped", "packed"];
 
 #[test]
@@ -128,8 +128,8 @@ fn every_field_is_read() {
         let of_map = [ShadowMapUniforms::layout(), MapLayer::layout()];
         for layout in of_map.into_iter().chain(layout) {
             for (field, _) in layout.fields {
-                // The map's own words are read as `kernel.lookup.NAME` or by `m`, the parameter
-                // that it is passed as.
+                // Shaders read the map's uniforms as `kernel.lookup.NAME`, or with the parameter
+                // `m`.
                 let patterns = match layout.name {
                     "ShadowMapUniforms" => vec![format!("lookup.{field}"), format!("m.{field}")],
                     _ => vec![format!(".{field}")],
@@ -150,10 +150,10 @@ fn every_field_is_read() {
     assert_eq!(never, BTreeSet::from(KNOWN_BY_CONSTANTS), "{unread:?}");
 }
 
-/// Techniques none of whose shaders branches on a uniform: theirs may begin with the light.
+/// Techniques whose shaders don't branch on uniforms. Their uniforms may start with the light.
 const WITHOUT_BRANCHES: [&str; 3] = ["none", "planar", "volumes"];
 
-/// Moving lights would be slow on the driver of
+/// A first word that depends on the light would make moving lights slow on the driver of
 /// [`STEADY_FIRST_WORD`](umbrage_wgpu::STEADY_FIRST_WORD).
 #[test]
 fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
@@ -207,7 +207,7 @@ fn a_swapped_renamed_widened_or_missing_field_is_caught() {
         ("struct CameraRays", "struct CameraRay"),
     ] {
         let bad = good.replace(from, to);
-        assert_ne!(bad, good, "the spoilt text must differ");
+        assert_ne!(bad, good, "the mutated text must differ");
         assert!(
             check(&CameraRays::layout(), &bad).is_err(),
             "not caught: {from} -> {to}"

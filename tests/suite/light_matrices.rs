@@ -1,5 +1,5 @@
-//! Light-space matrices, printed: every kind of light, fitted and by hand, at all scales, in
-//! awkward directions.
+//! Snapshots of light-space matrices: every kind of light, fitted and manual, at all scales, in
+//! difficult directions.
 
 use std::fmt::Write as _;
 use umbrage_core::{
@@ -13,7 +13,7 @@ fn fit(fit: Fit, light: &Light, geometry: &Geometry) -> Result<LightSpace, Recip
     fit.light_space(&View::new(&camera(), light, geometry), 1024, 1.0)
 }
 
-/// Six significant digits: what differs between processors' libraries is smaller by far.
+/// Formats six significant digits, far coarser than the differences between processors' libraries.
 fn number(v: f32) -> String {
     let rounded: f64 = format!("{v:.5e}").parse().expect("a number, printed");
     if rounded == 0.0 {
@@ -41,8 +41,8 @@ fn print(name: &str, space: &Result<LightSpace, RecipeError>) -> String {
     out + "\n"
 }
 
-/// Numbers that are rounding errors beside the others of their row, or beside the map's width,
-/// count as zero.
+/// Formats a row. Rounding errors relative to the other numbers of the row, or to the map's width,
+/// become zero.
 fn row(r: Vec4) -> String {
     const ROUNDING: f32 = 2e-7;
     let linear = r.truncate().abs().max_element() * ROUNDING;
@@ -58,7 +58,7 @@ fn row(r: Vec4) -> String {
 
 const FAR_AWAY: Vec3 = Vec3::new(5e4, -2e4, 8e4);
 
-/// Every light around the box at a scale, moved by an offset.
+/// Returns lights of every kind around the box at a scale, moved by an offset.
 fn lights(scale: f32, offset: Vec3) -> Vec<(&'static str, Light)> {
     let at = |x, y, z| offset + Vec3::new(x, y, z) * scale;
     let down = Vec3::NEG_Y;
@@ -191,8 +191,8 @@ fn fitted() {
     insta::assert_snapshot!("fitted_far_away", suite(1.0, FAR_AWAY));
 }
 
-/// Seen from the camera up to 20 m, and from one that is moved with the scene: parallel light gets
-/// matrices of their own, lamps those of the whole scene.
+/// Fits for a camera with a range of 20 m, and for one that is moved with the scene. Directional
+/// lights have separate matrices, other lights those of the whole scene.
 #[test]
 fn stable() {
     let suite = |offset: Vec3| -> String {
@@ -215,7 +215,7 @@ fn stable() {
     insta::assert_snapshot!("stable_far_away", suite(FAR_AWAY));
 }
 
-/// The six spaces of a cube, for a kernel that reaches 3 texels.
+/// The six spaces of a cube, for a kernel of radius 3 texels.
 #[test]
 fn cube() {
     let geometry = geometry(1.0, Vec3::ZERO);
@@ -238,8 +238,8 @@ fn cube() {
     insta::assert_snapshot!(text);
 }
 
-/// Four cascades of a sun that shines along the view and of one across it: stable, tight around
-/// what may be seen, and cut by what is.
+/// Four cascades of a sun along the view and of one across it: stable, tight around possible
+/// receivers, and split by actual receivers.
 #[test]
 fn cascades() {
     let geometry = geometry(1.0, Vec3::ZERO);
@@ -364,7 +364,7 @@ fn bad_projections_say_how_to_fix_them() {
     insta::assert_snapshot!(out);
 }
 
-/// Whether every point falls onto the map, at a depth from 0 to 1.
+/// Reports whether every point is on the map, at a depth from 0 to 1.
 fn holds(space: &LightSpace, points: impl Iterator<Item = Vec3>) -> bool {
     let clip_from_world: Mat4 = space.clip_from_world();
     points
@@ -382,7 +382,8 @@ fn a_fitted_map_holds_every_caster() {
     ] {
         let geometry = geometry(scale, offset);
         let casters = || geometry.vertices_of(geometry.casters());
-        // Light from below meets the floor first: casters behind it need no place on the map.
+        // Exclude light from below, which meets the floor first: casters behind it need no position
+        // on the map.
         let lights = lights(scale, offset)
             .into_iter()
             .filter(|(name, _)| !name.ends_with("up"));

@@ -1,5 +1,5 @@
-//! `exact` has the bits of `traced` with one ray, with lists and without: on random scenes,
-//! built-in ones, around lamps amid triangles, and far from the origin.
+//! Tests that `exact` has the bits of `traced` with one ray, with lists and without: on random
+//! scenes, built-in ones, around point lights among triangles, and far from the origin.
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
@@ -22,18 +22,18 @@ use umbrage_tests::{
 /// Greatest width, pixels.
 const WIDTH: u32 = 480;
 
-/// Most triangles of a built-in scene that is played: a hierarchy over more takes seconds in tests.
+/// Greatest number of triangles of the built-in scenes. A hierarchy of more takes seconds in tests.
 const MOST_TRIANGLES: usize = 150_000;
 
-/// What masks say.
+/// Summary of masks.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     dark: usize,
     lit: usize,
 }
 
-/// Compares the lists' answers with those of rays: on the CPU, and, if it is asked, on the adapter.
-/// Errors with the first pixel that differs.
+/// Compares the lists' results with those of rays on the CPU, and optionally on the adapter.
+/// Returns an error with the first different pixel.
 fn compare(
     camera: &Camera,
     light: &Light,
@@ -63,7 +63,7 @@ fn compare(
     })
 }
 
-/// What one ray from each receiver says: as [`Traced`] has it, but of hierarchies of any depth.
+/// Returns the result of one ray from each receiver, like [`Traced`], for hierarchies of any depth.
 fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32> {
     let light = LightSampler::new(view.light);
     let eye = view.camera.eye();
@@ -85,7 +85,8 @@ fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32>
         .collect()
 }
 
-/// Errors unless lists and the technique that traces rays give the same masks, on both backends.
+/// Returns an error unless lists and the ray-tracing technique have the same masks on both
+/// backends.
 fn same_as_traced(camera: &Camera, light: &Light, geometry: &Geometry) -> Result<(), String> {
     let light = light.without_extent();
     let view = View::new(camera, &light, geometry);
@@ -96,11 +97,11 @@ fn same_as_traced(camera: &Camera, light: &Light, geometry: &Geometry) -> Result
     let mut cpu = Cpu::new();
     let [traced, exact] = recipes
         .each_ref()
-        .map(|r| cpu.render(&view, r).expect("plays").mask);
+        .map(|r| cpu.render(&view, r).expect("renders").mask);
     let mut gpu = gpu();
     let [gpu_traced, gpu_exact] = recipes
         .each_ref()
-        .map(|r| gpu.render(&view, r).expect("plays").mask);
+        .map(|r| gpu.render(&view, r).expect("renders").mask);
     if traced == exact && gpu_traced == gpu_exact {
         Ok(())
     } else {
@@ -143,7 +144,7 @@ fn runner(seed: u8, cases: u32) -> TestRunner {
     TestRunner::new_with_rng(config, random)
 }
 
-/// Every random scene, under all of its lights.
+/// Random scenes under all of their lights.
 #[test]
 fn random_scenes_have_the_answers_of_rays() {
     let shadowed = Cell::new(0);
@@ -168,16 +169,16 @@ fn random_scenes_have_the_answers_of_rays() {
     );
     shadowed.set(0);
     if let Err(why) = runner(5, 200).run(&random_scene::scenes_with_holes(), check) {
-        panic!("scenes with holes: {why}");
+        panic!("alpha-tested scenes: {why}");
     }
     assert!(
         shadowed.get() > 60,
-        "only {} scenes with holes have shadows",
+        "only {} alpha-tested scenes have shadows",
         shadowed.get()
     );
 }
 
-/// The control: casters taken for whole are found out.
+/// Negative control: casters treated as opaque must be detected.
 #[test]
 fn lists_of_whole_casters_are_told_from_those_with_holes() {
     let mut scene = (umbrage_scenes::find("wire-fence")
@@ -189,7 +190,7 @@ fn lists_of_whole_casters_are_told_from_those_with_holes() {
         let geometry = Geometry::bake(scene).expect("valid");
         let view = View::new(&camera, &light, &geometry);
         let lists = recipe(&Exact {}, &view).expect("lists serve all");
-        Cpu::new().render(&view, &lists).expect("plays").mask
+        Cpu::new().render(&view, &lists).expect("renders").mask
     };
     let with_holes = mask(&scene);
     for material in &mut scene.materials {
@@ -227,12 +228,12 @@ fn built_in_scenes_have_the_answers_of_rays() {
             played += 1;
         }
     }
-    assert!(played > 50, "only {played} lights were played");
+    assert!(played > 50, "only {played} lights were tested");
 }
 
-/// A floor under triangles of all sizes around the origin, from a tenth of a millimetre to ten
-/// metres away from it, some of them without area; moved by `shift`. If there are holes, every
-/// second triangle but the floor's has some.
+/// A floor under triangles of all sizes around the origin, at distances from a tenth of a
+/// millimetre to ten metres, some of them without area; moved by `shift`. With `has_holes`, every
+/// second triangle except the floor's is alpha-tested.
 fn soup(seed: u32, shift: Vec3, has_holes: bool) -> Scene {
     let state = Cell::new(hash(seed));
     let unit = || {
@@ -277,7 +278,7 @@ fn soup(seed: u32, shift: Vec3, has_holes: bool) -> Scene {
     soup_with_holes(mesh)
 }
 
-/// Returns a soup, every second triangle of which, but for the floor's, has holes.
+/// Returns a soup in which every second triangle, except the floor's, is alpha-tested.
 fn soup_with_holes(mut mesh: Mesh) -> Scene {
     let mut with_holes = mesh.clone();
     let is_cut_out = |i: usize| i % 2 == 1 && i < 400;
@@ -313,13 +314,13 @@ fn soup_with_holes(mut mesh: Mesh) -> Scene {
     }
 }
 
-/// Lamps amid triangles, some of them nearer than a ray's end, and suns along planes, up to 1e6 m
-/// from the origin.
+/// Point lights among triangles, some of them closer than a ray's end, and suns along planes, up to
+/// 1e6 m from the origin.
 #[test]
 fn lamps_amid_triangles_have_the_answers_of_rays() {
     let mut shadowed = 0;
     let soups = (0..24_u32).zip([0.0, 0.0, 1e3, 1e5, 1e6].into_iter().cycle());
-    // Those that are played on the adapter, too, come first in each four.
+    // The first of each four also runs on the adapter.
     for (seed, metres) in soups.filter(|(seed, _)| is_chosen(*seed as usize / 4)) {
         let shift = Vec3::new(1.0, 0.0, -0.7) * metres;
         let scene = soup(seed, shift, seed % 8 >= 4);
@@ -338,7 +339,7 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
                 direction: Vec3::new(0.3, -1.0, 0.2),
                 angular_diameter: 0.0,
             },
-            // In the planes of some.
+            // Put the light into the planes of some triangles.
             Light::Directional {
                 direction: Vec3::new(1.0, 0.0, 0.0),
                 angular_diameter: 0.0,
@@ -352,11 +353,11 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
         }
     }
     let least = if runs_all_cases() { 30 } else { 3 };
-    assert!(shadowed > least, "only {shadowed} pictures have shadows");
+    assert!(shadowed > least, "only {shadowed} images have shadows");
 }
 
-/// Many casters that the CPU was not asked for lately are answered without lists; for those that
-/// stay, lists are made.
+/// Many casters that were not queried recently are tested without lists. Lists are built for
+/// casters that stay.
 #[test]
 fn lists_are_made_for_casters_that_stay() {
     let scene = (umbrage_scenes::find("town")
@@ -367,21 +368,21 @@ fn lists_are_made_for_casters_that_stay() {
     let view = View::new(&camera, &scene.lights[0], &geometry);
     let exact = recipe(&Exact {}, &view).expect("lists serve all");
     let mut cpu = Cpu::new();
-    let first = cpu.render(&view, &exact).expect("plays").mask;
+    let first = cpu.render(&view, &exact).expect("renders").mask;
     assert_eq!(
         exact.made_table_bytes(),
         0,
-        "nothing is listed for one picture"
+        "no list is built for one image"
     );
     for _ in 0..8 {
-        let again = cpu.render(&view, &exact).expect("plays").mask;
+        let again = cpu.render(&view, &exact).expect("renders").mask;
         assert!(again == first);
     }
-    assert!(exact.made_table_bytes() > 0, "the ninth picture asks lists");
+    assert!(exact.made_table_bytes() > 0, "the ninth image uses lists");
     assert!(first.contains(&0.0) && first.contains(&1.0));
 }
 
-/// The control: lists that name other casters are found out, and so are cells without a list.
+/// Negative control: lists of other casters, and cells without a list, must be detected.
 #[test]
 fn spoilt_lists_are_found_out() {
     let scene = (umbrage_scenes::find("cubes")
@@ -390,7 +391,7 @@ fn spoilt_lists_are_found_out() {
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let rays = recipe(&Traced { samples: 1 }, &view).expect("rays serve all");
-    let expected = gpu().render(&view, &rays).expect("plays").mask;
+    let expected = gpu().render(&view, &rays).expect("renders").mask;
     let spoil = |table: usize, change: &dyn Fn(usize, &mut [u32; 4])| {
         let mut spoilt = recipe(&Exact {}, &view).expect("lists serve all");
         let mut rows = spoilt.tables[table].rows().to_vec();
@@ -398,29 +399,29 @@ fn spoilt_lists_are_found_out() {
             change(i, row);
         }
         spoilt.tables[table].rows = rows.into();
-        let found = gpu().render(&view, &spoilt).expect("plays").mask;
+        let found = gpu().render(&view, &spoilt).expect("renders").mask;
         expected.iter().zip(&found).filter(|(a, b)| a != b).count()
     };
-    assert_eq!(spoil(2, &|_, _| {}), 0, "nothing is spoilt");
+    assert_eq!(spoil(2, &|_, _| {}), 0, "nothing is changed");
     let other_casters = spoil(2, &|_, row| {
         row[0] ^= 1;
         row[2] ^= 1;
     });
     assert!(other_casters > 100, "{other_casters} pixels tell");
-    // All boxes lie at the far corner of their cell.
+    // Put all boxes at the far corner of their cell.
     let no_boxes = spoil(2, &|_, row| {
         row[1] |= 0x7df;
         row[3] |= 0x7df;
     });
     assert!(no_boxes > 100, "{no_boxes} pixels tell");
-    // Each cell takes the list of the first.
+    // Give each cell the list of the first.
     let first = recipe(&Exact {}, &view).expect("lists serve all").tables[1].rows()[0][0];
     let no_lists = spoil(1, &|_, row| row[0] = first);
     assert!(no_lists > 100, "{no_lists} pixels tell");
 }
 
-/// Lists are kept for the lights that were asked for last, whatever the camera, and are the same
-/// however many threads make them.
+/// Lists are kept for the lights that were last queried, regardless of the camera. They don't
+/// depend on the number of threads.
 #[test]
 fn lists_are_kept_and_do_not_depend_on_threads() {
     let scene = (umbrage_scenes::find("figure")
@@ -456,7 +457,7 @@ fn lists_are_kept_and_do_not_depend_on_threads() {
             .expect("threads")
             .install(|| tables(&sun(0.0), &camera, &geometry.without_hierarchies()));
         for (a, b) in first.iter().zip(&made) {
-            assert!(!Arc::ptr_eq(a.rows(), b.rows()), "made anew");
+            assert!(!Arc::ptr_eq(a.rows(), b.rows()), "rebuilt");
             assert!(a.rows() == b.rows(), "{} with {threads} threads", a.label);
         }
     }

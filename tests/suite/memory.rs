@@ -1,4 +1,5 @@
-//! The CPU backend's memory: at most three times the maps and receivers that it holds, at its peak.
+//! Test of the CPU backend's memory: its peak is at most three times the size of the maps and
+//! receivers.
 
 use peak_alloc::PeakAlloc;
 
@@ -9,7 +10,7 @@ use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap};
 #[global_allocator]
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
 
-/// One test, since the allocator's peak belongs to the whole program.
+/// A single test, since the allocator's peak belongs to the whole program.
 #[test]
 fn rendering_takes_at_most_three_times_what_it_holds() {
     for (name, map) in [("terrain", 2048), ("town", 1024), ("cubes", 512)] {
@@ -27,7 +28,7 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
         let mut cpu = Cpu::new();
         let mut held = 0;
         for _ in 0..3 {
-            held = cpu.render(&view, &recipe).expect("plays").bytes;
+            held = cpu.render(&view, &recipe).expect("renders").bytes;
         }
         let peak = (ALLOCATIONS.peak_usage() - before) as f64;
         let ratio = peak / held as f64;
@@ -36,7 +37,7 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
             peak / 1e6,
             held as f64 / 1e6
         );
-        // Less than what is held would mean that nothing was counted.
+        // A ratio below one would mean that the counter doesn't work.
         assert!(
             (1.0..=3.0).contains(&ratio),
             "{name}: {ratio:.2} times what it holds"

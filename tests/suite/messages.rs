@@ -1,4 +1,4 @@
-//! What errors say: what is wrong, where, and how to help.
+//! Snapshots of error messages: what is wrong, where, and what to do.
 
 use std::fmt::Display;
 use umbrage_core::{Camera, Light, Mesh, ShadowTechnique, View, glam::UVec2, glam::Vec3};
@@ -127,7 +127,7 @@ fn no_adapter() {
         name: Some("no such adapter".to_owned()),
         ..AdapterChoice::default()
     };
-    // What there is differs from machine to machine.
+    // Filter the list of adapters, which differs from machine to machine.
     insta::with_settings!({filters => vec![(r"found: [^;]*\)", "found: [what there is])")]}, {
         insta::assert_snapshot!(line("an adapter by a wrong name", Gpu::new(&choice)));
     });

@@ -1,4 +1,4 @@
-//! The nets that play recipes on both backends, and what is known of shadows from formulas.
+//! Differential tests of recipes on both backends, and tests against analytic shadows.
 
 mod agreement;
 mod anchor;

@@ -1,4 +1,5 @@
-//! Numbers that are none: every way into a plan or a backend refuses them, and says where they are.
+//! Tests of numbers that are not finite: every entry point of a plan or a backend refuses them, and
+//! names their position.
 
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::{
@@ -11,7 +12,7 @@ use umbrage_tests::{gpu::gpu, stage};
 
 const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 
-/// A bulb over the stage: all techniques serve it.
+/// A point light over the stage, which all techniques support.
 const BULB: Light = Light::Point {
     position: Vec3::new(0.5, 4.0, 1.0),
     radius: 0.0,
@@ -21,7 +22,7 @@ const SUN: Light = Light::Directional {
     angular_diameter: 0.0,
 };
 
-/// Asks all techniques, one setting of each, to plan; the error must hold `words`.
+/// Plans with all techniques, one setting each. The error must contain `words`.
 fn refused(view: &View<'_>, words: &str) {
     for entry in umbrage_plan::catalogue::all() {
         let technique = &(entry.settings)(&[64], Fit::Tight)[0];
@@ -112,7 +113,7 @@ fn techniques_refuse_boxes() {
     }
 }
 
-/// Receivers of the stage, one of which is spoilt.
+/// Receivers of the stage, one of which is replaced.
 fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receivers {
     let mut receivers = Cpu::new()
         .receivers(&stage::camera(), geometry)
@@ -146,7 +147,7 @@ fn techniques_and_backends_refuse_receivers() {
             }
         }
     }
-    // Where no shadow falls, anything may be.
+    // Positions without receivers may have any values.
     let receivers = spoilt(&geometry, |r, i| {
         (r.x[i], r.receives[i]) = (f32::NAN, false)
     });
@@ -156,10 +157,10 @@ fn techniques_and_backends_refuse_receivers() {
             .is_ok()
     );
     let short = spoilt(&geometry, |r, _| r.ny.truncate(1));
-    refused(&view.with_receivers(&short), "not all arrays are as long");
+    refused(&view.with_receivers(&short), "an array has another length");
 }
 
-/// What both backends object to.
+/// Returns the errors of both backends.
 fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
     let cpu = Cpu::new()
         .render(view, recipe)

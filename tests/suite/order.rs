@@ -1,6 +1,5 @@
-//! Any-hit rays have one answer, whoever asks the triangles and in which order: the CPU's eight-way
-//! hierarchy, the shader's two-way one, and all triangles one after the other, shuffled; up to 1e6
-//! m from the origin.
+//! Tests that any-hit rays don't depend on the order of triangles: in the CPU's eight-way
+//! hierarchy, in the shader's two-way one, and in a shuffled list; up to 1e6 m from the origin.
 
 use std::fmt::Write as _;
 use umbrage_core::{
@@ -13,9 +12,9 @@ use umbrage_cpu::Cpu;
 use umbrage_techniques::Traced;
 use umbrage_tests::gpu::gpu;
 
-/// Spheres over a floor, so far from the origin along x and z. At 1e6 m positions lie on a grid of
-/// 6 cm, and most of the triangles lose their area: one was hit from anywhere in its plane, unless
-/// a hierarchy happened to skip it.
+/// Spheres over a floor at this distance from the origin along x and z. At 1e6 m, positions are on
+/// a grid of 6 cm, and most of the triangles have no area. In the past, a ray could hit one of them
+/// anywhere in its plane, unless a hierarchy skipped it.
 fn far_scene(metres: f64, light: &str) -> Scene {
     let at = |x: f64, y: f64, z: f64| format!("[{}, {y:?}, {}]", metres + x, metres + z);
     let mut text = format!(
@@ -42,7 +41,7 @@ fn far_scene(metres: f64, light: &str) -> Scene {
 
 const SUN: &str = "kind = \"directional\"\ndirection = [-0.5, -0.7, -0.3]";
 
-/// What `traced` says of each pixel, found without a hierarchy.
+/// Returns the result of `traced` for each pixel, computed without a hierarchy.
 fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> {
     let receivers = view.receivers.expect("given");
     let eye = view.camera.eye();
@@ -82,27 +81,27 @@ fn hierarchies_and_lists_in_any_order_agree_up_to_a_million_metres() {
         let view =
             View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
         let recipe = Traced::default().recipe(&view).expect("served");
-        let mine = cpu.render(&view, &recipe).expect("plays").mask;
+        let mine = cpu.render(&view, &recipe).expect("renders").mask;
         let mut order: Vec<u32> = geometry.casters().collect();
         order.sort_by_key(|&id| hash(id));
         let expected = brute_force(&view, &geometry, &order);
         let differing = |mask: &[f32]| mask.iter().zip(&expected).filter(|(a, b)| a != b).count();
         assert_eq!(differing(&mine), 0, "pixels on the CPU at {metres} m");
         let mut gpu = gpu();
-        let theirs = gpu.render(&view, &recipe).expect("plays").mask;
-        // Other drivers may divide in another way, and so shear.
+        let theirs = gpu.render(&view, &recipe).expect("renders").mask;
+        // Other drivers may divide, and therefore shear, differently.
         if gpu.promises_bits() {
             assert_eq!(differing(&theirs), 0, "pixels on the GPU at {metres} m");
         }
         let dark = expected.iter().filter(|v| **v == 0.0).count();
         assert!(
             (300..15_000).contains(&dark),
-            "at {metres} m the test tells little: {dark} dark pixels"
+            "at {metres} m the test proves little: {dark} dark pixels"
         );
     }
 }
 
-/// The scene shows it: at 1e6 m many triangles are without area, yet have corners apart.
+/// Negative control of the scene: at 1e6 m, many triangles have distinct corners but no area.
 #[test]
 fn far_away_triangles_lose_their_area() {
     let geometry = Geometry::bake(&far_scene(1e6, SUN)).expect("valid");

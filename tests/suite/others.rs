@@ -1,4 +1,4 @@
-//! The prototypes of what others have and the library has not: see docs/others.md.
+//! Tests of the prototypes of other renderers' techniques: see docs/others.md.
 
 use umbrage::{
     Backend, ShadowTechnique,
@@ -30,7 +30,7 @@ fn mask(
     shadows.expect("a map serves it").mask
 }
 
-/// A plate that stands on a floor, under a map so coarse that light leaks in at its foot.
+/// A plate on a floor, with a map so coarse that light leaks in at its foot.
 #[test]
 fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
     let options = TruthOptions::default();
@@ -60,7 +60,7 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
         leak > 0.0 && left < 0.8 * leak,
         "{leak} % lit wrongly, {left} % with the walk"
     );
-    // Spoilt: what is seen is thinner than anything is.
+    // Negative control: a thickness that is too small for everything.
     let too_thin = mask(&judged, &mut cpu, &walk(60, 1e-6));
     let still = false_light(&too_thin);
     assert!(
@@ -72,7 +72,7 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
     assert_eq!(differing, 0, "pixels that differ");
 }
 
-/// Three coloured panes in the sun, and two more behind them; then many that hang above each other.
+/// Three coloured panes in the sun, with two more behind them; then many that overlap.
 #[test]
 fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends() {
     let size = UVec2::new(320, 180);
@@ -85,8 +85,7 @@ fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends(
 fn check_coloured_shadows(judged: &JudgedScene) {
     let scene = &judged.scene;
     let through = |glass| transmitted(scene, &judged.truth.receivers, glass).expect("valid");
-    // Rays through panes that let nothing through are those of the truth that all other techniques
-    // are compared with.
+    // Rays through opaque panes equal the reference of all other techniques.
     let of_opaque = GLASS.map(|glass| Glass {
         transmittance: Vec3::ZERO,
         ..glass
@@ -109,7 +108,7 @@ fn check_coloured_shadows(judged: &JudgedScene) {
         colour,
         dithered,
     };
-    // Spoilt: each pane has the colour of its neighbour.
+    // Negative control: each pane has the colour of its neighbour.
     let [red, green, blue] = GLASS.map(|glass| glass.transmittance);
     let mut swapped = GLASS;
     for (glass, other) in swapped.iter_mut().zip([green, blue, red]) {
@@ -131,7 +130,7 @@ fn check_coloured_shadows(judged: &JudgedScene) {
             let found = error(&on_cpu);
             assert!(
                 found < 0.5 * opaque.min(spoilt),
-                "{}, colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of others' colours",
+                "{}, colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of swapped colours",
                 scene.name
             );
             let on_gpu = mask(judged, &mut *gpu, &technique);

@@ -1,4 +1,4 @@
-//! What the pages of `docs` say of code, scenes and techniques is so.
+//! Tests of the statements in `docs` about code, scenes and techniques.
 
 use std::{fs, path::Path};
 use umbrage::{
@@ -9,15 +9,15 @@ use umbrage::{
 use umbrage_examples::failures::failures;
 use umbrage_lab::{card, stability};
 
-/// The pages that quote code, and the least number of their quotations.
+/// The pages that quote code, and their least number of quotations.
 const QUOTING: [(&str, usize); 2] = [
     ("docs/add_shadows.md", 9),
     ("docs/write_a_technique.md", 16),
 ];
-/// Stands before each quotation, with the file that it is from.
+/// Start of the line before each quotation, which has the name of its file.
 const QUOTED: &str = "<!-- quoted from ";
 
-/// A part of a file that the page shows.
+/// A part of a file on a page.
 struct Quotation {
     file: String,
     text: String,
@@ -25,7 +25,7 @@ struct Quotation {
 
 /// Returns all quotations.
 ///
-/// Panics if code stands there whose file isn't named.
+/// Panics if code without the name of its file is found.
 fn quotations(page: &str) -> Vec<Quotation> {
     let mut out = Vec::new();
     let mut lines = page.lines();
@@ -47,7 +47,7 @@ fn quotations(page: &str) -> Vec<Quotation> {
     out
 }
 
-/// Returns whether the file has these lines, all with the same indentation.
+/// Reports whether the file has these lines, all with the same indentation.
 fn has_lines(file: &str, text: &str) -> bool {
     (0..8).any(|tabs| {
         let indentation = "    ".repeat(tabs);
@@ -71,7 +71,7 @@ fn pages_quote_code_to_the_letter() {
         for Quotation { file, text } in quotations {
             assert!(
                 has_lines(&read(&file), &text),
-                "{page} quotes what isn't in {file}; quote it anew:\n{text}"
+                "{page} quotes text that isn't in {file}; update the quotation:\n{text}"
             );
         }
     }
@@ -95,7 +95,7 @@ fn read(path: &str) -> String {
     fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// Returns what is wrong with a link to the viewer, from `?` on.
+/// Returns the error of a link to the viewer, from `?` on.
 fn fault_of_query(query: &str) -> Option<String> {
     for pair in query.trim_start_matches('?').split('&') {
         let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
@@ -123,8 +123,8 @@ fn fault_of_query(query: &str) -> Option<String> {
     None
 }
 
-/// The site's links to the viewer name scenes and techniques that there are: the viewer itself
-/// would show others with a message.
+/// The site's links to the viewer name existing scenes and techniques. The viewer itself would
+/// replace others and show a message.
 #[test]
 fn links_to_the_viewer_name_what_there_is() {
     let mut links = 0;
@@ -152,8 +152,8 @@ fn links_to_the_viewer_name_what_there_is() {
     }
 }
 
-/// Each fault of the page has a heading, its pictures, its settings in words, the row that looks
-/// for it, and a link to its scene.
+/// Each artefact of the page has a heading, its images, a description of its settings, the row that
+/// detects it, and a link to its scene.
 #[test]
 fn the_page_of_failures_shows_each_of_them() {
     let page = read("docs/failures.md");
@@ -181,8 +181,8 @@ fn the_page_of_failures_shows_each_of_them() {
     }
 }
 
-/// In every example the cure is far less wrong than the fault, and the page's table says by how
-/// much.
+/// In every example, the fix has a far smaller error than the artefact, and the page's table has
+/// both errors.
 #[test]
 fn cures_are_better_than_faults() {
     let page = read("docs/failures.md");
@@ -191,8 +191,8 @@ fn cures_are_better_than_faults() {
         let name = failure.name;
         assert!(page.contains(&format!("| `{}` |", failure.scene)), "{name}");
         let scene = umbrage::scenes::by_argument(failure.scene).expect("built in");
-        // Truth of wide lights takes long; their figures are those of the command that writes the
-        // page.
+        // Skip area lights, whose reference takes long. Their figures are those of the command that
+        // writes the page.
         if !scene.lights[0].is_ideal() {
             continue;
         }
@@ -202,8 +202,8 @@ fn cures_are_better_than_faults() {
     }
 }
 
-/// The page of graphics cards is what `cargo xtask card --page` writes, and figures are never
-/// filled in.
+/// The page of graphics cards is the output of `cargo xtask card --page`, and has no invented
+/// figures.
 #[test]
 fn the_page_of_cards_shows_what_is_committed() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
@@ -213,9 +213,9 @@ fn the_page_of_cards_shows_what_is_committed() {
     assert_eq!(
         page,
         card::page(&cards),
-        "write it again: cargo xtask card --page"
+        "rewrite it: cargo xtask card --page"
     );
-    // What README states of bits needs a card where none differed.
+    // The README's statement of equal bits needs a card without differences.
     let has_equal_bits = |card: &card::Card| {
         let agreement = card.agreement.as_ref();
         let techniques = card::exact_techniques();

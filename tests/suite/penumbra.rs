@@ -1,5 +1,5 @@
-//! The widths of PCSS's penumbrae against those known from formulas: c4 and c4b, an edge under a
-//! square lamp.
+//! Tests of the widths of PCSS's penumbrae against analytic ones: c4 and c4b, an edge under a
+//! square area light.
 
 use umbrage_core::{Backend, Geometry, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
@@ -9,19 +9,20 @@ use umbrage_techniques::{
 };
 use umbrage_tests::gpu::gpu;
 
-/// Widths may be off by 5 %: what the rest of a texel and 64 taps leave.
+/// Greatest relative error of a width, 5 %: the remainder of a texel and 64 taps.
 const TOLERANCE: f64 = 0.05;
 
-/// A scene and the true ramp: visibility is (x - start) / width between 0 and 1.
+/// Scenes and their true ramps: visibility is (x - start) / width between 0 and 1.
 const RAMPS: [(&str, f64, f64); 2] = [
     ("c4-edge-square", -0.5, 1.0),
     ("c4b-low-edge-square", 0.042_857, 0.142_857),
 ];
 
-/// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a
-/// line is fitted to visibility against x; a ramp of its slope is as wide as the slope's inverse.
+/// Returns the ratio of the penumbra's width to the true one. A line is fitted to visibility
+/// against x for the floor's pixels whose true visibility is .25 to .75. The width of a ramp is the
+/// inverse of its slope.
 fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f64 {
-    // Each pixel's true and measured visibility.
+    // Collect the true and measured visibility of each pixel.
     let mut middle: Vec<(f64, f64)> = Vec::new();
     for (i, &visibility) in mask.iter().enumerate() {
         let position = receivers.position(i);
@@ -44,7 +45,7 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
     variance / (mean(|p| p.0 * p.1) - x * v)
 }
 
-/// The technique's ratio under a lamp whose sides are `scale` times the scene's.
+/// Returns the technique's ratio under an area light whose sides are `scale` times the scene's.
 fn measured(
     backend: &mut dyn Backend,
     technique: &MapTechnique<Pcss>,
@@ -106,7 +107,7 @@ fn penumbrae_are_as_wide_on_the_gpu() {
     check(&mut *gpu());
 }
 
-/// The measure must object to a lamp a tenth too large.
+/// Negative control: an area light that is a tenth too large must fail.
 #[test]
 fn a_lamp_too_large_is_caught() {
     for technique in techniques() {
@@ -122,8 +123,8 @@ fn a_lamp_too_large_is_caught() {
     }
 }
 
-/// Under an ideal light every tap is the receiver's own: the mask is the hard one's, bit for bit,
-/// and nothing is NaN.
+/// Under a light without extent, every tap is the receiver's own: the mask equals the hard one, bit
+/// for bit, and has no NaN.
 #[test]
 fn ideal_lights_throw_hard_shadows() {
     for (name, layout) in [

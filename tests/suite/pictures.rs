@@ -1,9 +1,9 @@
-//! Colour pictures: Blinn-Phong by both backends, with textures, normal maps, every kind of light,
-//! and a marker.
+//! Tests of colour images: Blinn-Phong by both backends, with textures, normal maps, every kind of
+//! light, and a marker.
 //!
-//! The kernel uses no transcendental function and writes every sum out, so on the pinned software
-//! driver linear colours are bit-equal. On any other driver they are, once encoded, within
-//! [`BOUND`] wherever the same triangle and the same shadow are seen.
+//! The kernel uses no transcendental function and writes out every sum, so linear colours are
+//! bit-equal on the pinned software driver. On any other driver, encoded colours are within
+//! [`BOUND`] wherever both see the same triangle and the same shadow.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -16,11 +16,10 @@ use umbrage_techniques::{
 };
 use umbrage_tests::{gpu::gpu, layouts, painted};
 
-/// One step of an 8-bit picture: two encoders may round a value on the border between bytes either
-/// way.
+/// One step of an 8-bit image: two encoders may round a value between two bytes either way.
 const BOUND: u8 = 1;
 
-/// Both backends' answers, and whether the driver is the one whose every bit is known.
+/// Results of both backends, and whether the driver is the pinned one.
 struct Pair {
     cpu: Shadows,
     gpu: Shadows,
@@ -28,17 +27,17 @@ struct Pair {
 }
 
 fn render(view: &View<'_>, recipe: &Recipe) -> Pair {
-    let cpu = Cpu::new().render(view, recipe).expect("the CPU plays it");
+    let cpu = Cpu::new().render(view, recipe).expect("the CPU renders it");
     let mut gpu = gpu();
     let exact = gpu.promises_bits();
     Pair {
         cpu,
-        gpu: gpu.render(view, recipe).expect("the GPU plays it"),
+        gpu: gpu.render(view, recipe).expect("the GPU renders it"),
         exact,
     }
 }
 
-/// How the pictures differ, in words; none if they don't by more than is allowed.
+/// Returns a message about the differences of the images. `None` if they are allowed.
 fn fault(pair: &Pair) -> Option<String> {
     let pictures = [&pair.cpu, &pair.gpu].map(|s| s.picture.as_deref());
     let [Some(cpu), Some(gpu)] = pictures else {
@@ -67,19 +66,18 @@ fn fault(pair: &Pair) -> Option<String> {
     ))
 }
 
-/// Returns whether two colours, as bytes of sRGB, differ by more than [`BOUND`].
+/// Reports whether two colours, as bytes of sRGB, differ by more than [`BOUND`].
 fn differ_visibly(a: [f32; 4], b: [f32; 4]) -> bool {
     (0..3).any(|k| picture::encode(a[k]).abs_diff(picture::encode(b[k])) > BOUND)
 }
 
-/// Returns whether both backends see the same triangle with the same shadow on it.
+/// Reports whether both backends see the same triangle with the same shadow on it.
 fn same_seen(pair: &Pair, i: usize) -> bool {
     let triangle = |s: &Shadows| s.receivers.as_ref().map(|r| r.triangle[i]);
     triangle(&pair.cpu) == triangle(&pair.gpu) && pair.cpu.mask[i] == pair.gpu.mask[i]
 }
 
-/// Calls `check` with a name, the view and a recipe that shades, for every light, camera and
-/// technique.
+/// Calls `check` with a name, the view and a shading recipe, for every light, camera and technique.
 fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
     let map = ShadowMap {
         size: 256,
@@ -123,8 +121,8 @@ fn both_backends_paint_the_same_picture() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Shadow, light, highlights, the marker and the background must all be in the picture, and many
-/// colours.
+/// Checks that shadow, light, highlights, the marker, the background and many colours are all in
+/// the image.
 fn proves_something(name: &str, shadows: &Shadows) {
     let picture = shadows.picture.as_deref().unwrap_or_default();
     let count = |what: &dyn Fn(usize, [f32; 4]) -> bool| {
@@ -146,7 +144,7 @@ fn proves_something(name: &str, shadows: &Shadows) {
     assert!(colors.len() > 1000, "{name}: only {} colours", colors.len());
 }
 
-/// The kernel with its WGSL half spoilt.
+/// The kernel with a mutated WGSL half.
 #[derive(Debug)]
 struct Spoilt {
     kernel: Arc<dyn ShadeKernel>,
@@ -195,7 +193,7 @@ fn uniforms_lie_where_the_shader_reads_them() {
     assert_eq!(checked, 20);
 }
 
-/// What each slip in the shader does to the picture must be seen.
+/// Mutations of the shader, each of which must be detected in the image.
 const SLIPS: [(&str, &str); 6] = [
     ("l + v", "l - v"),
     ("color * bilinear", "color + bilinear"),
@@ -205,7 +203,7 @@ const SLIPS: [(&str, &str); 6] = [
     ("uv.y, texture.z", "uv.x, texture.z"),
 ];
 
-/// Whether both ways to compare object.
+/// Reports whether both comparisons fail.
 fn is_caught(pair: &mut Pair) -> bool {
     [true, false].into_iter().all(|exact| {
         pair.exact = exact;
@@ -218,7 +216,7 @@ fn spoilt_pixels_and_spoilt_shaders_are_caught() {
     let mut cases = 0;
     each_case(|name, view, recipe| {
         cases += 1;
-        // One case will do.
+        // Test a single case.
         if cases == 1 {
             spoil_pixel(render(view, recipe));
             SLIPS.iter().for_each(|slip| {

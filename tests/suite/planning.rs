@@ -1,12 +1,12 @@
-//! Planning touches few triangles: fits go by the boxes around them.
+//! Tests that planning reads few triangles, since fits use the boxes around them.
 
 use umbrage_core::{Fit, Geometry, Recipe, ShadowTechnique, View};
 use umbrage_techniques::{Hard, MapFilter as _, Pcss, ShadowMap};
 
-/// Triangles that planning may look at for each one that is drawn.
+/// Greatest number of triangles that planning may read for each drawn one.
 const MOST_OF_DRAWN: f64 = 0.25;
 
-/// Returns how many triangles a recipe's casts draw.
+/// Returns the number of triangles that a recipe's casts draw.
 fn drawn(recipe: &Recipe, geometry: &Geometry) -> usize {
     let casts = recipe.casts.iter();
     casts
@@ -15,8 +15,7 @@ fn drawn(recipe: &Recipe, geometry: &Geometry) -> usize {
         .sum()
 }
 
-/// Lamps without a cone of their own are left out: the axis of the cone around all casters is a sum
-/// over all of them.
+/// Point lights are excluded: the axis of the cone around all casters is a sum over all of them.
 #[test]
 fn plans_look_at_a_quarter_of_what_is_drawn_at_most() {
     for name in ["street-soft", "dancer-soft"] {

@@ -1,4 +1,4 @@
-//! A technique from outside, on both backends: nothing of ours knows it.
+//! Tests of a technique from outside the library, on both backends, without built-in support.
 
 use glam::UVec2;
 use umbrage::{Backend, Geometry, ShadowTechnique, View, techniques::ShadowMap};
@@ -29,8 +29,8 @@ fn a_users_technique_runs_on_both_backends() {
     let recipe = technique
         .recipe(&view)
         .expect("variance maps serve the sun");
-    let cpu = Cpu::new().render(&view, &recipe).expect("plays");
-    let gpu = gpu().render(&view, &recipe).expect("plays");
+    let cpu = Cpu::new().render(&view, &recipe).expect("renders");
+    let gpu = gpu().render(&view, &recipe).expect("renders");
     let soft = cpu.mask.iter().filter(|&&v| v > 0.05 && v < 0.95).count();
     assert!(
         soft > 100,
@@ -46,7 +46,7 @@ fn a_users_technique_runs_on_both_backends() {
     assert!(worst <= 1.0 / 255.0, "the backends differ by {worst}");
 }
 
-/// How a user's maps are used is told as that of ours is.
+/// The use of an external technique's maps is reported like that of built-in ones.
 #[test]
 fn a_users_map_has_figures() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
@@ -143,7 +143,8 @@ fn a_users_technique_is_judged_as_ours_are() {
     assert!(windows.iter().all(|window| window.technique == "variance"));
 }
 
-/// Its maps are fitted both ways under motion, and both its crawl and its error are judged.
+/// The technique's maps are fitted in both ways in motion, and both its shimmer and its error are
+/// evaluated.
 #[test]
 fn a_users_technique_moves_as_ours_do() {
     let options = stability::StabilityOptions {
@@ -171,16 +172,16 @@ fn a_users_technique_moves_as_ours_do() {
     }
 }
 
-/// Among all techniques, the planner tries it on maps of all sizes.
+/// The planner evaluates it, among all techniques, on maps of all sizes.
 #[test]
 fn a_users_technique_is_planned_as_ours_are() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let options = plan::PlanOptions {
         catalogue: catalogue(),
         samples: 512,
-        // Large enough for maps to be cheaper than a ray for each pixel.
+        // Large enough for maps to cost less than a ray for each pixel.
         size: Some(UVec2::new(384, 256)),
-        // Every frame draws anew: then smaller maps are cheaper, and so are maps than volumes.
+        // Redraw in every frame: then smaller maps cost less, and maps cost less than volumes.
         motion: plan::motion::FrameMotion::AllMoves,
         ..plan::PlanOptions::default()
     };

@@ -1,5 +1,5 @@
-//! Cameras of other renderers: reversed depth, no far plane, left-handed views. Whatever their
-//! matrices, the light's maps, the rays and the shadows are those of the usual camera.
+//! Tests of other renderers' cameras: reversed depth, no far plane, left-handed views. The light's
+//! maps, the rays and the shadows equal those of the standard camera.
 
 use glam::{DMat4, DVec4, UVec2, Vec3, Vec4};
 use proptest::{
@@ -15,10 +15,10 @@ use umbrage_techniques::{
     Hard, MapFilter as _, MapTechnique, Pcf, Planar, ShadowMap, ShadowVolumes, Traced,
 };
 
-/// A usual camera's matrices as another renderer would have them.
+/// Matrix conventions of another renderer for a standard camera.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
-    /// Nothing is too far; only with perspective.
+    /// No far plane. Only with perspective.
     endless: bool,
     /// Depth 1 at near.
     reversed: bool,
@@ -26,7 +26,8 @@ struct Kind {
     left: bool,
 }
 
-/// All that a projection can be; without perspective, what [`Camera::standard`] can tell apart.
+/// Returns all kinds of projections; without perspective, those that [`Camera::standard`] can
+/// distinguish.
 fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
     let bits = (0..8).map(|i| Kind {
         endless: i & 1 != 0,
@@ -36,7 +37,7 @@ fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
     bits.filter(move |k| perspective || !(k.endless || k.reversed && k.left))
 }
 
-/// The camera with the matrices of another kind, each computed in `f64` and rounded once.
+/// Returns the camera with the matrices of another kind, each computed in `f64` and rounded once.
 /// `near_far` are the camera's.
 fn as_kind(camera: &Camera, kind: Kind, near_far: [f32; 2]) -> Camera {
     let [near, far] = near_far.map(f64::from);
@@ -70,16 +71,16 @@ fn as_kind(camera: &Camera, kind: Kind, near_far: [f32; 2]) -> Camera {
     out
 }
 
-/// What random cameras are made of.
+/// Parameters of random cameras.
 #[derive(Clone, Copy, Debug)]
 struct Setup {
     eye: Vec3,
     ahead: Vec3,
     sun: Vec3,
-    /// Radians; without perspective metres.
+    /// Size of the view, in radians; without perspective, in metres.
     view: f32,
     near_far: [f32; 2],
-    /// Of the way from near to far.
+    /// Fraction of the range from near to far.
     share: f32,
     perspective: bool,
 }
@@ -139,8 +140,8 @@ fn setups() -> impl Strategy<Value = Setup> {
     )
 }
 
-/// The map of 1024 texels around what a camera sees up to `range`, where neither casters nor
-/// receivers are known.
+/// Returns the map of 1024 texels around a camera's view up to `range`, without known casters or
+/// receivers.
 fn stable(camera: &Camera, sun: Vec3, range: f32) -> LightSpace {
     let light = Light::Directional {
         direction: sun,
@@ -159,7 +160,7 @@ fn stable(camera: &Camera, sun: Vec3, range: f32) -> LightSpace {
         .expect("it fits")
 }
 
-/// What a camera sees at this distance along its view, at the image's corners.
+/// Returns the corners of a camera's view at this distance.
 fn corners(camera: &Camera, distance: f32) -> [Vec3; 4] {
     let world_from_clip = camera.space().clip_from_world().as_dmat4().inverse();
     let forward = -camera.standard().world_from_view.matrix3.z_axis.as_dvec3();
@@ -174,7 +175,7 @@ fn corners(camera: &Camera, distance: f32) -> [Vec3; 4] {
     })
 }
 
-/// Holds a property against random setups: the same ones in every run.
+/// Tests a property on random setups, which are the same in every run.
 fn each(
     setups: impl Strategy<Value = Setup>,
     property: impl Fn(Setup) -> Result<(), TestCaseError>,
@@ -191,8 +192,8 @@ fn each(
         .unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// 24 bits hold near and far: near to 1e-7 of itself, far (a small difference of two entries) to
-/// 1e-7 far / near.
+/// 24 bits represent near to 1e-7 of itself, and far (a small difference of two entries) to 1e-7
+/// far / near.
 #[test]
 fn stable_maps_hold_as_much_and_no_more() {
     each(setups(), |setup| {
@@ -212,7 +213,8 @@ fn stable_maps_hold_as_much_and_no_more() {
                 );
                 let clip_from_world = space.clip_from_world();
                 let last = range.min(far) * (1.0 - rounding);
-                // What positions are rounded by is less than the two texels beside the sphere.
+                // The rounding of positions is less than the margin of two texels around the
+                // sphere.
                 for p in corners(&usual, near)
                     .into_iter()
                     .chain(corners(&usual, last))
@@ -227,7 +229,7 @@ fn stable_maps_hold_as_much_and_no_more() {
     });
 }
 
-/// A camera without far plane sees up to the range, however great.
+/// A camera without a far plane has the given range, regardless of its size.
 #[test]
 fn stable_maps_end_at_the_range_without_a_far_plane() {
     each(
@@ -238,8 +240,8 @@ fn stable_maps_end_at_the_range_without_a_far_plane() {
             for kind in kinds(true).filter(|k| k.endless) {
                 let camera = as_kind(&usual, kind, setup.near_far);
                 let side = 2.0 / stable(&camera, setup.sun, range).clip_from_view.x_axis.x;
-                // No smaller than what is seen there is wide, and no larger than the sphere around
-                // the eye through its corners.
+                // The map is at least as large as the view at that distance, and at most as large
+                // as the sphere around the eye through its corners.
                 let [a, b, _, d] = corners(&camera, range);
                 prop_assert!(
                     side >= a.distance(b) * 0.999,
@@ -285,7 +287,7 @@ fn scene() -> (Geometry, Light) {
     (Geometry::bake(&scene).expect("valid"), scene.lights[0])
 }
 
-/// Techniques that look at the camera in ways of their own.
+/// Techniques that use the camera in different ways.
 fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
     let stable = ShadowMap {
         fit: Fit::Stable { range: 6.0 },
@@ -301,8 +303,8 @@ fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
     ]
 }
 
-/// Same ids, and the same answer at every pixel: clip x, y and w have the same bits for every kind,
-/// and no two surfaces of the scene are as near to each other as depth is rounded.
+/// Ids and results are equal at every pixel: clip x, y and w have the same bits for every kind, and
+/// no two surfaces of the scene are as close to each other as the rounding of depth.
 #[test]
 fn pictures_are_those_of_the_usual_camera() {
     let (geometry, light) = scene();

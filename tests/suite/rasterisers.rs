@@ -1,4 +1,5 @@
-//! The CPU's rasteriser, told how the device rounds vertices, draws what the device draws.
+//! Tests that the CPU's rasteriser, with the device's rounding of vertices, draws the same as the
+//! device.
 
 use glam::{DVec3, Mat4, UVec2, Vec4};
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use umbrage_techniques::{Hard, MapTechnique};
 use umbrage_tests::gpu::gpu;
 
 const SIDE: usize = 256;
-/// Triangles of a class, each in a layer of its own.
+/// Number of triangles in a class, each in a separate layer.
 const COUNT: usize = 96;
 const CLASSES: [&str; 6] = [
     "wide",
@@ -22,11 +23,11 @@ const CLASSES: [&str; 6] = [
     "through the eye",
 ];
 
-/// How far guard bands of hardware reach, pixels.
+/// Extent of the guard bands of hardware, pixels.
 const FARTHEST_GUARD_BAND: f64 = 32_768.0;
 
-/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on
-/// every run.
+/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003). The triangles are the same
+/// in every run.
 struct Random(u64);
 
 impl Random {
@@ -37,7 +38,7 @@ impl Random {
         lo + (hi - lo) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64) as f32
     }
 
-    /// A corner in clip space, at random within a square around a point.
+    /// Returns a random corner in clip space within a square around a point.
     fn corner(&mut self, centre: [f32; 2], radius: f32) -> Vec4 {
         let [x, y] = centre.map(|c| c + self.range(-radius, radius));
         Vec4::new(x, y, self.range(0.05, 0.95), 1.0)
@@ -62,7 +63,7 @@ impl Random {
     }
 }
 
-/// Draws each triangle into a layer of its own.
+/// Draws each triangle into a separate layer.
 fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
     let space = LightSpace {
         view_from_world: Mat4::IDENTITY,
@@ -106,7 +107,7 @@ fn cpu_that_clips(snapping: Snapping, clipping: Clipping) -> Cpu {
 }
 
 fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Vec<f32>> {
-    let images = backend.render(view, recipe).expect("plays").images;
+    let images = backend.render(view, recipe).expect("renders").images;
     images[0]
         .texels
         .chunks_exact(SIDE * SIDE)
@@ -114,11 +115,11 @@ fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Ve
         .collect()
 }
 
-/// By how much two drivers' depths of a triangle may differ: each evaluates the plane through the
-/// corners in 32 bits, from an origin of its choice. Over 100,000 random triangles, the measured
-/// error of each was below 4 times this sum: of 1, of the plane's changes up to the origin, and of
-/// those across the image times the condition of the area (a difference of two products). Changes
-/// are a pixel's.
+/// Returns the allowed difference of two drivers' depths of a triangle. Each evaluates the plane
+/// through the corners in 32 bits, from an origin of its choice. Over 100,000 random triangles, the
+/// measured error of each was below 4 times this sum: 1, plus the plane's changes up to the origin,
+/// plus those across the image times the condition of the area (a difference of two products).
+/// Changes are per pixel.
 fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
     let plane = DepthPlane::new(triangle);
     let across = SIDE as f64 * plane.slope;
@@ -126,9 +127,10 @@ fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
     (2.0 * 4.0 * rounding * (1.0 + across + plane.condition * across)) as f32
 }
 
-/// As [`depth_bound`], for triangles that are clipped. Clipping makes new corners, as far away as
-/// the guard band, whose positions are rounded some three times and then to the grid. Where a
-/// device clips decides which; so depths are off by the slope times that, for each of two devices.
+/// Returns the [`depth_bound`] for clipped triangles. Clipping creates corners as far away as the
+/// guard band. Their positions are rounded about three times and then to the grid, and they depend
+/// on the device. Depths therefore have an additional error of the slope times that, for each of
+/// two devices.
 fn clipped_depth_bound(snapping: Snapping, triangle: &[Vec4; 3]) -> f32 {
     let corner_error =
         0.5 * f64::from(snapping.step()) + 3.0 * 2.0_f64.powi(-24) * FARTHEST_GUARD_BAND;
@@ -143,7 +145,7 @@ fn clipped_depth_bound(snapping: Snapping, triangle: &[Vec4; 3]) -> f32 {
 struct DepthPlane {
     /// Sum of the depth's changes from a pixel to the next along x and y.
     slope: f64,
-    /// Of the area, a difference of two products: their sizes over its own.
+    /// Condition of the area, a difference of two products: their sizes over its own.
     condition: f64,
 }
 
@@ -169,16 +171,16 @@ impl DepthPlane {
     }
 }
 
-/// How a device's layers differ from the CPU's.
+/// Differences of a device's layers from the CPU's.
 #[derive(Debug, Default)]
 struct Differences {
-    /// Pixels covered by both.
+    /// Number of pixels covered by both.
     both: usize,
-    /// Pixels covered by one alone.
+    /// Number of pixels covered by only one.
     coverage: usize,
-    /// Pixels whose depths differ by more than the bound.
+    /// Number of pixels whose depths differ by more than the bound.
     depth: usize,
-    /// Pixels that aren't equal, bit by bit.
+    /// Number of pixels that aren't bit-equal.
     bits: usize,
 }
 
@@ -186,7 +188,7 @@ fn compare(triangles: &[[Vec4; 3]], mine: &[Vec<f32>], theirs: &[Vec<f32>]) -> D
     compare_within(triangles, depth_bound, mine, theirs)
 }
 
-/// `depth_bound` returns by how much the depths of a triangle may differ.
+/// Compares layers. `depth_bound` returns the allowed difference of depths for a triangle.
 fn compare_within(
     triangles: &[[Vec4; 3]],
     depth_bound: impl Fn(&[Vec4; 3]) -> f32,
@@ -207,8 +209,7 @@ fn compare_within(
     sum
 }
 
-/// Returns a scene whose camera has few pixels: recipes here bring faces of their own, and look
-/// nothing up.
+/// Returns a scene whose camera has few pixels. Recipes here have separate faces and no lookups.
 fn small_scene() -> (Scene, Geometry) {
     let entry = umbrage_scenes::find("cubes").expect("a built-in scene");
     let mut scene = (entry.build)();
@@ -217,7 +218,7 @@ fn small_scene() -> (Scene, Geometry) {
     (scene, geometry)
 }
 
-/// Whether triangles of a class reach beyond the picture or behind the eye.
+/// Reports whether triangles of a class extend beyond the image or behind the eye.
 fn is_clipped(class: &str) -> bool {
     matches!(class, "across edges" | "through the eye")
 }
@@ -244,7 +245,7 @@ fn the_cpu_draws_what_the_device_draws() {
     println!("{snapping}");
     let mut covered = 0;
     for_each_class(|class, triangles, view, recipe, theirs| {
-        // Hardware clips at a guard band, which Vulkan allows.
+        // Hardware clips at a guard band, which Vulkan permits.
         let ways: &[Clipping] = if exact {
             &[Clipping::Exact]
         } else {
@@ -274,9 +275,9 @@ fn the_cpu_draws_what_the_device_draws() {
     assert!(covered > 1_000_000, "only {covered} pixels were covered");
 }
 
-/// An NVIDIA H200 covered 22 of 933,542 pixels otherwise than the CPU, all of triangles across the
-/// edges of the picture. Where triangles are clipped explains them: at a guard band such triangles
-/// keep their own corners, and at the edges they get new ones, on the grid.
+/// An NVIDIA H200 covered 22 of 933,542 pixels differently from the CPU, all in triangles across
+/// the edges of the image. The position of clipping explains them: with a guard band, such
+/// triangles keep their corners, and at the edges they have new ones, on the grid.
 #[test]
 fn a_guard_band_changes_few_pixels_across_edges_and_no_others() {
     let of_h200 = Snapping {
@@ -300,7 +301,7 @@ fn a_guard_band_changes_few_pixels_across_edges_and_no_others() {
     assert_eq!(across_edges, 22, "as many as on the H200");
 }
 
-/// Every other rounding is told from the device's by the same triangles.
+/// Negative control: every other rounding differs from the device's on the same triangles.
 #[test]
 fn another_rounding_is_noticed() {
     let snapping = gpu().snapping();
@@ -326,8 +327,8 @@ fn another_rounding_is_noticed() {
     });
 }
 
-/// A triangle thinner than a step of the grid, along a line through a pixel's centre, that reaches
-/// beyond the window.
+/// Returns a triangle thinner than a step of the grid, along a line through a pixel's centre, that
+/// extends beyond the window.
 fn sliver(random: &mut Random) -> [Vec4; 3] {
     let pixel = || SIDE as f32 / 2.0;
     let mut centre = || (random.range(-pixel(), pixel()).floor() + 0.5) / pixel();
@@ -344,17 +345,17 @@ fn sliver(random: &mut Random) -> [Vec4; 3] {
             1.0,
         )
     };
-    // Two corners beyond the window, one within: moved to the grid, it may come to lie on the other
-    // side of the line between them.
+    // Two corners are outside the window, and one inside. After snapping to the grid, it may be on
+    // the other side of the line between them.
     [along(-3.0), along(3.0), along(0.125)]
 }
 
-/// Which faces are left out is asked of slivers as clipping leaves them and again on the grid. So
-/// some show neither of their faces; on the CPU they are the same ones.
+/// Faces are culled by the orientation of slivers after clipping, and again on the grid. Some show
+/// neither of their faces; on the CPU they are the same ones.
 #[test]
 fn slivers_that_are_clipped_are_culled_alike() {
     if !gpu().promises_bits() {
-        // Other drivers clip otherwise, and take slivers for what they like.
+        // Skip other drivers, which clip differently and have arbitrary orientations of slivers.
         return;
     }
     let (scene, geometry) = small_scene();
@@ -382,6 +383,6 @@ fn slivers_that_are_clipped_are_culled_alike() {
     }
     assert!(
         shown_by_neither_face >= 10,
-        "only {shown_by_neither_face} slivers turn round on the grid"
+        "only {shown_by_neither_face} slivers change orientation on the grid"
     );
 }

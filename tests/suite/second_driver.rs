@@ -1,5 +1,5 @@
-//! The nets for a driver that rounds otherwise than the CPU does by itself. `cargo xtask test` runs
-//! them on SwiftShader; by hand they run on the adapter that `WGPU_ADAPTER_NAME` names.
+//! Tests of a driver that rounds differently from the CPU. `cargo xtask test` runs them on
+//! SwiftShader; manually, they run on the adapter of `WGPU_ADAPTER_NAME`.
 
 use glam::UVec2;
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
@@ -24,8 +24,8 @@ fn backends() -> Backends {
     Backends::both(&adapter).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// Small enough for all of the suite to take seconds, and large enough for single pixels to weigh
-/// little in RMSE.
+/// Compares images that are small enough for the suite to take seconds, and large enough for single
+/// pixels to have little weight in the RMSE.
 fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let wanted = |e: &&umbrage_scenes::SceneEntry| {
         if scenes.is_empty() {
@@ -60,8 +60,8 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")
 }
 
-/// No decided pixel differs, hardly any is undecided, and no mask is farther from truth than the
-/// CPU's and .005.
+/// No decided pixel differs, few are undecided, and no mask's error exceeds the CPU's by more than
+/// .005.
 #[test]
 fn the_suite_agrees_on_the_second_driver() {
     let mut backends = backends();
@@ -82,14 +82,14 @@ fn the_suite_agrees_on_the_second_driver() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// In a room whose walls have no thickness, the far sides that second depths compare with are the
-/// receivers themselves, without a bias: half of the pixels are lit that way, and which ones hangs
-/// on every rounding.
+/// Reports whether an error is known. In a room with walls without thickness, the far sides of
+/// second depths are the receivers themselves, without a bias. Half of the pixels are lit in this
+/// way, and the selection depends on rounding.
 fn is_known(fault: &str) -> bool {
     fault.starts_with("c7-closed-room: second_depth") && fault.contains("RMSE is 0.00")
 }
 
-/// The catalogue of failures, small: what one backend fails the other fails, on the same pixels.
+/// The catalogue of failures in small images: both backends fail the same rows, on the same pixels.
 #[test]
 fn failure_rows_agree_on_the_second_driver() {
     let truth = TruthOptions {
@@ -106,16 +106,16 @@ fn failure_rows_agree_on_the_second_driver() {
         rows: chosen_cases(),
         ..Default::default()
     };
-    let played = stability::run(&small, &mut backends(), &mut |_| {}).expect("plays");
+    let played = stability::run(&small, &mut backends(), &mut |_| {}).expect("renders");
     assert!(
         played.cases.len() >= 30 / nth_case(),
-        "only {} cases were played",
+        "only {} cases were run",
         played.cases.len()
     );
     assert!(played.faults.is_empty(), "{}", played.faults.join("\n"));
 }
 
-/// Returns the names of the cases that run; none stand for all of them.
+/// Returns the names of the cases that run. An empty list means all of them.
 fn chosen_cases() -> Vec<String> {
     if runs_all_cases() {
         return Vec::new();
@@ -125,7 +125,7 @@ fn chosen_cases() -> Vec<String> {
     chosen.map(|(_, name)| name).collect()
 }
 
-/// A backend that reports another grid than its driver has.
+/// A backend that reports a different grid from its driver's.
 struct MisreportingBackend(Gpu);
 
 impl Backend for MisreportingBackend {
@@ -147,7 +147,7 @@ impl Backend for MisreportingBackend {
     }
 }
 
-/// The net must catch what it is for.
+/// Negative control: a wrong grid must be detected.
 #[test]
 fn a_wrong_grid_is_noticed_on_the_second_driver() {
     let gpu = Gpu::new(&named().expect("as above")).expect("an adapter");
@@ -156,13 +156,13 @@ fn a_wrong_grid_is_noticed_on_the_second_driver() {
         Box::new(MisreportingBackend(gpu)),
     ]);
     let faults = compared(&["cubes"], &mut backends).faults();
-    // A finer grid than the driver has: decided pixels differ. A coarser one: too many pixels are
-    // undecided.
+    // With a finer grid than the driver's, decided pixels differ. With a coarser one, too many
+    // pixels are undecided.
     let is_of_grid = |fault: &String| {
         fault.contains("decided pixels differ") || fault.contains("rounding alone")
     };
     assert!(
         faults.iter().any(is_of_grid),
-        "the wrong grid is not noticed: {faults:?}"
+        "the wrong grid is not detected: {faults:?}"
     );
 }

@@ -1,6 +1,6 @@
-//! PCSS on every built-in scene under a light with an extent. At its defaults it is no worse than
-//! any kernel of one width; the map's fit changes little; more taps and finer maps help; and where
-//! the faces of a cube meet, there is no step.
+//! Tests of PCSS on every built-in scene with an area light. At its defaults, it is no worse than
+//! any kernel of constant width. The map's fit has little effect, more taps and finer maps help,
+//! and there is no step between the faces of a cube.
 
 use glam::{UVec2, Vec3};
 use std::{collections::BTreeMap, sync::LazyLock};
@@ -16,27 +16,28 @@ use umbrage_techniques::{
 };
 use umbrage_tests::{driver_model::is_chosen, gpu::gpu};
 
-/// Small, since squares of 1,089 taps are among the rivals.
+/// Image size. It is small, since squares of 1,089 taps are among the rivals.
 const SIZE: UVec2 = UVec2::new(160, 120);
-/// Fewer scenes than this would mean that the catalogue isn't read as it should be.
+/// Least number of scenes. Fewer would mean that the catalogue is read incorrectly.
 const LEAST_SCENES: usize = 12;
-/// By how much the errors under two fits may differ: fits place other texels under the same edges.
+/// Greatest difference of the errors under two fits, which place different texels under the same
+/// edges.
 const FITS_DIFFER: f64 = 0.005;
-/// What is left of the error with four times the taps on a map four times as fine, at most. What
-/// speaking of one blocker a receiver costs stays: without that it would be less than a half.
+/// Greatest ratio of the error with four times the taps on a map four times as fine. The error of
+/// using one blocker for each receiver remains; without it, the ratio would be less than a half.
 const FINEST_LEFT: f64 = 0.9;
-/// The mean step allowed where two faces of a cube meet on a surface. Most groups of pixels know
-/// their mean to .005.
+/// Greatest mean step where two faces of a cube meet on a surface. The mean of most groups of
+/// pixels is accurate to .005.
 const MOST_STEP: f64 = 0.01;
-/// Lit pixels that are darker than this show a smudge; one in 1,000 may.
+/// Visibility below which a lit pixel is a smudge. One in 1,000 may be.
 const DARK: f64 = 0.9;
-/// The mean darkness of lit pixels allowed. Where taps count that are not in the light's way, it is
-/// twice as much under a teapot and five times as much between two blockers.
+/// Greatest mean darkness of lit pixels. With taps that don't block the light, it is twice as much
+/// under a teapot and five times as much between two blockers.
 const MOST_DARKENED: f64 = 0.002;
-/// Pixels that a group needs so that its mean says something.
+/// Least number of pixels of a group for a meaningful mean.
 const LEAST_PAIRS: usize = 30;
 
-/// A scene with its truth, and fits that are found once.
+/// A scene with its reference, and fits that are computed once.
 struct Case {
     name: &'static str,
     scene: Scene,
@@ -88,11 +89,11 @@ impl Case {
             .expect("maps serve lights with an extent");
         Cpu::new()
             .render(&self.view(), &recipe)
-            .expect("plays")
+            .expect("renders")
             .mask
     }
 
-    /// Root mean square error.
+    /// Returns the root mean square error.
     fn error(&self, technique: &dyn ShadowTechnique) -> f64 {
         let reference = ReferenceMask::new(SIZE, &self.truth.visibility, &self.truth.pixels)
             .expect("truth fits itself");
@@ -103,7 +104,7 @@ impl Case {
     }
 }
 
-/// Every built-in scene under a light with an extent, but for those that are there to be slow.
+/// Returns every built-in scene with an area light, except those that are meant to be slow.
 fn cases() -> &'static [Case] {
     static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let scenes = all()
@@ -138,8 +139,8 @@ fn pcss(map: ShadowMap, times: u32) -> MapTechnique<Pcss> {
     .on(map)
 }
 
-/// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS
-/// filters with.
+/// Returns kernels of constant width: squares with every tap in them, and discs with as many taps
+/// as PCSS filters with.
 fn rivals(map: ShadowMap) -> Vec<TechniquePreset> {
     let taps = Pcss::default().filter_taps;
     let mut out: Vec<TechniquePreset> = Vec::new();
@@ -187,7 +188,8 @@ fn no_kernel_of_one_width_is_better() {
     }
 }
 
-/// With a tap to search and one to filter, PCSS is noise, and rivals must be found that are better.
+/// Negative control: with one tap to search and one to filter, PCSS is noise, and better rivals
+/// must be found.
 #[test]
 fn better_kernels_are_found() {
     let noisy = Pcss {
@@ -223,7 +225,7 @@ fn more_taps_and_finer_maps_are_better() {
         let fine_and_many = error(2048, 4);
         let name = case.name;
         println!("{name}: {coarse}, {fine}, {fine_and_many}");
-        // Edges parallel to the texels' are exact on any map: equal errors are right there.
+        // Edges parallel to those of texels are exact on any map, so equal errors are correct.
         assert!(
             fine <= coarse,
             "{name}: the finer map makes {fine} of {coarse}"
@@ -239,11 +241,11 @@ fn more_taps_and_finer_maps_are_better() {
     }
 }
 
-/// Where a pixel lies: the face of a cube around the lamp, and the plane.
+/// Location of a pixel: the face of the light's cube, and the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Place {
     face: usize,
-    /// Normal and distance from the lamp, thousandths.
+    /// Normal and distance from the light, in thousandths.
     plane: [i32; 4],
 }
 
@@ -261,8 +263,8 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
     }
 }
 
-/// Of neighbouring pixels that lie on one plane but on two faces: the mean step of the error from
-/// the first face to the second, for each pair of places.
+/// Returns the mean step of the error for each pair of locations, over neighbouring pixels on one
+/// plane but on two faces, from the first face to the second.
 fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
@@ -291,7 +293,7 @@ fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     means
 }
 
-/// Returns all pairs of pixels that lie beside each other, then all that lie one below the other.
+/// Returns all pairs of horizontal neighbours, then all pairs of vertical ones.
 fn neighbours(pixels: usize) -> Vec<(usize, usize)> {
     let width = SIZE.x as usize;
     let mut out = Vec::new();
@@ -322,13 +324,14 @@ fn lamp_in_room() -> (&'static Case, Vec<f32>) {
 fn faces_of_a_cube_meet_without_steps() {
     let (case, mask) = lamp_in_room();
     let steps = steps(case, &mask);
-    assert!(steps.len() >= 6, "only {} seams are seen", steps.len());
+    assert!(steps.len() >= 6, "only {} seams are visible", steps.len());
     for (places, step) in steps {
         assert!(step.abs() <= MOST_STEP, "{places:?}: {step}");
     }
 }
 
-/// A face that is darker by 2 % than the others must show up as a step at every seam of its.
+/// Negative control: a face that is 2 % darker than the others must be detected as a step at every
+/// seam.
 #[test]
 fn a_darker_face_is_caught() {
     let (case, mut mask) = lamp_in_room();
@@ -349,15 +352,15 @@ fn a_darker_face_is_caught() {
     );
 }
 
-/// A scene whose lamp is smaller than a texel of the map.
+/// A scene whose light is smaller than a texel of the map.
 const HARD_EDGES: &str = "small-lamp";
 
-/// Surfaces that the whole lamp shines on stay lit, also in corners, where the map shows one wall
-/// nearer to the light than the other.
+/// Surfaces in full light stay lit, also in corners, where the map has one wall closer to the light
+/// than the other.
 #[test]
 fn lit_corners_stay_lit() {
-    // Under the smallest lamp edges are hard, and lie wherever the map's texels do: lit pixels
-    // beside them are dark.
+    // Under the smallest light, edges are hard and follow the map's texels: lit pixels next to them
+    // are dark.
     assert!(cases().iter().any(|case| case.name == HARD_EDGES));
     for case in cases().iter().filter(|case| case.name != HARD_EDGES) {
         let mask = case.mask(&MapTechnique::<Pcss>::default());
@@ -388,8 +391,8 @@ fn lit_corners_stay_lit() {
     }
 }
 
-/// On the measured driver to the bit, as everywhere; random scenes seldom have such lights amid
-/// such casters.
+/// Masks are bit-equal on the pinned driver. Random scenes seldom have such lights among such
+/// casters.
 #[test]
 fn both_halves_agree() {
     for (_, case) in cases().iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
@@ -399,7 +402,7 @@ fn both_halves_agree() {
             .recipe(&case.view())
             .expect("maps serve lights with an extent");
         let mut gpu = gpu();
-        let other = gpu.render(&case.view(), &recipe).expect("plays").mask;
+        let other = gpu.render(&case.view(), &recipe).expect("renders").mask;
         let exact = gpu.promises_bits();
         let mut differing = 0;
         for (a, b) in cpu.iter().zip(&other) {
@@ -410,7 +413,7 @@ fn both_halves_agree() {
             };
             differing += usize::from(differs);
         }
-        // Elsewhere one pixel in 1,000 may hang on rounding, as in the other nets.
+        // Elsewhere one pixel in 1,000 may depend on rounding, as in the other tests.
         let most = if exact { 0 } else { cpu.len() / 1000 };
         assert!(
             differing <= most,

@@ -1,4 +1,4 @@
-//! Stable fits: a camera that moves changes no shadow.
+//! Tests of stable fits: a moving camera changes no shadow.
 
 use glam::{Affine3A, Mat4, UVec2, Vec2, Vec3};
 use umbrage_core::{
@@ -11,21 +11,21 @@ use umbrage_techniques::{Bias, Hard, MapFilter as _, MapTechnique, ShadowMap};
 const SIZE: u32 = 512;
 const RANGE: f32 = 40.0;
 const FRAMES: i32 = 30;
-/// 45 m of ground are seen around the sphere's middle: a texel is some 10 cm, and the camera goes
-/// 1.7 cm a frame.
+/// Movement of the camera in a frame. 45 m of ground around the sphere's centre are visible: a
+/// texel is about 10 cm, and the camera moves by 1.7 cm.
 const STEP: Vec3 = Vec3::new(0.013, 0.0, -0.011);
 const SUN: Light = Light::Directional {
     direction: Vec3::new(0.7, -1.0, 0.45),
     angular_diameter: 0.0,
 };
 
-/// Along a coordinate axis.
+/// A sun along a coordinate axis.
 const LEVEL_SUN: Light = Light::Directional {
     direction: Vec3::NEG_Z,
     angular_diameter: 0.0,
 };
 
-/// Frame by frame: pans by less than a texel, and yaws by a tenth of a degree.
+/// Returns the camera of a frame. It pans by less than a texel, and yaws by a tenth of a degree.
 fn camera(frame: i32, offset: Vec3) -> Camera {
     let turn = (frame as f32 * 0.1).to_radians();
     let eye = offset + Vec3::new(0.0, 3.0, 0.0) + STEP * frame as f32;
@@ -41,8 +41,8 @@ fn camera(frame: i32, offset: Vec3) -> Camera {
     .expect("a good camera")
 }
 
-/// Boxes of half a metre to three on 400 m of ground that casts nothing, and one that hangs 300 m
-/// up towards the sun.
+/// Boxes of half a metre to three on 400 m of ground that doesn't cast, and one that is 300 m up
+/// towards the sun.
 fn town(offset: Vec3) -> Geometry {
     let corner =
         |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
@@ -89,7 +89,7 @@ fn town(offset: Vec3) -> Geometry {
     Geometry::bake(&scene).expect("a good scene")
 }
 
-/// Points of the ground, each seen in every frame.
+/// Points of the ground that are visible in every frame.
 fn ground(offset: Vec3) -> Receivers {
     let size = UVec2::new(64, 48);
     let mut r = Receivers::empty(size);
@@ -116,7 +116,7 @@ fn technique(fit: Fit) -> MapTechnique<Hard> {
     })
 }
 
-/// Returns where the points fall within their texels, by f32 arithmetic, as lookups do it.
+/// Returns the positions of the points within their texels, in f32 arithmetic like that of lookups.
 fn places(clip_from_world: Mat4, points: &Receivers) -> Vec<Vec2> {
     let mut out = Vec::new();
     for p in points.positions() {
@@ -130,11 +130,11 @@ fn places(clip_from_world: Mat4, points: &Receivers) -> Vec<Vec2> {
     out
 }
 
-/// What happens on a map while the camera moves.
+/// Movements on a map while the camera moves.
 struct Drift {
-    /// The farthest that any point moves within its texel, texels.
+    /// Greatest movement of a point within its texel, texels.
     within_texel: f32,
-    /// How far the map moves, texels.
+    /// Movement of the map, texels.
     of_map: f32,
 }
 
@@ -151,7 +151,7 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> Drift {
         let now = fitted(fit, frame, offset, geometry, &mut cpu);
         for (a, b) in start.iter().zip(places(now, &points)) {
             let distance = (*a - b).abs();
-            // The texel's sides are one place: 0.99 and 0.01 are 0.02 apart.
+            // Wrap around the texel: 0.99 and 0.01 are 0.02 apart.
             let wrapped = distance.min(1.0 - distance).max_element();
             drift.within_texel = drift.within_texel.max(wrapped);
         }
@@ -162,7 +162,7 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> Drift {
     drift
 }
 
-/// Returns clip from world of the map that is fitted in a frame.
+/// Returns the clip-from-world matrix of the map that is fitted in a frame.
 fn fitted(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu) -> Mat4 {
     let camera = camera(frame, offset);
     let seen = cpu.receivers(&camera, geometry).expect("a good camera");
@@ -171,8 +171,8 @@ fn fitted(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu
     space.clip_from_world()
 }
 
-/// Near the origin, coordinates of some 10 half sides leave 2^-20 of a map's side, .0005 texels;
-/// farther out the sums are exact, since both sides of them are whole numbers of a coarse unit.
+/// Near the origin, coordinates of about 10 half sides have an error of 2^-20 of a map's side,
+/// .0005 texels. Farther out, sums are exact, since both operands are multiples of a coarse unit.
 const ROUNDING: f32 = 2e-3;
 
 #[test]
@@ -202,7 +202,8 @@ fn world_points_keep_their_place_within_a_texel() {
     }
 }
 
-/// How many of the points change their answer from any frame to the next, in all.
+/// Returns the number of changes of points between neighbouring frames, and the number of dark
+/// points in the last frame.
 fn shimmer(fit: Fit, offset: Vec3) -> (usize, usize) {
     let geometry = town(offset);
     let points = ground(offset);
@@ -243,13 +244,13 @@ fn stable_shadows_do_not_shimmer() {
         let (tight, _) = shimmer(Fit::Tight, offset);
         assert!(
             tight > 100,
-            "a tight fit is expected to shimmer, but only {tight} answers changed"
+            "a tight fit is expected to shimmer, but only {tight} results changed"
         );
     }
 }
 
-/// What is seen is on the map, with all that may throw a shadow onto it; with room for a kernel,
-/// too.
+/// All visible points are on the map, with all their possible casters, and with a margin for a
+/// kernel, too.
 #[test]
 fn all_that_matters_is_on_the_map() {
     let geometry = town(Vec3::ZERO);
@@ -280,11 +281,11 @@ fn all_that_matters_is_on_the_map() {
             let beside = clip.x.abs().max(clip.y.abs()) > 1.0;
             assert!(
                 beside || clip.z >= 0.0,
-                "the caster at {p} is cut by the near plane: {clip}"
+                "the caster at {p} is clipped by the near plane: {clip}"
             );
         }
     }
-    // One of them is far up, so that the near plane had to be drawn back.
+    // One of them is far up, so that the near plane had to be moved back.
     let camera = camera(0, Vec3::ZERO);
     let space = Fit::Stable { range: RANGE }
         .light_space(&View::new(&camera, &SUN, &geometry), SIZE, 0.0)
@@ -297,7 +298,7 @@ fn all_that_matters_is_on_the_map() {
     );
 }
 
-/// A camera that stands still and looks anywhere.
+/// A camera at a fixed position with any direction.
 fn turned(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
     let ahead = Vec3::new(
         yaw.sin() * pitch.cos(),
@@ -315,8 +316,8 @@ fn turned(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
     .expect("a good camera")
 }
 
-/// Maps around the camera stay where they are while it turns, whatever 32-bit floats make of its
-/// place; others move.
+/// Maps around the camera don't move while it turns, regardless of rounding of its position. Others
+/// move.
 #[test]
 fn a_camera_that_turns_moves_no_map_around_it() {
     let geometry = town(Vec3::ZERO);
@@ -332,8 +333,8 @@ fn a_camera_that_turns_moves_no_map_around_it() {
             0 => (SUN, Vec3::new(n, 3.0, -n)),
             1 => (SUN, Vec3::new(0.37 * n, 1.7 + 0.01 * n, 3.1 * n - 50.0)),
             2 => (SUN, Vec3::new(1e4 + n, 2.5, -3e4 - 0.77 * n)),
-            // Just between two steps of the near plane, so that the last bits of the camera's place
-            // decide.
+            // Put it between two steps of the near plane, so that the last bits of the camera's
+            // position decide.
             _ => (LEVEL_SUN, Vec3::new(0.37 * n + 1.3, 1.7, 0.0)),
         };
         for layout in [Layout::Single, cascades] {
@@ -359,7 +360,7 @@ fn a_camera_that_turns_moves_no_map_around_it() {
     assert!(moved > 400, "a stable fit moved only {moved} times of 560");
 }
 
-/// What docs/cascades.md says of the price: texels are 1.5 times as wide.
+/// The cost that docs/cascades.md states: texels are 1.5 times as wide.
 #[test]
 fn maps_around_the_camera_have_larger_texels() {
     let geometry = town(Vec3::ZERO);
@@ -378,7 +379,7 @@ fn maps_around_the_camera_have_larger_texels() {
     assert!((1.45..1.5).contains(&ratio), "{ratio}");
 }
 
-/// A map around the camera moves in steps that are far apart, and what is seen stays on it.
+/// A map around the camera moves in large steps, and contains all visible points.
 #[test]
 fn a_camera_that_walks_seldom_moves_the_map_around_it() {
     let geometry = town(Vec3::ZERO);
@@ -405,11 +406,11 @@ fn a_camera_that_walks_seldom_moves_the_map_around_it() {
             assert!(is_held, "{p} falls on {clip} in frame {frame}");
         }
     }
-    // The map is 100 m wide: steps of 3 m, on 20 m of way across two axes.
+    // The map is 100 m wide, with steps of 3 m, on a path of 20 m across two axes.
     assert!((3..=20).contains(&maps.len()), "{} maps", maps.len());
 }
 
-/// Lamps' stable fits hang on nothing that is seen; tight ones do.
+/// Stable fits of point and spot lights don't depend on the view; tight ones do.
 #[test]
 fn lamps_stand_still() {
     let geometry = town(Vec3::ZERO);

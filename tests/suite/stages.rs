@@ -1,5 +1,5 @@
-//! The third net: single stages, the GPU's fed with the CPU's images, so that differences can't
-//! pass from one stage to the next and a red test names the stage.
+//! The third test of twins: single stages. The GPU's receive the CPU's images, so that differences
+//! can't pass from one stage to the next, and a failure names the stage.
 
 use glam::UVec2;
 use umbrage_core::{Backend, Geometry, Image, Receivers, Recipe, ShadowTechnique, View};
@@ -20,7 +20,7 @@ struct Played {
     mask: Vec<f32>,
 }
 
-/// Plays a recipe on the CPU and keeps everything.
+/// Executes a recipe on the CPU and keeps all results.
 fn play(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<Played> {
     let mut recipe = technique.recipe(view).ok()?;
     recipe.keep_images = true;
@@ -60,11 +60,11 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
             }
         }
     }
-    assert!(played > 60, "only {played} recipes were played");
+    assert!(played > 60, "only {played} recipes were executed");
 }
 
-/// On drivers other than the measured one, this share of values may differ by more than a step of
-/// an 8-bit image: the design's cap on pixels whose answer hangs on rounding.
+/// Fraction of values that may differ by more than a step of an 8-bit image on drivers other than
+/// the pinned one: the design's limit for pixels whose result depends on rounding.
 const LOOSE_SHARE: f64 = 1e-3;
 
 fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {
@@ -103,8 +103,8 @@ fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {
 fn casts_are_equal() {
     for_each_recipe(|view, mut p, label| {
         p.recipe.filters.clear();
-        let cpu = Cpu::new().render(view, &p.recipe).expect("plays").images;
-        let gpu = gpu().render(view, &p.recipe).expect("plays").images;
+        let cpu = Cpu::new().render(view, &p.recipe).expect("renders").images;
+        let gpu = gpu().render(view, &p.recipe).expect("renders").images;
         for (a, b) in cpu.iter().zip(&gpu) {
             equal(a.desc.label, label, &a.texels, &b.texels);
         }
@@ -118,10 +118,10 @@ fn filters_are_equal() {
             let output = p.recipe.filters[index].output;
             let cpu = Cpu::new()
                 .replay_filter(&p.recipe, index, &p.images)
-                .expect("plays");
+                .expect("renders");
             let gpu = gpu()
                 .replay_filter(&p.recipe, index, &p.images)
-                .expect("plays");
+                .expect("renders");
             equal(
                 p.recipe.images[output].label,
                 label,
@@ -138,12 +138,12 @@ fn lookups_are_equal() {
         let view = view.with_receivers(&p.receivers);
         let gpu = gpu()
             .replay_receive(&view, &p.recipe, &p.images)
-            .expect("plays");
+            .expect("renders");
         equal("mask", label, &p.mask, &gpu);
     });
 }
 
-/// The map is turned upside down for the GPU alone: the masks must differ.
+/// Negative control: the map is turned upside down for the GPU alone, and the masks must differ.
 #[test]
 fn a_spoilt_map_is_caught() {
     let scene = (find("cubes").expect("a built-in scene").build)();
@@ -161,6 +161,6 @@ fn a_spoilt_map_is_caught() {
     let view = view.with_receivers(&p.receivers);
     let spoilt = gpu()
         .replay_receive(&view, &p.recipe, &p.images)
-        .expect("plays");
+        .expect("renders");
     assert!(p.mask.iter().zip(&spoilt).any(|(a, b)| a != b));
 }

@@ -1,4 +1,4 @@
-//! The README lists the techniques that there are.
+//! Test of the README's list of techniques.
 
 use umbrage_tests::technique_table::{check, path, table, with_table};
 

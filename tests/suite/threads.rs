@@ -1,5 +1,5 @@
-//! Threads change no result: the CPU backend's own, vector instructions, and a program's that polls
-//! the device.
+//! Tests that threads change no result: the CPU backend's, vector instructions, and a program's
+//! thread that polls the device.
 
 use glam::UVec2;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +11,7 @@ use umbrage_tests::gpu::gpu;
 
 #[test]
 fn threads_and_vectors_change_nothing() {
-    // The last one has a light with an extent, under which soft shadows search and filter.
+    // The last one has an area light, for which soft shadows search and filter.
     for name in ["cubes", "figure", "teapot-lamp"] {
         let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         if !scene.lights[0].is_ideal() {
@@ -27,7 +27,7 @@ fn threads_and_vectors_change_nothing() {
             let render = |threads: usize, simd: Simd| {
                 let options = CpuOptions::default().threads(threads).simd(simd);
                 let mut cpu = Cpu::with_options(&options).expect("threads start");
-                let s = cpu.render(&view, &recipe).expect("plays");
+                let s = cpu.render(&view, &recipe).expect("renders");
                 let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 let images: Vec<_> = s.images.iter().map(|i| bits(&i.texels)).collect();
                 (
@@ -50,8 +50,8 @@ fn threads_and_vectors_change_nothing() {
     }
 }
 
-/// A program may poll the device in a thread of its own, which then calls what a read-back waits
-/// for.
+/// A program may poll the device on a separate thread, which then executes the callbacks of a
+/// readback.
 #[test]
 fn read_backs_wait_for_callbacks_of_other_threads() {
     let scene = (umbrage_scenes::find("cubes")
@@ -61,7 +61,7 @@ fn read_backs_wait_for_callbacks_of_other_threads() {
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let recipe = MapTechnique::<Hard>::default()
         .recipe(&view)
-        .expect("plays");
+        .expect("renders");
     let mut gpu = gpu();
     let device = gpu.device().0.clone();
     let is_over = AtomicBool::new(false);

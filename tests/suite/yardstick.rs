@@ -1,4 +1,4 @@
-//! The lab's yardstick: the same work on both backends.
+//! Test of the lab's yardstick: the same work on both backends.
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View, join};
 use umbrage_cpu::Cpu;
@@ -31,10 +31,10 @@ fn the_yardstick_is_the_same_work_on_both_backends() {
             .expect("uniforms lie where the shader reads them");
         let mine = Cpu::new()
             .render(&view, &yardstick.recipe)
-            .expect("plays")
+            .expect("renders")
             .mask;
-        let theirs = gpu().render(&view, &yardstick.recipe).expect("plays").mask;
-        // Whole numbers throughout, but for the last division.
+        let theirs = gpu().render(&view, &yardstick.recipe).expect("renders").mask;
+        // All numbers are integers up to the last division.
         let differing = mine
             .iter()
             .zip(&theirs)

@@ -1,4 +1,4 @@
-//! Inputs for twins: many kinds of number, always the same ones.
+//! Inputs for twins: many kinds of numbers, the same ones in every run.
 
 use super::wrapper::{count, scalar};
 use proptest::{
@@ -13,17 +13,17 @@ use std::{
 };
 use umbrage_core::Twin;
 
-/// How many inputs each pair is run on; a multiple of the wrapper's workgroup size.
+/// Number of inputs for each pair, a multiple of the wrapper's workgroup size.
 pub const COUNT: usize = 65_536;
 
-/// Inputs that were drawn, by the types of their parameters.
+/// Cache of inputs, by the types of their parameters.
 type Drawn = HashMap<Vec<&'static str>, Arc<[u32]>>;
 
-/// Returns the words of [`COUNT`] inputs, one after the other. Twins of the same parameters get the
-/// same inputs in every run; they are drawn once, as that takes a second.
+/// Returns the words of [`COUNT`] inputs, one after the other. Twins with the same parameters
+/// receive the same inputs in every run. They are drawn once, which takes a second.
 pub fn draw(twin: &Twin) -> Arc<[u32]> {
     static DRAWN: LazyLock<Mutex<Drawn>> = LazyLock::new(Mutex::default);
-    // A test that failed while it held the lock says so itself.
+    // A test that failed while it held the lock reports that itself.
     let mut drawn = DRAWN.lock().unwrap_or_else(PoisonError::into_inner);
     drawn
         .entry(twin.parameters.to_vec())
@@ -55,17 +55,17 @@ fn draw_anew(twin: &Twin) -> Arc<[u32]> {
         .collect()
 }
 
-/// What the numbers of one input have in common. Independent wild numbers seldom meet: a ray among
-/// them hits nothing.
+/// Relation between the numbers of one input. Independent random numbers seldom interact: a ray
+/// among them hits nothing.
 #[derive(Clone, Copy)]
 enum Mood {
-    /// Like positions in a unit cube.
+    /// Positions in a unit cube.
     Cube,
     /// Few values: many ties, zeros and degenerate shapes.
     Grid,
-    /// All sizes from 1e-6 to 1e6.
+    /// Magnitudes from 1e-6 to 1e6.
     Scales,
-    /// Each of its own kind, zeros of both signs and extremes among them.
+    /// A separate kind for each number, including zeros of both signs and extremes.
     Any,
 }
 
@@ -97,11 +97,11 @@ fn float(mood: Mood) -> BoxedStrategy<f32> {
     }
 }
 
-/// Extremes whose products and quotients still are normal numbers or overflow: drivers may flush
-/// denormal ones. Two are just below a power of two, where a driver's quotient may lie above it:
-/// one ends in a set bit, the other does not. Of the last two, `root` needs its last step: before
-/// it, the modelled driver's root of one is too low, of the other too high (8 numbers of all in
-/// 1..4 are such).
+/// Extremes whose products and quotients are still normal numbers or overflow, since drivers may
+/// flush denormal ones. Two are just below a power of two, where a driver's quotient may be above
+/// it: one ends in a set bit, the other does not. The last two need the final step of `root`:
+/// without it, the modelled driver's root of one is too low, of the other too high (only 8 numbers
+/// in 1..4 have this property).
 const SPECIAL: [f32; 15] = [
     0.0,
     -0.0,

@@ -1,4 +1,4 @@
-//! The first of four nets: each twin function, both halves, on the same 65,536 inputs.
+//! The first of four tests of twins: both halves of each twin function, on the same 65,536 inputs.
 
 mod inputs;
 mod mutants;
@@ -14,7 +14,7 @@ pub use wrapper::{shader, wgsl_types};
 use crate::{adapter::TestDevice, driver_model::DriverModel};
 use umbrage_core::Twin;
 
-/// Why a pair of twins is none.
+/// Reason why a pair is not a pair of twins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// The WGSL doesn't compile.
@@ -22,17 +22,17 @@ pub enum Fault {
     Wgsl {
         /// The pair.
         twin: &'static str,
-        /// What the compiler said.
+        /// The compiler's message.
         message: String,
     },
-    /// The WGSL half is missing, or takes or gives other types than the Rust half.
+    /// The WGSL half is missing, or its parameters or result have other types than the Rust half's.
     #[error("`{twin}` in Rust is {rust}; in WGSL it is {wgsl}")]
     Signature {
         /// The pair.
         twin: &'static str,
-        /// `(vec3f, f32) -> f32`
+        /// Types such as `(vec3f, f32) -> f32`.
         rust: String,
-        /// The same for WGSL; `missing`.
+        /// Types of the WGSL half, or `missing`.
         wgsl: String,
     },
     /// The halves disagree.
@@ -42,21 +42,21 @@ pub enum Fault {
     Differs {
         /// The pair.
         twin: &'static str,
-        /// How often.
+        /// Number of different results.
         count: usize,
         /// The pair's tolerance.
         allowed: u32,
         /// The worst case.
         worst: Box<Difference>,
     },
-    /// Nearly all results are the same, or not a number: the inputs prove nothing.
+    /// Nearly all results are equal, or NaN: the inputs prove nothing.
     #[error(
         "`{twin}`: {useful} of {COUNT} results differ from the commonest and are numbers, too few to prove anything"
     )]
     Dull {
         /// The pair.
         twin: &'static str,
-        /// How many prove something.
+        /// Number of meaningful results.
         useful: usize,
     },
 }
@@ -64,15 +64,15 @@ pub enum Fault {
 /// Runs both halves of a pair on `inputs`, and returns the greatest difference in ulps.
 ///
 /// # Errors
-/// Errors if they aren't twins.
+/// Returns an error if they aren't twins.
 pub fn check(on: &TestDevice, twin: &Twin, inputs: &[u32]) -> Result<u64, Fault> {
     check_under(on, twin, inputs, None)
 }
 
-/// The same with the WGSL half on a driver that rounds otherwise.
+/// Runs [`check`] with the WGSL half on a driver that rounds differently.
 ///
 /// # Errors
-/// Errors if they aren't twins there.
+/// Returns an error if they aren't twins there.
 pub fn check_under(
     on: &TestDevice,
     twin: &Twin,

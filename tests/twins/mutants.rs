@@ -1,9 +1,9 @@
-//! Spoilt twins: the WGSL half with one operator changed.
+//! Mutants of twins: the WGSL half with one operator changed.
 
 use std::ops::Range;
 use umbrage_core::{Module, Twin};
 
-/// Each operator of interest, and what a slip of the pen makes of it.
+/// Each operator of interest, and its mutation.
 const SLIPS: [(&str, &str); 15] = [
     (" + ", " - "),
     (" - ", " + "),
@@ -13,7 +13,7 @@ const SLIPS: [(&str, &str); 15] = [
     (" <= ", " > "),
     (" > ", " <= "),
     (" >= ", " < "),
-    // Whether the border belongs: many inputs lie on zero, few on anything else.
+    // Mutate the inclusion of the border: many inputs are zero, and few are at other borders.
     (" < 0.0", " <= 0.0"),
     (" <= 0.0", " < 0.0"),
     (" > 0.0", " >= 0.0"),
@@ -23,12 +23,12 @@ const SLIPS: [(&str, &str); 15] = [
     ("[3]", "[2]"),
 ];
 
-/// A spoilt twin, and the line that was spoilt.
+/// A mutant, and its changed line.
 pub type Mutant = (Twin, String);
 
-/// Returns the twin with one operator of its WGSL half changed: once for every operator of its
-/// function, and of those that it calls in the same module and that are not `others`, twins with
-/// mutants of their own.
+/// Returns the mutants of a twin, each with one changed operator of its WGSL half. The operators
+/// are those of its function, and of functions that it calls in the same module, except `others`,
+/// which are twins with their own mutants.
 pub fn mutants(twin: &Twin, others: &[&str]) -> Vec<Mutant> {
     let text = twin.module.text;
     let mut out = Vec::new();
@@ -53,7 +53,7 @@ fn is_in_comment(text: &str, at: usize) -> bool {
     text[line..at].contains("//")
 }
 
-/// Returns the bodies of a function and of all that it calls but `others`, as ranges of `text`.
+/// Returns the bodies of a function and of all that it calls except `others`, as ranges of `text`.
 fn reached(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
     let bodies = bodies(text);
     let mut names = vec![function];
@@ -79,8 +79,8 @@ fn reached(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Every function's name, and its range from the opening brace on. A closing brace in the first
-/// column ends it.
+/// Returns every function's name, and its range from the opening brace on. A closing brace in the
+/// first column ends it.
 fn bodies(text: &str) -> Vec<(&str, Range<usize>)> {
     let functions = text.match_indices("\nfn ").filter_map(|(at, _)| {
         let name = &text[at + 4..][..text[at + 4..].find('(')?];
@@ -96,7 +96,7 @@ fn with_text(twin: &Twin, text: String) -> Mutant {
         .zip(twin.module.text.lines())
         .find(|(a, b)| a != b);
     let line = spoilt.map_or("", |(line, _)| line.trim()).to_owned();
-    // A module's text lives as long as the program; so few spoilt ones may, too.
+    // Leak the few mutated texts, since a module's text is static.
     (
         Twin {
             module: Module {

@@ -1,4 +1,4 @@
-//! One compute pass: words in, words out.
+//! One compute pass from words to words.
 
 use crate::adapter::TestDevice;
 use wgpu::util::DeviceExt as _;
@@ -41,7 +41,7 @@ fn dispatch(
     outputs: usize,
     count: usize,
 ) -> Vec<u32> {
-    // The last word is the 0 that no compiler knows.
+    // The last word is a 0 that is unknown to the compiler.
     let words = [inputs, &[0]].concat();
     let input = on
         .device

@@ -1,21 +1,21 @@
-//! Comparing results word by word, in units in the last place.
+//! Comparison of results word by word, in units in the last place.
 
 use super::{COUNT, Fault, wrapper};
 use std::{collections::HashMap, fmt};
 use umbrage_core::Twin;
 
-/// One input on which two halves disagree.
+/// One input on which two halves differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// In units in the last place; `u64::MAX` if just one of them is not a number.
+    /// Difference in units in the last place, or `u64::MAX` if just one of them is NaN.
     pub ulps: u64,
     /// The input's words.
     pub input: Vec<u32>,
-    /// What Rust gave.
+    /// Result of Rust.
     pub rust: Vec<u32>,
-    /// What the GPU gave.
+    /// Result of the GPU.
     pub wgsl: Vec<u32>,
-    /// Whether the words of input and results are floats, for printing.
+    /// `true` for floats among the words of input and results, for printing.
     floats: [Vec<bool>; 2],
 }
 
@@ -56,8 +56,8 @@ fn spell(words: &[u32], floats: &[bool]) -> String {
     )
 }
 
-/// How far two words are apart: floats in ulps, where all that are no numbers count as equal;
-/// integers as such.
+/// Returns the difference of two words: in ulps for floats, where all NaNs are equal, and as
+/// numbers for integers.
 pub fn difference(a: u32, b: u32, float: bool) -> u64 {
     if !float {
         return u64::from(a.abs_diff(b));
@@ -69,8 +69,8 @@ pub fn difference(a: u32, b: u32, float: bool) -> u64 {
     }
 }
 
-/// Floats in order of value. Both zeros count as one: WGSL leaves open which of them `min` and
-/// `max` return.
+/// Maps floats to integers in order of value. Both zeros are equal: WGSL doesn't define which of
+/// them `min` and `max` return.
 fn ordered(bits: u32) -> i64 {
     let magnitude = i64::from(bits & 0x7fff_ffff);
     if bits >> 31 == 1 {
@@ -87,7 +87,7 @@ fn floats(types: &[&str]) -> Vec<bool> {
         .collect()
 }
 
-/// The greatest difference, or a fault with the worst case if it is not allowed.
+/// Returns the greatest difference, or an error with the worst case if it is not allowed.
 pub(super) fn compare(
     twin: &Twin,
     inputs: &[u32],
@@ -134,7 +134,7 @@ pub(super) fn compare(
     })
 }
 
-/// Objects when under one in a hundred results says something.
+/// Returns an error if less than one in a hundred results is meaningful.
 pub(super) fn useful(twin: &Twin, expected: &[u32]) -> Result<(), Fault> {
     let kinds = floats(&[twin.result]);
     let mut counts: HashMap<&[u32], usize> = HashMap::new();

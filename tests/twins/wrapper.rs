@@ -1,10 +1,10 @@
-//! The compute shader around the WGSL half of a twin, written from its declaration.
+//! The compute shader around the WGSL half of a twin, generated from its declaration.
 
 use super::Fault;
 use naga::{Module as Naga, ScalarKind, TypeInner};
 use umbrage_core::{MATH, Module, Twin, join};
 
-/// How many 32-bit words a WGSL type takes: its own digits say so.
+/// Returns the number of 32-bit words of a WGSL type, from the digits in its name.
 pub(super) fn count(wgsl: &str) -> usize {
     let digits: Vec<usize> = wgsl
         .chars()
@@ -22,7 +22,7 @@ pub(super) fn count(wgsl: &str) -> usize {
     }
 }
 
-/// The WGSL scalar type of a type's components.
+/// Returns the WGSL scalar type of a type's components.
 pub(super) fn scalar(wgsl: &str) -> &'static str {
     match wgsl.trim_end_matches("32").chars().last() {
         Some('u') => "u32",
@@ -31,11 +31,11 @@ pub(super) fn scalar(wgsl: &str) -> &'static str {
     }
 }
 
-/// The whole shader: what the half needs, the half, and the wrapper.
+/// Returns the whole shader: the half's dependencies, the half, and the wrapper.
 ///
 /// # Errors
-/// Errors if the half doesn't compile by itself, is missing, or has another signature than the Rust
-/// half.
+/// Returns an error if the half doesn't compile by itself, is missing, or has another signature
+/// than the Rust half.
 pub fn shader(twin: &Twin) -> Result<String, Fault> {
     let modules = join(&modules(twin));
     let naga = naga::front::wgsl::parse_str(&modules).map_err(|e| Fault::Wgsl {
@@ -47,7 +47,8 @@ pub fn shader(twin: &Twin) -> Result<String, Fault> {
     Ok(modules + &wrapper(twin, has_opaque_zero))
 }
 
-/// `math`, the needs and the half's own module; each once, and the twin's own text wins.
+/// Returns `math`, the dependencies and the half's own module, each once. The twin's own text takes
+/// precedence.
 fn modules(twin: &Twin) -> Vec<Module> {
     let mut out: Vec<Module> = Vec::new();
     for module in [&[MATH], twin.needs].concat() {
@@ -59,8 +60,8 @@ fn modules(twin: &Twin) -> Vec<Module> {
     out
 }
 
-/// The types of a function's parameters and result, as WGSL spells them for short; nothing if it is
-/// missing.
+/// Returns the types of a function's parameters and result in WGSL's short spelling. `None` if it
+/// is missing.
 pub fn wgsl_types(naga: &Naga, function: &str) -> Option<(Vec<String>, String)> {
     let (_, f) = naga
         .functions
@@ -142,7 +143,7 @@ fn wrapper(twin: &Twin, has_opaque_zero: bool) -> String {
             )
         })
         .collect();
-    // Without it a compiler may fuse what the module keeps apart.
+    // Without it, a compiler may fuse operations that the module keeps apart.
     let set_opaque_zero = if has_opaque_zero {
         "    opaque_zero = twin_in[arrayLength(&twin_in) - 1u];\n"
     } else {
@@ -159,7 +160,7 @@ fn wrapper(twin: &Twin, has_opaque_zero: bool) -> String {
     )
 }
 
-/// How to read a value's `k`th component.
+/// Returns the expression for a value's `k`th component.
 fn component(wgsl: &str, k: usize) -> String {
     match count(wgsl) {
         1 => String::new(),

@@ -1,4 +1,4 @@
-//! The one list of commands, and which program each is part of.
+//! The list of commands, and the program of each.
 
 use std::ffi::OsString;
 
@@ -8,16 +8,16 @@ pub(crate) struct Command {
     pub(crate) name: &'static str,
     pub(crate) summary: &'static str,
     pub(crate) program: Program,
-    /// What `--help` prints, where it is kept in a file: as its program's test wrote it.
+    /// Text of `--help`, if it is kept in a file, which the program's test writes.
     pub(crate) help: Option<&'static str>,
 }
 
-/// A program behind commands.
+/// A program that implements commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Program {
-    /// Measures, and so is optimised.
+    /// The measuring program, which is built optimised.
     Measure,
-    /// Tests and checks.
+    /// The program that tests and checks.
     Upkeep,
 }
 
@@ -48,8 +48,8 @@ impl Program {
 }
 
 impl Command {
-    /// Returns the command with the program that these arguments are for: `card --pack` builds, and
-    /// so is part of the other program.
+    /// Returns the command with the program for these arguments: `card --pack` builds programs, so
+    /// it is part of the other program.
     pub(crate) fn for_arguments(&self, arguments: &[OsString]) -> Self {
         let is_pack = |argument: &OsString| {
             let text = argument.to_string_lossy();
@@ -88,52 +88,52 @@ pub(crate) const COMMANDS: [Command; 16] = [
     ),
     measure(
         "stability",
-        "Play the catalogue of failures: where each technique passes, degrades or fails",
+        "Run the failure tests: where each technique passes, degrades or fails",
         include_str!("../help/stability.snap"),
     ),
     measure(
         "plan",
-        "Find the least that a scene needs: the cheapest technique within an error, time or memory",
+        "Plan the cheapest technique for a scene within bounds of error, time or memory",
         include_str!("../help/plan.snap"),
     ),
     measure(
         "which",
-        "Write which technique to use by light, size, motion and budget, from what was measured",
+        "Write recommendations by light, size, motion and budget, from measured results",
         include_str!("../help/which.snap"),
     ),
     measure(
         "bias",
-        "Compare the default bias with the best that could be tuned by hand",
+        "Compare the default bias with the best manually tuned one",
         include_str!("../help/bias.snap"),
     ),
     measure(
         "merge",
-        "Join the reports of a comparison's shards",
+        "Join the reports of the shards of a comparison",
         include_str!("../help/merge.snap"),
     ),
     measure(
         "bench",
-        "Time the CPU backend, the wgpu backend and ray tracing against their yardsticks",
+        "Time the CPU backend, the wgpu backend and ray tracing against reference implementations",
         include_str!("../help/bench.snap"),
     ),
     measure(
         "card",
-        "Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes",
+        "Measure a graphics card: its rounding, agreement with the CPU, and frame times",
         include_str!("../help/card.snap"),
     ),
     measure(
         "wgsl",
-        "Print the shader text of a technique, as it is pasted into a shader",
+        "Print the shader text of a technique, to paste into a shader",
         include_str!("../help/wgsl.snap"),
     ),
     upkeep("test", "Run all tests, with a graphics adapter"),
     upkeep(
         "bless",
-        "Make golden images anew, after you have looked at what changed",
+        "Write golden images again, after you have reviewed the changes",
     ),
     upkeep(
         "tidy",
-        "Measure functions and files, and refuse what house style refuses",
+        "Check the style: sizes of functions and files, names and text",
     ),
     upkeep("ci", "Run tests, tidy, format, clippy, docs and packaging"),
     upkeep("web", "Build the viewer for browsers, and serve it"),
@@ -143,6 +143,6 @@ pub(crate) const COMMANDS: [Command; 16] = [
     ),
     upkeep(
         "release-check",
-        "Run what a release has to pass besides `ci`: oldest Rust, licences, versions, Miri, publishing",
+        "Run the release checks in addition to `ci`: oldest Rust, licences, versions, Miri, publishing",
     ),
 ];

@@ -1,4 +1,4 @@
-//! What can be said of commands before their programs are built, which takes minutes.
+//! Help on commands whose programs are not built yet, which takes minutes.
 
 use crate::{
     WRONG_USAGE,
@@ -8,34 +8,35 @@ use std::{ffi::OsString, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask compare                   every built-in scene, technique and backend: table and report
-  cargo xtask stability --quick         where each technique fails: a matrix with pictures
-  cargo xtask plan cubes --max-time 2   the best shadows for that scene within two milliseconds
-  cargo xtask test --install-driver     all tests, on a software driver if need be
-  cargo xtask ci                        all that a change has to pass";
+  cargo xtask compare                   built-in scenes, all techniques and backends: table, report
+  cargo xtask stability --quick         where each technique fails: a matrix with images
+  cargo xtask plan cubes --max-time 2   most accurate shadows of a scene within two milliseconds
+  cargo xtask test --install-driver     all tests, on a software driver if there is no other
+  cargo xtask ci                        all checks of a change";
 
 /// Returns the list of all commands.
 pub(crate) fn overview() -> String {
     let mut text =
-        "umbrage's own commands\n\nUsage: cargo xtask <COMMAND>\n\nCommands:\n".to_owned();
+        "Runs umbrage's development commands\n\nUsage: cargo xtask <COMMAND>\n\nCommands:\n"
+            .to_owned();
     for command in &COMMANDS {
         text += &format!("  {:<10} {}\n", command.name, command.summary);
     }
-    text += "\nEach has `--help` with examples: cargo xtask compare --help\n\n";
+    text += "\nEach command has `--help` with examples: cargo xtask compare --help\n\n";
     text + EXAMPLES
 }
 
-/// Returns what to say of a command that does not exist.
+/// Returns the error message for an unknown command.
 pub(crate) fn unknown(name: &str) -> String {
     let names: Vec<&str> = COMMANDS.iter().map(|command| command.name).collect();
     format!(
-        "error: there is no command `{name}`: use one of {}; `cargo xtask --help` says what each does",
+        "error: there is no command `{name}`: use one of {}; `cargo xtask --help` describes them",
         names.join(", ")
     )
 }
 
-/// Answers a call for help, and one with an option that the command doesn't have. Returns the exit
-/// code, or nothing where the program itself has to answer.
+/// Handles `--help` and unknown options. Returns the exit code, or `None` if the program itself
+/// must handle the arguments.
 pub(crate) fn before_building(command: &Command, arguments: &[OsString]) -> Option<ExitCode> {
     let help = text_of(command.help?);
     let words: Vec<&str> = arguments
@@ -52,7 +53,7 @@ pub(crate) fn before_building(command: &Command, arguments: &[OsString]) -> Opti
     Some(ExitCode::from(WRONG_USAGE))
 }
 
-/// Returns a snapshot's text, without the two lines of dashes and what stands between them.
+/// Returns a snapshot's text without its header between two lines of dashes.
 fn text_of(snapshot: &str) -> &str {
     match snapshot.splitn(3, "---\n").nth(2) {
         Some(text) => text,
@@ -60,7 +61,7 @@ fn text_of(snapshot: &str) -> &str {
     }
 }
 
-/// Returns whether a word is an option (`--size`, `--size=640x480`) that does not occur in the
+/// Reports whether a word is an option (`--size`, `--size=640x480`) that does not occur in the
 /// command's help.
 fn is_unknown_option(word: &str, help: &str) -> bool {
     let option = word.split('=').next().unwrap_or(word);
@@ -86,7 +87,7 @@ mod tests {
             let usage = format!("Usage: cargo xtask {}", command.name);
             assert!(text.contains(&usage), "{text}");
             assert!(!text.contains("source:"), "{text}");
-            // These print what they have to say.
+            // These two print their results.
             let prints = ["bench", "wgsl"].contains(&command.name);
             assert!(is_unknown_option("--out", text) == prints, "{text}");
             assert!(is_unknown_option("--ouch", text));

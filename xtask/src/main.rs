@@ -1,5 +1,5 @@
-//! Starts the project's own commands. Each is part of one of two programs, which are built when
-//! they are first asked for: `xtask-measure` (optimised) and `xtask-upkeep`.
+//! Starts the repository's commands. Each is part of one of two programs, which are built on first
+//! use: `xtask-measure` (optimised) and `xtask-upkeep`.
 
 #[path = "../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Builds the command's program if need be, runs it, and returns its exit code.
+/// Builds the command's program if needed, runs it, and returns its exit code.
 fn run(command: &Command, built: bool, arguments: &[OsString]) -> std::io::Result<i32> {
     let mut cargo = process::Command::new(cargo());
     cargo.arg("run").args(command.program.profile());
@@ -59,7 +59,7 @@ fn run(command: &Command, built: bool, arguments: &[OsString]) -> std::io::Resul
     if built {
         cargo.env("CARGO_TERM_QUIET", "true");
     } else if command.program == Program::Measure {
-        println!("building what measures, optimised: this takes some minutes the first time");
+        println!("building the benchmark tools (release): this takes some minutes the first time");
     }
     let status = cargo.status()?;
     Ok(status.code().unwrap_or(1))
@@ -75,8 +75,8 @@ fn repository() -> &'static Path {
     package.parent().unwrap_or(package)
 }
 
-/// Returns whether the program has been built before. Cargo puts it into a folder beside the one
-/// that this program is in, or into the same.
+/// Reports whether the program has been built before. Cargo puts it into a folder next to this
+/// program's, or into the same one.
 fn is_built(program: Program) -> bool {
     let file = format!("{}{}", program.package(), env::consts::EXE_SUFFIX);
     target_folder().is_some_and(|target| target.join(program.folder()).join(file).is_file())

@@ -1,4 +1,4 @@
-//! What `cargo xtask` itself says, where nobody reads it.
+//! Output of `cargo xtask` itself that is not read.
 
 mod unread;
 

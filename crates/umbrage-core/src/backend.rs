@@ -1,4 +1,4 @@
-//! The trait that a backend implements, and what it gives back.
+//! The trait that a backend implements, and its output.
 
 use crate::{
     gbuffer::receivers::Receivers,
@@ -10,23 +10,23 @@ use crate::{
 use glam::UVec2;
 use std::time::Duration;
 
-/// Plays recipes.
+/// Executes recipes.
 pub trait Backend {
-    /// For people: `cpu`, or `wgpu: NVIDIA H200 (Vulkan)`.
+    /// Full name for display: `cpu`, or `wgpu: NVIDIA H200 (Vulkan)`.
     fn name(&self) -> &str;
 
-    /// A short word for file names and columns: `cpu` or `wgpu`.
+    /// Short name for file names and columns: `cpu` or `wgpu`.
     fn kind(&self) -> &'static str;
 
-    /// How its rasteriser rounds vertices.
+    /// Returns the vertex rounding of the backend's rasteriser.
     fn snapping(&self) -> Snapping {
         Snapping::default()
     }
 
-    /// Plays a recipe. Without `view.receivers`, receivers come from `view.geometry`.
+    /// Executes a recipe. Computes receivers from `view.geometry` if `view.receivers` is `None`.
     ///
     /// # Errors
-    /// Errors if input is missing or bad, or the device fails.
+    /// Errors if input is missing or invalid, or the device fails.
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError>;
 }
 
@@ -35,23 +35,23 @@ pub trait Backend {
 pub struct Shadows {
     /// Image size, pixels.
     pub size: UVec2,
-    /// Visibility of the light, 0..=1, rows from the top; 1 where nothing is seen or nothing
-    /// receives.
+    /// Visibility of the light, 0..=1, rows from the top; 1 where a pixel is empty or receives no
+    /// shadow.
     pub mask: Vec<f32>,
-    /// The receivers that the backend made, if the view had none.
+    /// Receivers that the backend computed; `None` if the view provided them.
     pub receivers: Option<Receivers>,
     /// Linear colours, rows from the top, if the recipe shades.
     pub picture: Option<Vec<[f32; 4]>>,
-    /// The recipe's images, if it asked for them.
+    /// The recipe's images, if it requests them.
     pub images: Vec<Image>,
-    /// How long the stages took.
+    /// GPU or CPU time of each stage.
     pub timings: Timings,
     /// Bytes held for images, tables and receivers.
     pub bytes: u64,
 }
 
 impl Shadows {
-    /// The mask as bytes, 0 dark to 255 lit, for saving as an 8-bit grey picture.
+    /// Returns the mask as bytes, 0 dark to 255 lit, for saving as an 8-bit grey image.
     pub fn mask_bytes(&self) -> Vec<u8> {
         self.mask
             .iter()
@@ -60,22 +60,22 @@ impl Shadows {
     }
 }
 
-/// How long the stages took, without compilation, upload and read-back. `None`: not played, or not
-/// measurable here.
+/// Durations of the stages, without compilation, upload and readback. `None` if a stage did not
+/// run, or can't be measured on this backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timings {
-    /// Finding the receivers.
+    /// Computation of the receivers.
     pub receivers: Option<Duration>,
     /// All casts.
     pub cast: Option<Duration>,
     /// All filters.
     pub filter: Option<Duration>,
-    /// The lookup.
+    /// The receive stage.
     pub receive: Option<Duration>,
 }
 
 impl Timings {
-    /// Casts, filters and lookup together: what shadows cost a frame.
+    /// Returns the sum of the cast, filter and receive stages: the shadow cost of a frame.
     pub fn total(&self) -> Duration {
         [self.cast, self.filter, self.receive]
             .into_iter()
@@ -84,30 +84,30 @@ impl Timings {
     }
 }
 
-/// Why a backend gave no mask.
+/// Error of a backend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BackendError {
     /// Input that cannot be used.
     #[error(transparent)]
     Invalid(#[from] Invalid),
-    /// No graphics adapter that fits.
-    #[error("no graphics adapter fits `{wanted}` (found: {found}); {help}")]
+    /// No graphics adapter matches the request.
+    #[error("no graphics adapter matches `{wanted}` (found: {found}); {help}")]
     NoAdapter {
-        /// What was asked for.
+        /// The requested adapter.
         wanted: String,
-        /// What there is.
+        /// The available adapters.
         found: String,
-        /// What to install or to ask for instead.
+        /// Advice: an adapter to install or request instead.
         help: String,
     },
-    /// The device went away.
-    #[error("the graphics device was lost: {0}; make a new backend")]
+    /// The device was lost.
+    #[error("the graphics device was lost: {0}; create a new backend")]
     DeviceLost(String),
     /// Not enough memory.
     #[error("out of memory: {0}; use smaller maps or images")]
     OutOfMemory(String),
-    /// The graphics API objected: a fault of ours or of a user's kernel.
-    #[error("the graphics API objected: {0}")]
+    /// The graphics API reported a validation error: a bug in umbrage or in a user's kernel.
+    #[error("the graphics API reported a validation error: {0}")]
     Validation(String),
 }

@@ -1,8 +1,8 @@
-//! Whether devices round a product before it goes into a sum.
+//! Fused multiply-add behaviour of devices.
 
 use std::fmt;
 
-/// What a device does with a product and a sum in fragment shaders.
+/// Rounding of a product and a sum by a device's fragment shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -10,18 +10,17 @@ use std::fmt;
     serde(deny_unknown_fields)
 )]
 pub struct Fusing {
-    /// Whether `a * b + c` is rounded once.
+    /// True if `a * b + c` is rounded once.
     pub product_and_sum: bool,
-    /// Whether `fma(a, b, c)` is rounded once.
+    /// True if `fma(a, b, c)` is rounded once.
     pub fma: bool,
-    /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be
-    /// false: what decides whether a point is lit relies on it. `None` if unknown: older files of
-    /// cards lack it.
+    /// True if the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be
+    /// false: shadow tests rely on it. `None` if unknown, as in older device files.
     #[cfg_attr(feature = "serde", serde(default))]
     pub guarded_product: Option<bool>,
 }
 
-/// `a * b + c is rounded twice, fma(a, b, c) twice`
+/// Formats as `a * b + c is rounded twice, fma(a, b, c) twice`.
 impl fmt::Display for Fusing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let times = |is_fused| if is_fused { "once" } else { "twice" };
@@ -31,7 +30,7 @@ impl fmt::Display for Fusing {
         if self.guarded_product == Some(true) {
             write!(
                 f,
-                "; product(a, b) + c once, so masks may differ from the CPU's"
+                "; product(a, b) + c once: masks may differ from the CPU's"
             )?;
         }
         Ok(())

@@ -1,14 +1,14 @@
-//! The one shape of an input error: what is wrong, why, and how to help.
+//! The common input error: what is wrong, why, and what to do.
 
-/// An input that cannot be used. Displays as `what: why; help`.
+/// Error for input that cannot be used. Displays as `what: why; help`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}: {why}; {help}")]
 pub struct Invalid {
-    /// The thing that is wrong, named as its maker would: ``mesh `floor` ``.
+    /// The invalid thing, named as in the user's input: ``mesh `floor` ``.
     pub what: String,
-    /// Why it cannot be used, with the offending value.
+    /// The reason, with the offending value.
     pub why: String,
-    /// What to do about it, in the imperative.
+    /// Advice, in the imperative.
     pub help: String,
 }
 
@@ -22,7 +22,7 @@ impl Invalid {
         }
     }
 
-    /// The same error, seen from a container: `what` becomes `outer, what`.
+    /// Returns the error with its container prepended: `what` becomes `outer, what`.
     #[must_use]
     pub fn within(mut self, outer: impl std::fmt::Display) -> Self {
         self.what = format!("{outer}, {}", self.what);
@@ -30,7 +30,7 @@ impl Invalid {
     }
 }
 
-/// Objects unless every number is finite.
+/// Checks that every number is finite.
 pub fn finite(what: &str, values: &[f32]) -> Result<(), Invalid> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),
@@ -42,7 +42,7 @@ pub fn finite(what: &str, values: &[f32]) -> Result<(), Invalid> {
     }
 }
 
-/// Objects unless `value` is finite and greater than zero.
+/// Checks that `value` is finite and greater than zero.
 pub fn positive(what: &str, value: f32) -> Result<(), Invalid> {
     finite(what, &[value])?;
     if value > 0.0 {
@@ -55,7 +55,7 @@ pub fn positive(what: &str, value: f32) -> Result<(), Invalid> {
     ))
 }
 
-/// Objects unless `value` is finite and at least zero.
+/// Checks that `value` is finite and at least zero.
 pub fn not_negative(what: &str, value: f32) -> Result<(), Invalid> {
     finite(what, &[value])?;
     if value >= 0.0 {
@@ -68,7 +68,7 @@ pub fn not_negative(what: &str, value: f32) -> Result<(), Invalid> {
     ))
 }
 
-/// Objects unless `v` is finite and longer than zero.
+/// Checks that `v` is finite and not the zero vector.
 pub fn direction(what: &str, v: glam::Vec3) -> Result<(), Invalid> {
     finite(what, &v.to_array())?;
     if v.as_dvec3().length_squared() > 0.0 {

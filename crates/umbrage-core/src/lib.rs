@@ -1,10 +1,10 @@
-//! The vocabulary of umbrage, a shadow library: scenes, light-space math, recipes, kernels, and the
-//! two traits that techniques and backends implement. No GPU and no file access here.
+//! Core types of umbrage, a shadow library: scenes, light-space math, recipes, kernels, and the
+//! traits of techniques and backends. This crate accesses no GPU and no files.
 //!
-//! Every shadow algorithm **casts** geometry into images, **filters** images, and **receives**:
-//! asks, for a visible point, how much light arrives. A [`ShadowTechnique`] turns a [`View`] into a
-//! [`Recipe`] that says so as plain data; a [`Backend`] plays recipes and knows no technique by
-//! name.
+//! Every shadow algorithm **casts** geometry into images, **filters** images, and **receives**: it
+//! computes the light that reaches each visible point. A [`ShadowTechnique`] turns a [`View`] into
+//! a [`Recipe`] that describes these steps as plain data. A [`Backend`] executes recipes and
+//! depends on no particular technique.
 
 mod backend;
 mod fusing;

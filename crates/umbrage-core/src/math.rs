@@ -1,7 +1,9 @@
-//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal on every device
-//! that rounds sums and products to nearest and does not reorder them. Products of matrices and
-//! vectors, `dot` and `normalize` of shading languages leave the order to the driver, `a * b + c`
-//! may be fused, and quotients and roots may be off: so kernels use these.
+//! Arithmetic in a fixed order. Each function has a twin in `math.wgsl`, bit-equal on every device
+//! that rounds sums and products to nearest and does not reorder them.
+//!
+//! Kernels use these functions because shading languages leave the order of `dot`, `normalize` and
+//! matrix products to the driver. Drivers may also fuse `a * b + c`, and round quotients and roots
+//! inexactly.
 
 use crate::recipe::shader::Module;
 use glam::{Mat4, Vec3, Vec4};
@@ -9,7 +11,7 @@ use glam::{Mat4, Vec3, Vec4};
 /// The WGSL half.
 pub const MATH: Module = crate::module!("math");
 
-/// Columns times components, added from left to right.
+/// Matrix-vector product, added from left to right.
 #[inline(always)]
 pub fn transform(m: Mat4, p: Vec3) -> Vec4 {
     m.x_axis * p.x + m.y_axis * p.y + m.z_axis * p.z + m.w_axis
@@ -31,15 +33,15 @@ pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
     )
 }
 
-/// Returns the greater of two numbers as vector instructions have it: the second where one is not a
-/// number. Loops with it become such instructions, where `f32::max`, which has another rule, takes
+/// Returns the greater of two numbers, or `b` if one is NaN. This is the rule of the vector
+/// instructions, so loops compile to one instruction each; `f32::max` has another rule and takes
 /// several.
 #[inline(always)]
 pub fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Returns the lesser of two numbers, likewise.
+/// Returns the lesser of two numbers, or `b` if one is NaN.
 #[inline(always)]
 pub fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -57,7 +59,7 @@ pub fn root(x: f32) -> f32 {
     x.sqrt()
 }
 
-/// `v` over its length; not finite for the zero vector.
+/// Normalizes `v`; not finite for the zero vector.
 #[inline(always)]
 pub fn unit3(v: Vec3) -> Vec3 {
     let length = root(dot3(v, v));
@@ -68,7 +70,7 @@ pub fn unit3(v: Vec3) -> Vec3 {
     )
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(MATH, quotient(a: f32, b: f32) -> f32),

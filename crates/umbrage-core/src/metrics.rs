@@ -1,7 +1,7 @@
-//! Image metrics: how far a mask is from the truth, and how well two masks agree.
+//! Image metrics: a mask's error against truth, and the agreement of two masks.
 //!
-//! Masks hold visibility 0..=1, rows from the top. Every comparator refuses masks of the wrong size
-//! and masks that hold NaN or anything else outside 0..=1, rather than averaging it away.
+//! Masks hold visibility 0..=1, rows from the top. Every comparison rejects masks of the wrong
+//! size, and masks with NaN or values outside 0..=1.
 
 mod causes;
 
@@ -10,49 +10,49 @@ pub use crate::metrics::causes::{CONTACT, Cause, Causes, TruthImage, attribute, 
 use crate::invalid::Invalid;
 use glam::UVec2;
 
-/// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false
-/// light** when it is lighter by more: a quarter of the light, a step that anyone sees. (For hard
-/// masks and ideal lights any threshold in 0..1 gives the same figures.)
+/// Threshold for a **false shadow** (mask darker than truth by more than this) and **false light**
+/// (mask lighter by more): a quarter of the light, a clearly visible step. For hard masks and ideal
+/// lights any threshold in 0..1 gives the same figures.
 pub const ERROR_THRESHOLD: f32 = 0.25;
 
-/// A false shadow is **acne** when it lies farther than this from any true shadow edge, in pixels
-/// between centres.
+/// Distance from any true shadow edge beyond which a false shadow is **acne**, in pixels between
+/// centres.
 pub const ACNE_DISTANCE: u32 = 8;
 
-/// Truth counts as penumbra, and so as a shadow edge, from this value to one less it.
+/// Lower bound of penumbra in truth; the upper bound is one less it. Penumbra counts as a shadow
+/// edge.
 pub const PENUMBRA: f32 = 0.02;
 
-/// Decided pixels of two masks may differ by this: one step of an 8-bit image.
+/// Tolerance for decided pixels of two masks: one step of an 8-bit image.
 pub const AGREEMENT_TOLERANCE: f32 = 1.0 / 255.0;
 
-/// What a pixel is to the error figures.
+/// Class of a pixel for the error figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Pixel {
-    /// Counted.
+    /// Counted in the errors.
     #[default]
     Counted,
-    /// Shows nothing, or something that takes no shadows.
+    /// No visible geometry, or a surface that receives no shadows.
     Empty,
-    /// Faces wholly away from the light, or lies outside a spot's cone: shading darkens it anyway.
+    /// Faces away from the light, or is outside a spot's cone: shading darkens it in any case.
     Unlit,
-    /// Truth itself is numerically ambiguous there.
+    /// Truth is numerically ambiguous at this pixel.
     Ambiguous,
-    /// The mask's backend sees another triangle there than truth, as its device moves vertices to
-    /// another grid.
+    /// The mask's backend sees a different triangle than truth, because its device snaps vertices
+    /// to a different grid.
     Elsewhere,
-    /// Would count, but only a sample of the pixels is judged, and this one is not in it. Truth is
-    /// a preview there.
+    /// Not in the judged sample of the pixels. Truth is a preview here.
     Unsampled,
 }
 
 impl Pixel {
-    /// Whether the pixel counts, or would if it were in the sample that is judged.
+    /// Returns whether the pixel counts, or would count if it were in the judged sample.
     pub fn is_candidate(self) -> bool {
         matches!(self, Self::Counted | Self::Unsampled)
     }
 }
 
-/// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all
+/// Error of a mask against truth. Shares are percentages of the counted pixels, 0..=100; all
 /// figures are 0 when no pixel counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -65,31 +65,31 @@ pub struct Errors {
     pub bias: f64,
     /// Greatest |mask - truth|, 0..=1.
     pub largest: f64,
-    /// Mask darker than truth by more than [`ERROR_THRESHOLD`], percent.
+    /// Pixels where the mask is darker than truth by more than [`ERROR_THRESHOLD`], percent.
     pub false_shadow: f64,
-    /// Mask lighter than truth by more than [`ERROR_THRESHOLD`], percent.
+    /// Pixels where the mask is lighter than truth by more than [`ERROR_THRESHOLD`], percent.
     pub false_light: f64,
     /// False shadow farther than [`ACNE_DISTANCE`] from any true shadow edge, percent.
     pub acne: f64,
     /// Pixels counted.
     pub counted: u64,
-    /// Pixels left out: truth is ambiguous.
+    /// Excluded pixels: truth is ambiguous.
     pub ambiguous: u64,
-    /// Pixels left out: they face away from the light or lie outside its cone.
+    /// Excluded pixels that face away from the light or are outside its cone.
     pub unlit: u64,
-    /// Pixels left out: the backend sees another triangle there than truth.
+    /// Excluded pixels: the backend sees a different triangle than truth.
     #[cfg_attr(feature = "serde", serde(default))]
     pub elsewhere: u64,
-    /// Pixels left out: only a sample of the pixels is judged.
+    /// Excluded pixels that are not in the judged sample.
     #[cfg_attr(feature = "serde", serde(default))]
     pub unsampled: u64,
-    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are. It is
-    /// also 0, and bounds nothing, where fewer than two pixels are judged or none of them is wrong.
+    /// Standard error of `rmse` due to sampling; 0 if all pixels are judged. It is also 0, and no
+    /// bound, if fewer than two pixels are judged or none of them is wrong.
     #[cfg_attr(feature = "serde", serde(default))]
     pub rmse_error: f64,
 }
 
-/// Truth, ready to be compared with many masks.
+/// Truth, prepared for comparison with many masks.
 #[derive(Clone, Debug)]
 pub struct ReferenceMask<'a> {
     size: UVec2,
@@ -99,12 +99,12 @@ pub struct ReferenceMask<'a> {
 }
 
 impl<'a> ReferenceMask<'a> {
-    /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth
-    /// is a penumbra or differs from one of the four neighbours' by more than [`ERROR_THRESHOLD`];
-    /// pixels that are [`Pixel::Empty`] make no edges.
+    /// Finds truth's shadow edges; `pixels` holds the class of each pixel. A true shadow edge is a
+    /// penumbra pixel, or one that differs from one of its four neighbours by more than
+    /// [`ERROR_THRESHOLD`]. Pixels that are [`Pixel::Empty`] make no edges.
     ///
     /// # Errors
-    /// When sizes differ or a value is not within 0..=1.
+    /// Errors if sizes differ or a value is not within 0..=1.
     pub fn new(size: UVec2, truth: &'a [f32], pixels: &'a [Pixel]) -> Result<Self, Invalid> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
@@ -117,10 +117,10 @@ impl<'a> ReferenceMask<'a> {
         })
     }
 
-    /// The same truth for a backend for which other pixels count; shadow edges stay where they are.
+    /// Returns the same truth with other pixel classes, for another backend; shadow edges are kept.
     ///
     /// # Errors
-    /// When there is not one class a pixel.
+    /// Errors if the number of classes is not the number of pixels.
     pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<ReferenceMask<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
         Ok(ReferenceMask {
@@ -129,10 +129,10 @@ impl<'a> ReferenceMask<'a> {
         })
     }
 
-    /// How far a mask is from it.
+    /// Computes the error of a mask against this truth.
     ///
     /// # Errors
-    /// When sizes differ or a value is not within 0..=1.
+    /// Errors if sizes differ or a value is not within 0..=1.
     pub fn errors(&self, mask: &[f32]) -> Result<Errors, Invalid> {
         check("mask", self.size, mask)?;
         let mut out = Errors::default();
@@ -167,10 +167,10 @@ impl<'a> ReferenceMask<'a> {
 }
 
 impl Errors {
-    /// Compares a single mask with truth; many are compared quicker by a [`ReferenceMask`].
+    /// Compares one mask with truth. To compare many, use a [`ReferenceMask`].
     ///
     /// # Errors
-    /// When sizes differ or a value is not within 0..=1.
+    /// Errors if sizes differ or a value is not within 0..=1.
     pub fn measure(
         size: UVec2,
         mask: &[f32],
@@ -180,17 +180,17 @@ impl Errors {
         ReferenceMask::new(size, truth, pixels)?.errors(mask)
     }
 
-    /// Returns the standard error of the root of `mean_square`, given the mean of the squares'
-    /// squares: that of a mean of `counted` out of a finite number of pixels (Cochran 1977,
-    /// "Sampling techniques", 2.6), carried through the root to first order. Pixels are drawn one
-    /// from each block, which errs less than pixels drawn at random.
+    /// Returns the standard error of the root of `mean_square`, given the mean of the fourth
+    /// powers. It is that of a mean of `counted` out of a finite number of pixels (Cochran 1977,
+    /// "Sampling techniques", 2.6), propagated through the root to first order. Pixels are drawn
+    /// one from each block, which errs less than pixels drawn at random.
     fn rmse_error_of(&self, mean_square: f64, mean_fourth_power: f64) -> f64 {
         if self.unsampled == 0 || self.counted < 2 || mean_square == 0.0 {
             return 0.0;
         }
         let counted = self.counted as f64;
         let share_left_out = self.unsampled as f64 / (counted + self.unsampled as f64);
-        // That of a population of which these are a sample has one degree of freedom less.
+        // The sample estimate of a population's variance has one degree of freedom less.
         let variance = (mean_fourth_power - mean_square * mean_square).max(0.0);
         let error_of_mean = (variance / (counted - 1.0) * share_left_out).sqrt();
         error_of_mean / (2.0 * mean_square.sqrt())
@@ -213,7 +213,7 @@ impl Errors {
     }
 }
 
-/// Returns which pixels lie on true shadow edges, as [`Errors::measure`] defines them.
+/// Returns the pixels on true shadow edges, as [`Errors::measure`] defines them.
 pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     let width = size.x as usize;
     let height = size.y as usize;
@@ -234,8 +234,8 @@ pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     is_edge
 }
 
-/// Returns whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a
-/// set pixel: an exact distance transform cut off at `distance`, columns first, then rows.
+/// Returns whether each pixel is within `distance` (Euclidean, between centres, in pixels) of a set
+/// pixel: an exact distance transform cut off at `distance`, columns first, then rows.
 pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
     let width = size.x as usize;
     let column_distance = distances_in_columns(size, set, distance);
@@ -264,7 +264,7 @@ fn distances_in_columns(size: UVec2, set: &[bool], distance: u32) -> Vec<u32> {
     let far = distance + 1;
     let mut distances = vec![far; width * height];
     for x in 0..width {
-        // Down from the last set pixel above, then up from the last set pixel below.
+        // Scan down from the last set pixel above, then up from the last set pixel below.
         let mut above = far;
         for i in (0..height).map(|y| y * width + x) {
             above = if set[i] { 0 } else { (above + 1).min(far) };
@@ -279,62 +279,62 @@ fn distances_in_columns(size: UVec2, set: &[bool], distance: u32) -> Vec<u32> {
     distances
 }
 
-/// Why two masks may differ at a pixel.
+/// Reason why two masks may differ at a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Doubt {
-    /// They may not: the answer there is decided.
+    /// The masks must agree: the result is decided.
     #[default]
     None,
-    /// Rounding decides the answer there.
+    /// Rounding decides the result.
     Rounding,
-    /// Their backends see different triangles there.
+    /// The backends see different triangles.
     Triangle,
 }
 
-/// The share of the pixels compared that may differ because of rounding. Rounding decides along the
-/// edges of texels and where a surface shadows itself; were it more, a fault of the bias or of the
-/// light space could hide in it.
+/// Greatest share of the compared pixels that may differ because of rounding. Rounding decides
+/// along texel edges and at self-shadowing; a larger share could hide a bug in the bias or the
+/// light space.
 pub const MAX_UNDECIDED_SHARE: f64 = 0.001;
 
-/// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a
-/// bias that is too small for it darkens whole surfaces, which adds tenths; edges that move by a
-/// part of a pixel add thousandths.
+/// Greatest increase of a mask's RMSE against truth due to a device's rounding
+/// ([`Agreement::excess`]). A bias that is too small darkens whole surfaces, which adds tenths;
+/// edges that move by a part of a pixel add thousandths.
 pub const MAX_EXCESS_RMSE: f64 = 0.005;
 
-/// How well a mask agrees with the CPU's of the same view.
+/// Agreement of a mask with the CPU's mask of the same view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Agreement {
     /// Pixels compared.
     pub compared: u64,
-    /// Pixels that are not equal, however little they differ.
+    /// Pixels that are not bit-equal.
     pub differing: u64,
-    /// Pixels that differ by more than is allowed, which [`Doubt::Rounding`] excuses.
+    /// Pixels that differ by more than the tolerance, excused by [`Doubt::Rounding`].
     pub undecided: u64,
-    /// Pixels that differ by more than is allowed, which [`Doubt::Triangle`] excuses.
+    /// Pixels that differ by more than the tolerance, excused by [`Doubt::Triangle`].
     pub elsewhere: u64,
     /// Greatest difference anywhere, 0..=1.
     pub largest: f64,
     /// Decided pixels that differ by more than [`AGREEMENT_TOLERANCE`]: must be 0.
     pub violations: u64,
-    /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices
-    /// as the other backend's device does ([`Snapping`](crate::Snapping)). There the other backend
-    /// must agree with the changed mask.
+    /// Pixels at which the CPU's own mask changes by more than the tolerance when it rounds
+    /// vertices as the other backend's device does ([`Snapping`](crate::Snapping)). There the other
+    /// backend must agree with the changed mask.
     #[cfg_attr(feature = "serde", serde(default))]
     pub by_grid: u64,
-    /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same
-    /// pixels; 0 if nobody measured it.
+    /// RMSE of the mask against truth, minus that of the CPU's mask over the same pixels; 0 if not
+    /// measured.
     #[cfg_attr(feature = "serde", serde(default))]
     pub excess: f64,
 }
 
 impl Agreement {
-    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel
-    /// allows beyond [`AGREEMENT_TOLERANCE`], 0..=1: comparison samplers' weights are left to
-    /// devices, say.
+    /// Compares two masks. `doubts` marks the pixels that may differ. `tolerance` is the kernel's
+    /// allowance beyond [`AGREEMENT_TOLERANCE`], 0..=1; for example, comparison samplers' weights
+    /// are device-dependent.
     ///
     /// # Errors
-    /// When sizes differ or a value is not within 0..=1.
+    /// Errors if sizes differ or a value is not within 0..=1.
     pub fn measure(
         size: UVec2,
         a: &[f32],
@@ -363,17 +363,17 @@ impl Agreement {
         Ok(out)
     }
 
-    /// Whether all decided pixels agree.
+    /// Returns whether all decided pixels agree.
     pub fn holds(&self) -> bool {
         self.violations == 0
     }
 
-    /// Whether the mask is no farther from truth than the CPU's and [`MAX_EXCESS_RMSE`].
+    /// Returns whether the mask's error exceeds the CPU's by at most [`MAX_EXCESS_RMSE`].
     pub fn is_accurate(&self) -> bool {
         self.excess <= MAX_EXCESS_RMSE
     }
 
-    /// Whether no more pixels are excused by rounding than [`MAX_UNDECIDED_SHARE`] allows.
+    /// Returns whether rounding excuses at most [`MAX_UNDECIDED_SHARE`] of the pixels.
     pub fn is_decided(&self) -> bool {
         self.undecided as f64 <= MAX_UNDECIDED_SHARE * self.compared as f64
     }

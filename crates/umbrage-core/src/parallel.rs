@@ -1,7 +1,7 @@
-//! Loops over several threads, with the feature `parallel`; without it the same loops over one.
+//! Parallel loops with the feature `parallel`; the same loops on one thread without it.
 //!
-//! With the feature this is [rayon](https://docs.rs/rayon). Without it, `prelude` has those of
-//! rayon's methods that umbrage calls. No part of the public API.
+//! With the feature this is [rayon](https://docs.rs/rayon). Without it, `prelude` has the rayon
+//! methods that umbrage calls. Not part of the public API.
 
 #[cfg(feature = "parallel")]
 pub use rayon::{current_num_threads, prelude};
@@ -44,7 +44,7 @@ pub mod one_thread {
         fn par_chunks_mut(&mut self, size: usize) -> OneThread<ChunksMut<'_, T>>;
         /// Returns mutable parts of exactly `size` elements.
         fn par_chunks_exact_mut(&mut self, size: usize) -> OneThread<ChunksExactMut<'_, T>>;
-        /// Sorts by `order`; equal elements may change places.
+        /// Sorts by `order`; equal elements may be reordered.
         fn par_sort_unstable_by(&mut self, order: impl FnMut(&T, &T) -> Ordering);
     }
 
@@ -70,8 +70,8 @@ pub mod one_thread {
         }
     }
 
-    /// An iterator with rayon's methods. It overrides the methods of [`Iterator`] that rayon
-    /// defines otherwise.
+    /// Iterator with rayon's methods. It overrides the methods of [`Iterator`] that rayon defines
+    /// differently.
     #[derive(Clone, Debug)]
     pub struct OneThread<I>(I);
 
@@ -88,12 +88,12 @@ pub mod one_thread {
     }
 
     impl<I: Iterator> OneThread<I> {
-        /// Returns what `f` makes of each value.
+        /// Maps each value with `f`.
         pub fn map<T, F: FnMut(I::Item) -> T>(self, f: F) -> OneThread<std::iter::Map<I, F>> {
             OneThread(self.0.map(f))
         }
 
-        /// Returns what `f` makes of each value, with a state that `init` makes.
+        /// Maps each value with `f`, which receives a state created by `init`.
         pub fn map_init<S, T>(
             self,
             init: impl FnOnce() -> S,
@@ -116,12 +116,12 @@ pub mod one_thread {
             OneThread(self.0.enumerate())
         }
 
-        /// Returns pairs of values; as many as the shorter of both has.
+        /// Returns pairs of values, up to the length of the shorter iterator.
         pub fn zip<J: IntoIterator>(self, other: J) -> OneThread<std::iter::Zip<I, J::IntoIter>> {
             OneThread(self.0.zip(other))
         }
 
-        /// Returns the same values: a hint for threads.
+        /// Returns `self`: only a hint for threads.
         #[must_use]
         pub fn with_min_len(self, _: usize) -> Self {
             self
@@ -136,7 +136,7 @@ pub mod one_thread {
             self.0.fold(identity(), f)
         }
 
-        /// Returns the first value that `f` makes something of.
+        /// Returns the first value for which `f` returns `Some`.
         pub fn find_map_first<T>(mut self, f: impl FnMut(I::Item) -> Option<T>) -> Option<T> {
             self.0.find_map(f)
         }
@@ -148,7 +148,7 @@ mod tests {
     use super::one_thread::{IntoParallelIterator as _, ParallelSlice as _};
     use rayon::prelude as rayon;
 
-    /// Each method gives on one thread what rayon gives.
+    /// Each method has the same result on one thread as with rayon.
     #[test]
     fn one_thread_gives_what_many_give() {
         let numbers: Vec<i64> = (0..1000).map(|i| i * 7919 % 1009).collect();

@@ -1,32 +1,31 @@
-//! From linear colours to the bytes of a PNG file, and back: the one place that knows of sRGB.
-//! Kernels, players and textures are linear throughout.
+//! Conversion between linear colours and the sRGB bytes of a PNG file. Kernels, backends and
+//! textures are linear throughout.
 //!
-//! The transfer function is IEC 61966-2-1's: `12.92 l` up to .0031308, `1.055 l^(1/2.4) - .055`
-//! above.
+//! The transfer function is that of IEC 61966-2-1: `12.92 l` up to 0.0031308,
+//! `1.055 l^(1/2.4) - 0.055` above.
 
 use crate::backend::Shadows;
 use std::sync::LazyLock;
 
-/// The linear value, 0 to 1, that an sRGB byte stands for.
+/// Returns the linear value, 0 to 1, of an sRGB byte.
 pub fn decode(byte: u8) -> f32 {
     linear(f64::from(byte)) as f32
 }
 
-/// The linear value, 0 to 1, that an sRGB channel of 16 bits stands for.
+/// Returns the linear value, 0 to 1, of a 16-bit sRGB channel.
 pub fn decode_16(word: u16) -> f32 {
     linear(f64::from(word) / 257.0) as f32
 }
 
-/// The sRGB byte nearest to a linear value (nearest among encoded values). Below 0 and NaN give 0,
-/// above 1 gives 255.
+/// Returns the sRGB byte nearest to a linear value (nearest among encoded values). Values below 0
+/// and NaN give 0, values above 1 give 255.
 pub fn encode(linear: f32) -> u8 {
-    // A search among the borders of bytes: exact, with no power function that differs between
+    // Search the borders of bytes: exact, and without a power function that differs between
     // machines.
     BORDERS.partition_point(|&border| border <= linear) as u8
 }
 
-/// Red, green and blue of linear colours as sRGB bytes, three a pixel; what lies beyond 0..=1 is
-/// cut off.
+/// Converts linear colours to sRGB bytes, three a pixel. Values outside 0..=1 are clamped.
 pub fn rgb_bytes(picture: &[[f32; 4]]) -> Vec<u8> {
     picture
         .iter()
@@ -35,14 +34,14 @@ pub fn rgb_bytes(picture: &[[f32; 4]]) -> Vec<u8> {
 }
 
 impl Shadows {
-    /// The colour picture as sRGB bytes, three a pixel, rows from the top; none if the recipe
-    /// didn't shade.
+    /// Returns the colour image as sRGB bytes, three a pixel, rows from the top. `None` if the
+    /// recipe doesn't shade.
     pub fn picture_bytes(&self) -> Option<Vec<u8>> {
         self.picture.as_deref().map(rgb_bytes)
     }
 }
 
-/// Inverse transfer function of a byte, whole or not.
+/// Inverse transfer function of a byte, which may have a fraction.
 fn linear(byte: f64) -> f64 {
     let encoded = byte / 255.0;
     if encoded <= 12.92 * 0.003_130_8 {
@@ -52,7 +51,7 @@ fn linear(byte: f64) -> f64 {
     }
 }
 
-/// Where one byte ends and the next begins: entry k belongs to byte k + 1.
+/// Borders between bytes: entry k is the least value of byte k + 1.
 static BORDERS: LazyLock<[f32; 255]> =
     LazyLock::new(|| std::array::from_fn(|k| linear(k as f64 + 0.5) as f32));
 
@@ -60,8 +59,8 @@ static BORDERS: LazyLock<[f32; 255]> =
 mod tests {
     use super::*;
 
-    /// Values by the standard's formula, worked out by hand; 18 % grey is the photographer's, which
-    /// is 118 of 255 in sRGB.
+    /// Values computed by hand from the standard's formula. 18 % grey is the photographic standard:
+    /// 118 of 255 in sRGB.
     #[test]
     fn known_values() {
         for (linear, byte) in [
@@ -83,7 +82,7 @@ mod tests {
         (0..=255).for_each(|byte| assert_eq!(encode(decode(byte)), byte));
     }
 
-    /// The search agrees with the formula of the forward direction, which it doesn't use.
+    /// The search agrees with the forward formula, which it doesn't use.
     #[test]
     fn the_search_follows_the_formula() {
         for i in 0..=20_000 {
@@ -94,7 +93,7 @@ mod tests {
                 1.055 * l.powf(1.0 / 2.4) - 0.055
             };
             let away = (encoded * 255.0 - f64::from(encode(l as f32))).abs();
-            // Half a byte, and the rounding of a 32-bit float where the curve is steepest (12.92 *
+            // Half a byte, plus the rounding of a 32-bit float where the curve is steepest (12.92 *
             // 255).
             assert!(away <= 0.5 + 1e-4, "{l}: {away}");
         }

@@ -1,12 +1,11 @@
-//! Why a technique has no recipe.
+//! The error of [`ShadowTechnique::recipe`](crate::ShadowTechnique::recipe).
 
 use crate::invalid::Invalid;
 
-/// Why there is no recipe.
+/// Reason why a technique has no recipe.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecipeError {
-    /// The technique is not made for this: a value rather than a fault. Reports print a dash and
-    /// the reason.
+    /// The technique does not support this light or scene. Reports print a dash and the reason.
     #[error("not supported: {0}")]
     Unsupported(String),
     /// A parameter or the view can't be used.
@@ -15,7 +14,7 @@ pub enum RecipeError {
 }
 
 impl RecipeError {
-    /// The technique can't serve this, for this reason.
+    /// Returns an [`Unsupported`](Self::Unsupported) error with this reason.
     pub fn unsupported(reason: impl Into<String>) -> Self {
         Self::Unsupported(reason.into())
     }

@@ -1,20 +1,20 @@
-//! Run-time choice of vector instructions, without a second copy of any loop.
+//! Run-time choice of vector instructions, with one copy of each loop in the source.
 
-/// Which instructions a loop is compiled for. Both give the same bits: nothing is reordered, and
-/// fused multiplications are fused in both (by hardware in one, in software in the other).
+/// Instruction set that a loop is compiled for. Both variants return the same bits: nothing is
+/// reordered, and fused multiplications are fused in both (in hardware or in software).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Simd {
-    /// The best that this processor has and `pulp` knows; without the feature `simd`, the same as
-    /// [`Baseline`](Self::Baseline).
+    /// The best instruction set of this processor that `pulp` supports. Without the feature `simd`,
+    /// the same as [`Baseline`](Self::Baseline).
     #[default]
     Native,
-    /// What the compiler may assume of every processor of this kind.
+    /// The instructions that every processor of the target has.
     Baseline,
 }
 
 impl Simd {
-    /// Does the work, compiled for the chosen instructions as far as it is inlined: mark what it
-    /// calls `#[inline(always)]`.
+    /// Runs the task, compiled for the chosen instructions. Only inlined code is: mark the
+    /// functions that it calls `#[inline(always)]`.
     #[inline]
     pub fn run_task<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(feature = "simd")]
@@ -23,8 +23,8 @@ impl Simd {
                 Self::Native => pulp::Arch::new(),
                 Self::Baseline => pulp::Arch::Scalar,
             };
-            // One dispatch for both, as each inlines the task once for every set of instructions,
-            // and long tasks take seconds to compile.
+            // Dispatch both variants in one place: each dispatch inlines the task once per
+            // instruction set, and long tasks take seconds to compile.
             instructions.dispatch(Inlined(task))
         }
         #[cfg(not(feature = "simd"))]
@@ -32,10 +32,10 @@ impl Simd {
     }
 }
 
-/// Work that is compiled once for each set of instructions. A closure's body is inlined only as the
-/// compiler likes, and a long one isn't; a method can insist: mark `run` `#[inline(always)]`.
+/// Work that is compiled once for each instruction set. It is a trait rather than a closure because
+/// the compiler does not inline long closures. Mark `run` `#[inline(always)]`.
 pub trait SimdTask {
-    /// What comes of it.
+    /// Result of the work.
     type Output;
     /// Does the work.
     fn run(self) -> Self::Output;

@@ -1,15 +1,15 @@
-//! How rasterisers round vertices.
+//! Vertex rounding of rasterisers.
 //!
-//! Rasterisers move vertices to a grid of 2^b steps a pixel before they decide which pixels a
-//! triangle covers. Vulkan and WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay
-//! the triangle's depth plane through the moved vertices: depths then change by up to half a step
-//! times the plane's slope. What a unit of polygon offset is, APIs leave open, too.
+//! Rasterisers snap vertices to a grid of 2^b steps a pixel before they decide which pixels a
+//! triangle covers. Vulkan and WebGPU require b >= 4; most hardware has 8. Some drivers also
+//! compute the triangle's depth plane from the snapped vertices, which changes depths by up to half
+//! a step times the plane's slope. The unit of polygon offset also depends on the device.
 
 use crate::invalid::Invalid;
 use std::{fmt, ops::RangeInclusive};
 
-/// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the
-/// rule of Mesa's software drivers, which the CPU backend follows.
+/// Vertex rounding and polygon offset unit of a rasteriser. The default is that of Mesa's software
+/// drivers, which the CPU backend follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -17,17 +17,17 @@ use std::{fmt, ops::RangeInclusive};
     serde(deny_unknown_fields)
 )]
 pub struct Snapping {
-    /// Binary digits of the sub-pixel grid, 4 to 8: vertices lie on multiples of 2^-bits pixels.
+    /// Binary digits of the sub-pixel grid, 4 to 8: vertices are multiples of 2^-bits pixels.
     pub sub_pixel_bits: u32,
-    /// Which vertices depth planes go through.
+    /// Vertices that define depth planes.
     pub planes: DepthPlanes,
-    /// What a unit of polygon offset is in images of 16 bits.
+    /// Unit of polygon offset in 16-bit images.
     #[cfg_attr(feature = "serde", serde(default))]
     pub offset_unit: OffsetUnit,
 }
 
-/// What a unit of polygon offset is in images of 16 bits: Vulkan leaves to devices what they take
-/// for the least difference that can be told ("minimum resolvable difference").
+/// Unit of polygon offset in 16-bit images. Vulkan leaves it to devices ("minimum resolvable
+/// difference").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -35,9 +35,9 @@ pub struct Snapping {
     serde(rename_all = "snake_case")
 )]
 pub enum OffsetUnit {
-    /// One step of the image's depths, as hardware and SwiftShader have it.
+    /// One step of the image's depths, as in hardware and SwiftShader.
     OneStep,
-    /// Two steps, as Mesa's software drivers have it.
+    /// Two steps, as in Mesa's software drivers.
     #[default]
     TwoSteps,
 }
@@ -52,7 +52,7 @@ impl OffsetUnit {
     }
 }
 
-/// Which vertices depth planes go through.
+/// Vertices that define depth planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -60,31 +60,31 @@ impl OffsetUnit {
     serde(rename_all = "snake_case")
 )]
 pub enum DepthPlanes {
-    /// Those before rounding: depths don't depend on the grid.
+    /// Unsnapped vertices: depths don't depend on the grid.
     #[default]
     Unsnapped,
-    /// Those on the grid.
+    /// Snapped vertices.
     Snapped,
 }
 
 impl Snapping {
-    /// Numbers of binary digits that the library knows: no graphics API allows fewer, and finer
-    /// grids count as the finest.
+    /// Supported numbers of binary digits. No graphics API allows fewer, and finer grids count as
+    /// the finest.
     pub const BITS: RangeInclusive<u32> = 4..=8;
 
-    /// The coarsest rounding that graphics APIs allow, to be expected of unknown devices.
+    /// The coarsest rounding that graphics APIs allow: the assumption for unknown devices.
     pub const COARSEST: Self = Self {
         sub_pixel_bits: 4,
         planes: DepthPlanes::Snapped,
         offset_unit: OffsetUnit::OneStep,
     };
 
-    /// Returns the grid's step, pixels.
+    /// Returns the grid step, pixels.
     pub fn step(self) -> f32 {
         1.0 / (1_u32 << self.sub_pixel_bits) as f32
     }
 
-    /// Checks that the grid is one that the library knows.
+    /// Checks that the grid is supported.
     ///
     /// # Errors
     /// Errors if the number of bits is not among [`Snapping::BITS`].
@@ -111,8 +111,8 @@ impl Default for Snapping {
     }
 }
 
-/// `8 sub-pixel bits, depth planes through unsnapped vertices, 16-bit polygon offsets in units of
-/// 2/65535`
+/// Formats as `8 sub-pixel bits, depth planes through unsnapped vertices, 16-bit polygon offsets in
+/// units of 2/65535`.
 impl fmt::Display for Snapping {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let through = match self.planes {

@@ -8,30 +8,30 @@ use crate::{
 };
 use std::fmt::Debug;
 
-/// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its
-/// public fields.
+/// A shadow technique: a pure function from a view to a recipe. Its parameters are its public
+/// fields.
 pub trait ShadowTechnique: Debug + Send + Sync {
     /// Returns the technique's name, in lower case: `pcf`.
     fn name(&self) -> &'static str;
 
-    /// Returns the recipe for a view. The same view gives the same recipe.
+    /// Returns the recipe for a view. The result is deterministic.
     ///
     /// # Errors
-    /// Errors with `Unsupported` if it can't serve this light or scene, with the reason; with
-    /// `Invalid` for bad parameters.
+    /// Errors with `Unsupported` and a reason if the technique can't handle this light or scene.
+    /// Errors with `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
-    /// Returns the recipe for a renderer that has the casters' vertices on the device alone, for
-    /// techniques that ask lists of casters, which the device then makes itself. None for all
-    /// others, which need no list or can't do with such ones.
+    /// Returns the recipe for a renderer whose vertices exist only on the device. Only techniques
+    /// that use per-cell triangle lists return one; the device then builds the lists. `None` for
+    /// other techniques: they need no lists, or can't use device-built ones.
     fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
         let _ = view;
         None
     }
 
-    /// Returns whether recipes for `light` depend on the camera, where it isn't known what the
-    /// camera sees. Yes, unless a technique knows better: whoever keeps recipes from frame to frame
-    /// then asks for a new one whenever the camera moves.
+    /// Returns whether recipes for `light` depend on the camera when the receivers are unknown. If
+    /// true, code that caches recipes across frames requests a new one whenever the camera moves.
+    /// The default is true.
     fn follows_camera(&self, light: &Light) -> bool {
         let _ = light;
         true

@@ -8,21 +8,21 @@ use crate::{
     scene::{camera::Camera, light::Light},
 };
 
-/// All that a technique may depend on: one camera, one light, and the scene.
+/// Input of a technique: one camera, one light, and the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// The light.
     pub light: &'a Light,
-    /// Box around all casters, world space; empty when nothing casts.
+    /// Box around all casters, world space; empty if there are no casters.
     pub casters: Aabb,
-    /// The triangles; none when they live on the caller's GPU.
+    /// The triangles; `None` if they exist only on the caller's GPU.
     pub geometry: Option<&'a Geometry>,
-    /// What the camera sees, if it is known; else backends compute it from the geometry.
+    /// The visible surface points, if known; otherwise backends compute them from the geometry.
     pub receivers: Option<&'a Receivers>,
-    /// Remembers the fits that were found for this camera, light, geometry and these receivers;
-    /// none to search each time.
+    /// Cache of the fits found for this camera, light, geometry and these receivers. `None` to
+    /// search each time.
     pub fits: Option<&'a FitMemory>,
 }
 
@@ -39,9 +39,11 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Checks that the view can be used.
+    ///
     /// # Errors
-    /// Errors if the camera or the light can't be used, or a number of the casters' box or the
-    /// receivers is not finite: the first fault found.
+    /// Errors with the first fault found: an invalid camera or light, or a number in the casters'
+    /// box or the receivers that is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.camera.validate()?;
         self.light.validate()?;
@@ -54,8 +56,8 @@ impl<'a> View<'a> {
         self.receivers.map_or(Ok(()), Receivers::validate)
     }
 
-    /// Returns the same view with its receivers known. Fits that were found for other receivers are
-    /// left out.
+    /// Returns the view with these receivers. The cache of fits is dropped, as it belongs to other
+    /// receivers.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
         Self {
@@ -65,8 +67,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the same view, whose fits are remembered in `fits`. A memory serves one view: one
-    /// camera, light, geometry and set of receivers.
+    /// Returns the view with a cache of fits. A cache serves one view: one camera, light, geometry
+    /// and set of receivers.
     #[must_use]
     pub fn with_fits(self, fits: &'a FitMemory) -> Self {
         Self {

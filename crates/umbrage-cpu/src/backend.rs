@@ -1,4 +1,4 @@
-//! The player: stages in order, on threads of its choice.
+//! CPU backend: executes the stages of recipes in order, on a configurable number of threads.
 
 use crate::{
     CpuOptions, cast, filter, gbuffer, images,
@@ -11,25 +11,25 @@ use umbrage_core::{
     Backend, BackendError, BackendLimits, Camera, Geometry, Image, Inputs, Invalid, MAX_SIDE,
     Receivers, Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
-// The standard library's, but in browsers, where that panics.
+// Same as `std::time`, which panics in browsers.
 use web_time::{Duration, Instant};
 
-/// What the player takes on.
+/// Limits of the backend.
 const LIMITS: BackendLimits = BackendLimits {
     image_side: MAX_SIDE,
     layers: 2048,
     table_bytes: 2 << 30,
 };
 
-/// The CPU player. Its images and working memory are kept from call to call, so rendering views of
-/// the same size again allocates nothing but what it hands out.
+/// CPU backend. It keeps its images and working memory between calls, so rendering views of the
+/// same size again allocates only the results.
 #[derive(Debug)]
 pub struct Cpu {
     name: String,
     pool: Option<ThreadPool>,
     pub(crate) simd: Simd,
     pub(crate) rasterizer: Rasterizer,
-    /// Fractions by which channels of filtered images change.
+    /// Fractions by which the channels of filtered images change.
     filter_shift: Vec4,
     pub(crate) images: Vec<Image>,
 }
@@ -41,16 +41,16 @@ impl Default for Cpu {
 }
 
 impl Cpu {
-    /// Returns a backend that uses all cores and the best instructions there are.
+    /// Returns a backend that uses all cores and the best available instructions.
     pub fn new() -> Self {
         Self::build(None, Simd::Native, Rounding::default())
     }
 
-    /// Returns a backend with threads, instructions and rounding of the caller's choice.
+    /// Returns a backend with the given threads, instructions and rounding.
     ///
     /// # Errors
-    /// Errors if the number of threads is zero or absurd, if they can't be started, or if the
-    /// rounding is not known.
+    /// Errors if the number of threads is zero or too large, if they can't be started, or if the
+    /// rounding is not supported.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
         Ok(Self {
@@ -76,9 +76,9 @@ impl Cpu {
         }
     }
 
-    /// Runs `f` on this player's threads.
+    /// Runs `f` on this backend's threads.
     pub(crate) fn install<R: Send>(&mut self, f: impl FnOnce(&mut Self) -> R + Send) -> R {
-        // The pool is taken out, so that `f` can borrow the rest.
+        // Take the pool out, so that `f` can borrow the rest.
         let Some(pool) = self.pool.take() else {
             return f(self);
         };
@@ -87,10 +87,10 @@ impl Cpu {
         result
     }
 
-    /// Returns what a camera sees of a geometry, pixel by pixel, without shading normals.
+    /// Returns the receivers visible to a camera, pixel by pixel, without shading normals.
     ///
     /// # Errors
-    /// Errors if the camera is unusable.
+    /// Errors if the camera is not valid.
     pub fn receivers(
         &mut self,
         camera: &Camera,
@@ -100,11 +100,11 @@ impl Cpu {
         Ok(self.install(|cpu| gbuffer::find(&mut cpu.rasterizer, cpu.simd, camera, geometry)))
     }
 
-    /// Returns what [`Cpu::receivers`] does, with shading normals: interpolated between the
-    /// vertices', unit, turned to the camera.
+    /// Returns the receivers of [`Cpu::receivers`] with shading normals. These are interpolated
+    /// between the vertices, normalized, and turned to the camera.
     ///
     /// # Errors
-    /// Errors if the camera is unusable.
+    /// Errors if the camera is not valid.
     pub fn shaded_receivers(
         &mut self,
         camera: &Camera,
@@ -123,6 +123,7 @@ impl Cpu {
     fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         check(view, recipe)?;
         let mut timings = Timings::default();
+        // Find the receivers if the view has none.
         let found = match (view.receivers, view.geometry) {
             (None, Some(geometry)) => {
                 let found = timed(&mut timings.receivers, || {
@@ -135,6 +136,7 @@ impl Cpu {
         let Some(receivers) = view.receivers.or(found.as_ref()) else {
             return Err(nothing_seen().into());
         };
+        // Execute the stages, and time each.
         images::prepare_images(&mut self.images, recipe);
         if !recipe.casts.is_empty() {
             timed(&mut timings.cast, || self.cast_all(view.geometry, recipe));
@@ -168,7 +170,7 @@ impl Cpu {
         })
     }
 
-    /// Plays all that comes before the receive stage.
+    /// Executes the stages before the receive stage.
     pub(crate) fn draw(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
         check(view, recipe)?;
         images::prepare_images(&mut self.images, recipe);
@@ -177,8 +179,8 @@ impl Cpu {
         Ok(())
     }
 
-    /// Plays all that comes before the receive stage, then `play` with what the receive kernel
-    /// reads.
+    /// Executes the stages before the receive stage, then calls `play` with the inputs of the
+    /// receive kernel.
     pub(crate) fn with_inputs<R>(
         &mut self,
         view: &View<'_>,
@@ -191,7 +193,7 @@ impl Cpu {
             images: &views,
             simd: self.simd,
         };
-        // Kernels may read what tables are made of.
+        // Build the tables, since kernels may read their sources.
         recipe.make_tables();
         Ok(play(&inputs))
     }
@@ -230,7 +232,7 @@ impl Backend for Cpu {
     }
 }
 
-/// Runs `f` and notes how long it took.
+/// Runs `f` and stores its duration.
 fn timed<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
     let start = Instant::now();
     let result = f();
@@ -242,7 +244,7 @@ fn timed<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
 fn instructions(simd: Simd) -> String {
     match simd {
         Simd::Native => {
-            // The variant's name, without its fields.
+            // Use the variant's name without its fields.
             let arch = format!("{:?}", pulp::Arch::new());
             let name = arch.split(['(', ' ']).next();
             name.unwrap_or("native").to_owned()
@@ -251,7 +253,7 @@ fn instructions(simd: Simd) -> String {
     }
 }
 
-/// Errors if the recipe can't be played for the view.
+/// Errors if the recipe can't be executed for the view.
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
     check_recipe(recipe)?;
     view.camera.validate()?;
@@ -271,12 +273,12 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
     }
 }
 
-/// Errors if the CPU backend can't play the recipe.
+/// Errors if the CPU backend can't execute the recipe.
 pub(crate) fn check_recipe(recipe: &Recipe) -> Result<(), Invalid> {
     recipe.validate(&LIMITS)
 }
 
-/// Returns the bytes of the recipe's images, which hold 32-bit floats, whatever their format.
+/// Returns the bytes of the recipe's images, which are stored as 32-bit floats in any format.
 fn image_bytes(recipe: &Recipe) -> u64 {
     recipe.images.iter().map(|image| 4 * image.floats()).sum()
 }
@@ -285,7 +287,7 @@ fn nothing_to_cast() -> Invalid {
     Invalid::new(
         "view",
         "has no geometry, but the recipe casts",
-        "set `geometry`: the CPU player draws its triangles",
+        "set `geometry`: the CPU backend draws its triangles",
     )
 }
 

@@ -1,16 +1,16 @@
-//! The cast stage: geometry drawn into images.
+//! Cast stage: draws geometry into images.
 
 use crate::raster::{Draw, Holes, Mode, Position, Rasterizer, Target};
 use std::{borrow::Cow, ops::Range};
 use umbrage_core::{Cast, CastMode, Format, Geometry, Image, ImageId, Recipe, Simd, Source};
 
-/// What a cast reads and where it draws.
+/// Images that a cast reads and draws into.
 pub(crate) struct CastAttachments<'a> {
-    /// The image.
+    /// Target image.
     pub(crate) image: &'a mut Image,
-    /// The texels of the image and layer that the mode names; else empty.
+    /// Texels of the image and layer that the mode reads; empty for other modes.
     pub(crate) other: &'a [f32],
-    /// Whether to clear the layer before.
+    /// True if the layer is cleared first.
     pub(crate) clear: bool,
 }
 
@@ -22,7 +22,7 @@ pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
     }
 }
 
-/// Returns whether no earlier cast of the recipe draws into the layer: then the cast clears it.
+/// Returns whether no earlier cast of the recipe draws into the layer, so that this cast clears it.
 pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
     let cast = &recipe.casts[index];
     !recipe.casts[..index]
@@ -30,8 +30,8 @@ pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
         .any(|earlier| earlier.image == cast.image && earlier.layer == cast.layer)
 }
 
-/// Returns whether casts use a layer, and the first that does draws there (and so clears it),
-/// rather than only reads it.
+/// Returns whether the first cast that uses a layer draws into it, and so clears it, instead of
+/// only reading it.
 pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
     for cast in &recipe.casts {
         if cast.layer != layer {
@@ -47,7 +47,7 @@ pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
     false
 }
 
-/// Plays a recipe's cast number `index`.
+/// Executes the cast of a recipe with this index.
 pub(crate) fn play(
     rasterizer: &mut Rasterizer,
     images: &mut [Image],
@@ -57,7 +57,7 @@ pub(crate) fn play(
     simd: Simd,
 ) {
     let cast = &recipe.casts[index];
-    // The image is taken out, since the other one is read meanwhile; they differ.
+    // Take the target image out, since the other image is read at the same time; they differ.
     let desc = images[cast.image].desc;
     let mut image = Image {
         desc,
@@ -95,6 +95,7 @@ pub(crate) fn draw(
         return draw_triangles(rasterizer, target, cast, &list, simd);
     }
     let runs = cast.source.runs(geometry);
+    // Draw triangles without an alpha test in a single list.
     let Some(cut_outs) = geometry.cut_outs() else {
         let triangles = joined(&runs, geometry);
         let list = CastTriangles::opaque(positions, &triangles);
@@ -106,6 +107,7 @@ pub(crate) fn draw(
         clear,
     } = target;
     let rays = cast.space.rays(image.desc.size);
+    // Draw opaque triangles first, then each run of alpha-tested ones.
     let [whole, cut_out] = cut_outs.split(&runs);
     let triangles = joined(&whole, geometry);
     let list = CastTriangles::opaque(positions, &triangles);
@@ -139,13 +141,13 @@ pub(crate) fn draw(
 struct CastTriangles<'a, P> {
     positions: &'a [P],
     triangles: &'a [[u32; 3]],
-    /// Id of the first, where holes are told by ids.
+    /// Id of the first triangle, used by the alpha test.
     first_id: u32,
     holes: Option<Holes<'a>>,
 }
 
 impl<'a, P> CastTriangles<'a, P> {
-    /// Returns a list of triangles without holes.
+    /// Returns a list of triangles without an alpha test.
     fn opaque(positions: &'a [P], triangles: &'a [[u32; 3]]) -> Self {
         Self {
             positions,
@@ -156,8 +158,8 @@ impl<'a, P> CastTriangles<'a, P> {
     }
 }
 
-/// Returns the triangles of some runs of a geometry. Several runs are copied one after the other,
-/// since the rasteriser shares out one list among threads.
+/// Returns the triangles of some runs of a geometry. Several runs are copied into one list, since
+/// the rasteriser distributes a single list to threads.
 fn joined<'a>(runs: &[Range<u32>], geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
     if let [run] = runs {
         return Cow::Borrowed(geometry.run(run));

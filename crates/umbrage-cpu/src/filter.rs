@@ -1,4 +1,4 @@
-//! The filter stage: images made from images.
+//! Filter stage: computes images from images.
 
 use crate::images::views;
 use rayon::prelude::*;
@@ -7,11 +7,12 @@ use umbrage_core::{
     glam::{UVec2, Vec4},
 };
 
-/// Runs all filters, and changes what they make by the fractions `shift`, a channel each: before it
-/// is stored, as sums round, and after that, as what reads it rounds.
+/// Runs all filters, and changes their outputs by the fractions `shift`, one per channel. It
+/// changes them before storage, as a different order of sums would, and after it, as a different
+/// rounding of reads would.
 pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd, shift: Vec4) {
     for f in &recipe.filters {
-        // The output is taken out, since the others are read meanwhile; it isn't among them.
+        // Take the output out, since the inputs are read at the same time; it is not among them.
         let mut texels = std::mem::take(&mut images[f.output].texels);
         filter(images, f, &images[f.output].desc, &mut texels, simd, shift);
         if shift != Vec4::ZERO {
@@ -30,8 +31,8 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
     }
 }
 
-/// Runs one filter into `texels`, row by row. `shift` changes what is stored by fractions, a
-/// channel each.
+/// Runs one filter into `texels`, row by row. `shift` changes the values before storage by
+/// fractions, one per channel.
 pub(crate) fn filter(
     images: &[Image],
     filter: &Filter,
@@ -47,7 +48,7 @@ pub(crate) fn filter(
     };
     let row_len = output.size.x as usize * output.format.channels();
     let height = output.size.y as usize;
-    // Rows of all layers, one layer after the other.
+    // The rows cover all layers, one layer after the other.
     let rows = texels.par_chunks_mut(row_len).enumerate();
     rows.for_each(|(row, out)| {
         let start = UVec2::new(0, (row % height) as u32);
@@ -64,14 +65,14 @@ pub(crate) fn filter(
     });
 }
 
-/// Returns what shaders load from an 8-bit channel into which `v` was written, as Mesa's software
-/// rasterisers convert it; NaN becomes 0.
+/// Returns the value that shaders load from an 8-bit channel after `v` was stored, with the
+/// conversion of Mesa's software rasterisers. NaN becomes 0.
 fn stored8(v: f32) -> f32 {
     let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
     (v * 255.0).round_ties_even() * (1.0 / 255.0)
 }
 
-/// Turns numbers into what shaders load from a 16-bit channel into which they were written.
+/// Converts numbers to the values that shaders load from a 16-bit channel after storage.
 struct Stored16<'a>(&'a mut [f32]);
 
 impl SimdTask for Stored16<'_> {

@@ -1,5 +1,5 @@
-//! Finds receivers: triangle ids are rasterised from the camera, then each pixel's ray is met with
-//! its triangle's plane.
+//! Receivers of a camera. Triangle ids are rasterised first; then each pixel's ray is intersected
+//! with its triangle's plane.
 
 use crate::raster::{Draw, Holes, Mode, Rasterizer, Target};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use umbrage_core::{
     resolve::{at_pixel, resolve},
 };
 
-/// Returns what a valid camera sees.
+/// Returns the receivers visible to a valid camera.
 pub(crate) fn find(
     rasterizer: &mut Rasterizer,
     simd: Simd,
@@ -19,6 +19,7 @@ pub(crate) fn find(
 ) -> Receivers {
     let mut found = Receivers::empty(camera.size);
     let rays = camera.rays();
+    // Separate opaque from alpha-tested triangles.
     let everything = 0..geometry.triangles().len() as u32;
     let mut parts = vec![(everything.clone(), None)];
     if let Some(cut_outs) = geometry.cut_outs() {
@@ -31,6 +32,7 @@ pub(crate) fn find(
         parts = whole.into_iter().map(|run| (run, None)).collect();
         parts.extend(cut_out.into_iter().map(|run| (run, Some(holes))));
     }
+    // Rasterise depth and ids.
     let mut is_first = true;
     for (run, holes) in parts {
         let draw = Draw {
@@ -59,7 +61,7 @@ pub(crate) fn find(
     found
 }
 
-/// One row of [`Receivers`], to be filled.
+/// Mutable row of [`Receivers`].
 struct Row<'a> {
     x: &'a mut [f32],
     y: &'a mut [f32],
@@ -73,12 +75,12 @@ struct Row<'a> {
     receives: &'a mut [bool],
 }
 
-/// Fills in all that follows from triangle ids, row by row.
+/// Fills the fields that depend on triangle ids, row by row.
 fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     let width = camera.size.x as usize;
     let rays = camera.rays();
     let receivers = geometry.receivers();
-    // Nested, since there are no parallel iterators over tuples of so many.
+    // Nest the tuples, since there are no parallel iterators over tuples of this size.
     let positions = (
         r.x.par_chunks_mut(width),
         r.y.par_chunks_mut(width),
@@ -128,7 +130,7 @@ impl Row<'_> {
             }
             let column = i as u32;
             let Some(found) = resolve(rays, column, row, geometry.corners(id)) else {
-                // The ray runs along the triangle's plane.
+                // The ray is parallel to the triangle's plane.
                 self.triangle[i] = NO_TRIANGLE;
                 self.depth[i] = 1.0;
                 continue;
@@ -170,12 +172,12 @@ pub(crate) fn shade(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
 }
 
 /// Returns the mean of a triangle's vertex normals, weighted by the barycentric coordinates of a
-/// point `p` of it.
+/// point `p` in it.
 fn shading_normal(geometry: &Geometry, triangle: u32, p: Vec3) -> Vec3 {
     let [a, b, c] = geometry.corners(triangle);
     let n = (b - a).cross(c - a);
-    // A corner's weight is the area of the triangle that `p` makes with the other two; all share
-    // the factor |n|^2.
+    // A corner's weight is the area of the triangle of `p` and the other two corners. All weights
+    // share the factor |n|^2.
     let weight_a = n.dot((b - p).cross(c - p));
     let weight_b = n.dot((c - p).cross(a - p));
     let weight_c = n.dot((a - p).cross(b - p));
@@ -185,7 +187,7 @@ fn shading_normal(geometry: &Geometry, triangle: u32, p: Vec3) -> Vec3 {
     sum / n.length_squared()
 }
 
-/// Errors if the receivers are not those of an image of this size, or invalid.
+/// Errors if the receivers are not valid or don't match the image size.
 pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
     if r.size != size {
         let why = format!(
@@ -195,7 +197,7 @@ pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
         return Err(Invalid::new(
             "receivers",
             why,
-            "make them with the same camera",
+            "compute them with the same camera",
         ));
     }
     r.validate()

@@ -1,11 +1,11 @@
-//! The images of a recipe: made to fit, cleared, and read by kernels.
+//! Images of a recipe: allocation, clearing and views for kernels.
 
 use crate::cast;
 use rayon::prelude::*;
 use umbrage_core::{Image, ImageId, ImageView, Recipe};
 
-/// Makes `images` fit a recipe, keeping what has the right size, and clears what isn't written
-/// before it is read.
+/// Adapts `images` to a recipe, and reuses those of the right size. Clears the layers that are read
+/// before they are written.
 pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
     images.truncate(recipe.images.len());
     for (i, desc) in recipe.images.iter().enumerate() {
@@ -24,7 +24,7 @@ pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
 /// Fills the layers of an image that may be read before a stage writes them with `start`.
 fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) {
     for layer in 0..image.desc.layers {
-        // The first cast that uses a layer clears it, if it draws there; a filter writes every
+        // The first cast that uses a layer clears it, if it draws there. A filter writes every
         // texel.
         let first_filter = recipe
             .filters
@@ -39,7 +39,7 @@ fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) 
     }
 }
 
-/// Returns the images with these ids, for a kernel to read.
+/// Returns views of the images with these ids, for kernels.
 pub(crate) fn views<'a>(images: &'a [Image], ids: &[ImageId]) -> Vec<ImageView<'a>> {
     ids.iter().map(|&i| images[i].view()).collect()
 }

@@ -1,22 +1,22 @@
-//! How long lookups take, block by block: for pictures of where a technique spends its time.
+//! Lookup times per block of pixels, for images of where a technique spends its time.
 
 use crate::{Cpu, backend, receive::receive_span};
 use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View, glam::UVec2};
 use web_time::Instant;
 
 impl Cpu {
-    /// Returns how long the lookup takes for each block of `block` pixels, nanoseconds for each of
-    /// its pixels that receive shadows: the least of `runs` runs, on one thread. Blocks go row by
-    /// row from the top left; those at the right and the lower edge may be smaller. None for blocks
-    /// without a receiving pixel.
+    /// Returns the time of the lookup for each block of `block` pixels, in nanoseconds per pixel
+    /// with a receiver: the least of `runs` runs, on one thread.
     ///
-    /// Casts and filters are played before, and don't count. Each block is looked up alone, in rows
-    /// of its own width, and so a little slower than within a whole mask. The view needs its
-    /// receivers.
+    /// Blocks are ordered row by row from the top left; those at the right and the lower edge may
+    /// be smaller. The time is `None` for blocks without a receiver.
+    ///
+    /// Casts and filters run first and don't count. Each block is looked up separately, in rows of
+    /// its own width, slightly slower than within a whole mask. The view must have receivers.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, if the view has no
-    /// receivers, or if `block` or `runs` is 0.
+    /// Errors in the same cases as [`Backend::render`](umbrage_core::Backend::render), if the view
+    /// has no receivers, or if `block` or `runs` is 0.
     pub fn lookup_times(
         &mut self,
         view: &View<'_>,
@@ -46,7 +46,7 @@ impl Cpu {
     }
 }
 
-/// Returns the time of one block, nanoseconds for each receiving pixel; none if there is none.
+/// Returns the time of one block, nanoseconds per receiver, or `None` without a receiver.
 fn block_time(
     inputs: &Inputs<'_>,
     recipe: &Recipe,

@@ -1,11 +1,11 @@
-//! What a user may choose about the CPU player.
+//! Options of the CPU backend.
 
 use crate::raster::{Clipping, PlaneShift, Rounding, VertexSums};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbrage_core::{BackendError, Invalid, Simd, Snapping, glam::Vec4};
 
-/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions change no
-/// result.
+/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions do not
+/// change results.
 ///
 /// ```
 /// # use umbrage_cpu::{Cpu, CpuOptions};
@@ -14,32 +14,32 @@ use umbrage_core::{BackendError, Invalid, Simd, Snapping, glam::Vec4};
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CpuOptions {
-    /// Threads of a pool of its own, 1 to 1024; none: rayon's global pool, which has one a core.
+    /// Number of threads of a separate pool, 1 to 1024. `None` uses rayon's global pool, with one
+    /// thread per core.
     pub threads: Option<usize>,
-    /// The instructions that loops are compiled for.
+    /// Instructions that loops are compiled for.
     pub simd: Simd,
-    /// How the rasteriser rounds vertices: another device's way instead of that of Mesa's software
-    /// drivers, to find out what becomes of a picture there.
+    /// Rounding of vertices in the rasteriser. The default is that of Mesa's software drivers.
+    /// Other values show the image on other devices.
     pub snapping: Snapping,
-    /// How far depths of triangles are moved: nowhere, but to find out which answers hang on
+    /// Shift of the triangles' depths; none by default. Other values show which results depend on
     /// rounding.
     pub plane_shift: PlaneShift,
-    /// Fractions by which the channels of filtered images change. Other values than 0 show which
-    /// answers depend on rounding.
+    /// Fractions by which the channels of filtered images change; 0 by default. Other values show
+    /// which results depend on rounding.
     pub filter_shift: Vec4,
-    /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test
-    /// techniques.
+    /// Clipping of triangles: at the view volume, or as hardware may do it, to test techniques.
     pub clipping: Clipping,
-    /// Order of sums in the transform of a vertex: the written one, or another that devices may
-    /// use.
+    /// Order of sums in the transform of a vertex: that of the shader source, or another that
+    /// devices may use.
     pub vertex_sums: VertexSums,
 }
 
-/// More threads than this are taken for a mistake.
+/// Greatest number of threads; larger values are rejected.
 const MAX_THREADS: usize = 1024;
 
 impl CpuOptions {
-    /// The same with a number of threads.
+    /// Returns the options with a number of threads.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Self {
@@ -48,19 +48,19 @@ impl CpuOptions {
         }
     }
 
-    /// The same with other instructions.
+    /// Returns the options with other instructions.
     #[must_use]
     pub fn simd(self, simd: Simd) -> Self {
         Self { simd, ..self }
     }
 
-    /// The same with another rounding of vertices.
+    /// Returns the options with another rounding of vertices.
     #[must_use]
     pub fn snapping(self, snapping: Snapping) -> Self {
         Self { snapping, ..self }
     }
 
-    /// The same with depths of triangles moved.
+    /// Returns the options with shifted depths of triangles.
     #[must_use]
     pub fn plane_shift(self, plane_shift: PlaneShift) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl CpuOptions {
         }
     }
 
-    /// The same with filtered images changed.
+    /// Returns the options with changed filtered images.
     #[must_use]
     pub fn filter_shift(self, filter_shift: Vec4) -> Self {
         Self {
@@ -78,13 +78,13 @@ impl CpuOptions {
         }
     }
 
-    /// The same with another way of clipping.
+    /// Returns the options with another clipping.
     #[must_use]
     pub fn clipping(self, clipping: Clipping) -> Self {
         Self { clipping, ..self }
     }
 
-    /// The same with vertices transformed in another order.
+    /// Returns the options with another order of sums in the transform of vertices.
     #[must_use]
     pub fn vertex_sums(self, vertex_sums: VertexSums) -> Self {
         Self {
@@ -93,7 +93,7 @@ impl CpuOptions {
         }
     }
 
-    /// How the rasteriser is to round.
+    /// Returns the rounding of the rasteriser.
     pub(crate) fn rounding(&self) -> Rounding {
         Rounding {
             snapping: self.snapping,
@@ -103,13 +103,13 @@ impl CpuOptions {
         }
     }
 
-    /// Its own pool, if it asks for one.
+    /// Returns a separate pool, if a number of threads is given.
     pub(crate) fn pool(&self) -> Result<Option<ThreadPool>, BackendError> {
         let Some(threads) = self.threads else {
             return Ok(None);
         };
         if threads == 0 || threads > MAX_THREADS {
-            let help = format!("use 1 to {MAX_THREADS}, or none for one a core");
+            let help = format!("use 1 to {MAX_THREADS}, or omit it for one per core");
             return Err(Invalid::new("number of threads", format!("is {threads}"), help).into());
         }
         let pool = ThreadPoolBuilder::new()

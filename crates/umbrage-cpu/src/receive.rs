@@ -1,10 +1,11 @@
-//! The receive stage: the light's visibility for every receiver.
+//! Receive stage: computes the light's visibility for every receiver.
 
 use crate::images::views;
 use rayon::prelude::*;
 use umbrage_core::{Image, Inputs, Receivers, Recipe, Simd, Span};
 
-/// Width and height, pixels, of a block of receivers that is finished before the next one begins.
+/// Width, pixels, of a block of receivers that is finished before the next one begins.
+///
 /// Neighbours in both directions look up the same part of a map, and a block's part stays in the
 /// nearest cache.
 const BLOCK_WIDTH: usize = 128;
@@ -20,7 +21,7 @@ pub(crate) fn receive(
     if let Some(mask) = recipe.receive.kernel.receive_all(simd, receivers) {
         return mask;
     }
-    // Kernels may read what tables are made of.
+    // Build the tables, since kernels may read their sources.
     recipe.make_tables();
     let views = views(images, &recipe.receive.inputs);
     let inputs = Inputs {
@@ -43,8 +44,8 @@ pub(crate) fn receive(
     mask
 }
 
-/// Runs the kernel for a part of one row, from its first receiving pixel to its last, then lights
-/// those between on which no shadow falls.
+/// Runs the kernel for a part of one row, from its first receiving pixel to its last, then sets the
+/// pixels between that don't receive shadows to lit.
 pub(crate) fn receive_span(
     inputs: &Inputs<'_>,
     recipe: &Recipe,

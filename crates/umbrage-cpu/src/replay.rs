@@ -1,5 +1,5 @@
-//! Plays single stages from given images, so that tests of both backends can tell at which stage
-//! they differ.
+//! Execution of single stages from given images, so that tests of both backends can find the stage
+//! at which they differ.
 
 use crate::{
     Cpu,
@@ -14,11 +14,11 @@ use umbrage_core::{
 };
 
 impl Cpu {
-    /// Draws a cast of the nearest depth into a new depth image of one layer; the image and layer
-    /// that the cast names play no part.
+    /// Draws a cast of the nearest depth into a new depth image of one layer. The image and layer
+    /// of the cast are ignored.
     ///
     /// # Errors
-    /// Errors if the size is zero or too large, or the cast is of another mode.
+    /// Errors if the size is zero or too large, or the cast has another mode.
     pub fn cast(
         &mut self,
         geometry: &Geometry,
@@ -43,12 +43,12 @@ impl Cpu {
         Ok(image)
     }
 
-    /// Clears a layer of a depth image and draws a cast of the nearest depth into it; the image
-    /// that the cast names plays no part.
+    /// Clears a layer of a depth image and draws a cast of the nearest depth into it. The image of
+    /// the cast is ignored.
     ///
     /// # Errors
-    /// Errors if the image holds no depth, or doesn't have the cast's layer, or the cast is of
-    /// another mode.
+    /// Errors if the image has no depth, or doesn't have the cast's layer, or the cast has another
+    /// mode.
     pub fn cast_into(
         &mut self,
         geometry: &Geometry,
@@ -77,12 +77,12 @@ impl Cpu {
         Ok(())
     }
 
-    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its
-    /// order), and returns the image that it draws into. The layer is cleared before if no earlier
-    /// cast of the recipe draws into it.
+    /// Executes the cast of a recipe with this index on the given images (all of the recipe's, in
+    /// order), and returns its target image. The layer is cleared first if no earlier cast of the
+    /// recipe draws into it.
     ///
     /// # Errors
-    /// Errors if the recipe is invalid or has no such cast, or the images are not the recipe's.
+    /// Errors if the recipe is not valid or has no such cast, or the images are not the recipe's.
     pub fn replay_cast(
         &mut self,
         geometry: &Geometry,
@@ -110,7 +110,7 @@ impl Cpu {
         Ok(images.swap_remove(cast.image))
     }
 
-    /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its
+    /// Executes the filter of a recipe with this index on the given images (all of the recipe's, in
     /// order).
     ///
     /// # Errors
@@ -134,8 +134,8 @@ impl Cpu {
         Ok(out)
     }
 
-    /// Plays a recipe's receive stage from the given images (all of the recipe's, in its order),
-    /// and returns the mask. The view needs its receivers, or geometry.
+    /// Executes a recipe's receive stage on the given images (all of the recipe's, in order), and
+    /// returns the mask. The view must have receivers or geometry.
     ///
     /// # Errors
     /// Errors if the view has neither, or the images are not the recipe's.
@@ -151,12 +151,12 @@ impl Cpu {
         })
     }
 
-    /// Plays a recipe's shading from a mask, and returns the picture. The view needs its receivers,
+    /// Executes a recipe's shading with a mask, and returns the image. The view must have receivers
     /// or geometry.
     ///
     /// # Errors
-    /// Errors if the view has neither, the recipe does not shade, or the mask has not one entry a
-    /// pixel.
+    /// Errors if the view has neither, the recipe does not shade, or the mask does not have one
+    /// entry per pixel.
     pub fn replay_shade(
         &mut self,
         view: &View<'_>,
@@ -169,12 +169,12 @@ impl Cpu {
         let pixels = view.camera.size.x as usize * view.camera.size.y as usize;
         if mask.len() != pixels {
             let why = format!("has {} entries for {pixels} pixels", mask.len());
-            return Err(Invalid::new("mask", why, "give one a pixel").into());
+            return Err(Invalid::new("mask", why, "pass one entry per pixel").into());
         }
         self.with_receivers(view, |_, receivers| shade::shade(shade, receivers, mask))
     }
 
-    /// Runs `f` on this player's threads, with the view's receivers or those found.
+    /// Runs `f` on this backend's threads, with the view's receivers or new ones.
     fn with_receivers<R: Send>(
         &mut self,
         view: &View<'_>,
@@ -193,7 +193,7 @@ impl Cpu {
 fn no_such(what: &str, count: usize, index: usize) -> Invalid {
     Invalid::new(
         "recipe",
-        format!("has {count} {what}, and number {index} was asked for"),
+        format!("has {count} {what}, but number {index} was requested"),
         "count from 0",
     )
 }
@@ -212,6 +212,6 @@ fn check_images(recipe: &Recipe, images: &[Image]) -> Result<(), Invalid> {
     Err(Invalid::new(
         "images",
         "differ in number, size or format from the recipe's",
-        "give what the recipe describes",
+        "pass images as described by the recipe",
     ))
 }

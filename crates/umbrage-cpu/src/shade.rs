@@ -1,4 +1,4 @@
-//! The shade stage, for pictures alone: colours.
+//! Shade stage: computes colours, for images only.
 
 use rayon::prelude::*;
 use umbrage_core::{NO_TRIANGLE, Receivers, Shade};

@@ -1,20 +1,20 @@
-//! Masks of some pixels alone, for samplers of an image.
+//! Masks of selected pixels, for sampling an image.
 
 use crate::{Cpu, backend};
 use rayon::prelude::*;
 use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View};
 
-/// Number of pixels that a thread takes at once.
+/// Number of pixels that a thread processes at once.
 const CHUNK: usize = 64;
 
 impl Cpu {
-    /// Returns what the mask of [`Backend::render`](umbrage_core::Backend::render) would hold at
-    /// some pixels, bit by bit, in the order of `pixels`. Casts and filters are played as there;
-    /// the receive kernel runs for these pixels only. The view needs its receivers.
+    /// Returns the mask of [`Backend::render`](umbrage_core::Backend::render) at some pixels, bit
+    /// by bit, in the order of `pixels`. Casts and filters run in full; the receive kernel runs for
+    /// these pixels only. The view must have receivers.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the view has no
-    /// receivers, or not that many.
+    /// Errors in the same cases as [`Backend::render`](umbrage_core::Backend::render), or if the
+    /// view has no receivers, or too few for a pixel.
     pub fn render_pixels(
         &mut self,
         view: &View<'_>,
@@ -25,7 +25,7 @@ impl Cpu {
             return Err(backend::nothing_seen().into());
         };
         if let Some(beyond) = pixels.iter().find(|&&i| i as usize >= receivers.len()) {
-            let why = format!("is asked about, and there are {}", receivers.len());
+            let why = format!("is out of range of {} pixels", receivers.len());
             return Err(
                 Invalid::new(format!("pixel {beyond}"), why, "count from 0, row by row").into(),
             );
@@ -44,7 +44,7 @@ impl Cpu {
     }
 }
 
-/// Runs the receive kernel for one pixel, as a span of its own at its own place in the image:
+/// Runs the receive kernel for one pixel, as a separate span at its position in the image, so that
 /// kernels' patterns are those of the whole mask.
 fn receive_one(
     inputs: &Inputs<'_>,

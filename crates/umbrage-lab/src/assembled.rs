@@ -1,24 +1,24 @@
-//! The WGSL of techniques, as it is pasted into a user's shader.
+//! WGSL text of techniques, to paste into a shader.
 
 use crate::error::LabError;
 use umbrage_core::{Geometry, Invalid, RecipeError, ShadowTechnique, View, glam::UVec2};
 use umbrage_wgpu::receive_wgsl;
 
-/// Scenes with the lights that techniques serve: a sun, and a lamp.
+/// Scenes with a sun and with an area light, for techniques that support either.
 const SCENES: [&str; 2] = ["cubes", "lamp-in-room"];
 
-/// Returns the text of a technique for the first of a sun and a lamp that it serves. All names of
-/// the text begin with `prefix`. Its bindings are in group 0.
+/// Returns the text of a technique for the first of a sun and an area light that it supports. All
+/// names in the text begin with `prefix`. Its bindings are in group 0.
 ///
 /// # Errors
-/// Errors if the technique serves neither light, its settings are wrong, or the prefix can't begin
-/// a name.
+/// Errors if the technique supports neither light, its settings are invalid, or the prefix can't
+/// begin a name.
 pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<String, LabError> {
     let mut why = None;
     for name in SCENES {
         let entry = umbrage_scenes::find(name).expect("a built-in scene");
         let mut scene = (entry.build)();
-        // Texts don't depend on the picture's size, and recipes of small pictures are made sooner.
+        // Use a small image: texts don't depend on the size, and small recipes are faster to make.
         scene.cameras[0].size = UVec2::splat(16);
         let geometry = Geometry::bake(&scene)?;
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -32,15 +32,10 @@ pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<S
         }
     }
     let why = format!(
-        "serves neither a sun nor a lamp ({})",
+        "supports neither a sun nor an area light ({})",
         why.unwrap_or_default()
     );
-    Err(Invalid::new(
-        technique.name(),
-        why,
-        "assemble its recipe by `receive_wgsl`",
-    )
-    .into())
+    Err(Invalid::new(technique.name(), why, "call `receive_wgsl` with its recipe").into())
 }
 
 #[cfg(test)]

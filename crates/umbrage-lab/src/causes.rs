@@ -1,16 +1,16 @@
-//! An example of each cause of error: scenes in which nothing else can be wrong.
+//! Examples of each cause of error: scenes in which no other cause occurs.
 
 use umbrage_core::metrics::Cause;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, SecondDepth, ShadowMap, TechniquePreset};
 
-/// A scene and a technique whose whole error there has one cause.
+/// A scene and a technique whose whole error has one cause.
 #[derive(Clone, Debug)]
 pub struct CauseExample {
     /// The built-in scene's name.
     pub scene: &'static str,
-    /// What is played.
+    /// The technique.
     pub technique: TechniquePreset,
-    /// What its whole error comes from.
+    /// Cause of its error.
     pub cause: Cause,
 }
 
@@ -47,7 +47,7 @@ pub fn faults() -> [CauseExample; 5] {
     ]
 }
 
-/// A constant bias of a fiftieth of the depth range, as first attempts use.
+/// A constant bias of a fiftieth of the depth range, as in typical first attempts.
 const FAR_TOO_MUCH: Bias = Bias {
     constant: 0.02,
     ..Bias::NONE

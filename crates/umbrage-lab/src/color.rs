@@ -1,4 +1,4 @@
-//! Color pictures of scenes: Blinn-Phong shading with a marker at the light.
+//! Colour images of scenes: Blinn-Phong shading with a marker at the light.
 
 use crate::{error::LabError, output::png::encode_rgb};
 use glam::UVec2;
@@ -8,7 +8,7 @@ use umbrage_core::{
 };
 use umbrage_techniques::{BlinnPhong, Shading};
 
-/// A scene with its light marked, ready to be shaded with any technique's shadows.
+/// A scene with a marker at its light, to shade with any technique's shadows.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     scene: Scene,
@@ -17,8 +17,8 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// Prepares a scene with a light and a camera. A directional light is marked at the eye of the
-    /// scene's own fit, if it has one.
+    /// Prepares a scene with a light and a camera. The marker of a directional light is at the eye
+    /// of the scene's fit, if it has one.
     pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
         let directional_at = match fit {
             Some(Fit::Manual { eye, .. }) => Some(eye),
@@ -38,7 +38,7 @@ impl Stage {
         })
     }
 
-    /// Returns the view of its camera under its light.
+    /// Returns the view of the scene's camera and light.
     pub(crate) fn view(&self) -> Result<View<'_>, Invalid> {
         view(&self.scene, &self.geometry)
     }
@@ -67,14 +67,13 @@ fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invali
     Ok(View::new(camera, light, geometry))
 }
 
-/// Returns the shaded picture as a PNG; none if the recipe didn't shade.
+/// Returns the shaded image as a PNG. `None` if the recipe didn't shade.
 pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabError>> {
     shadows.picture_bytes().map(|rgb| encode_rgb(size, &rgb))
 }
 
-/// Returns the number of pixels at which two pictures differ by more than one step of 255 though
-/// their masks agree within one step and both show the same triangle; none if either has no
-/// picture.
+/// Returns the number of pixels with different colours: by more than one step of 255, though masks
+/// agree within one step and both show the same triangle. `None` if either has no image.
 pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let a_colors = a.picture_bytes()?;
     let b_colors = b.picture_bytes()?;
@@ -89,7 +88,7 @@ pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     Some(count)
 }
 
-/// Returns the triangle that a pixel shows; none if the backend doesn't tell its receivers.
+/// Returns the triangle of a pixel. `None` if the backend doesn't report its receivers.
 fn triangle(shadows: &Shadows, pixel: usize) -> Option<u32> {
     let receivers = shadows.receivers.as_ref()?;
     Some(receivers.triangle[pixel])
@@ -124,7 +123,7 @@ mod tests {
         assert_eq!(
             differing(&a, &shadows([1.0, 1.0], [0.5, 0.9])),
             Some(0),
-            "masks differ there: not a fault of shading"
+            "masks differ there: no error of shading"
         );
         assert_eq!(
             differing(

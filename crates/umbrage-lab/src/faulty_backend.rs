@@ -1,9 +1,9 @@
-//! A second backend with faults, for tests that check whether faults are noticed.
+//! A faulty second backend, for tests of fault detection.
 
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
 use umbrage_cpu::{Cpu, CpuOptions};
 
-/// The CPU backend under wgpu's name; `spoil` changes what it renders.
+/// The CPU backend under wgpu's name. `spoil` changes its results.
 pub(crate) struct FaultyBackend<F> {
     cpu: Cpu,
     spoil: F,
@@ -19,7 +19,7 @@ impl<F: FnMut(&mut Shadows)> FaultyBackend<F> {
         }
     }
 
-    /// A backend that rounds vertices as `does`, and says that it rounds as `says`.
+    /// Returns a backend that rounds vertices as `does`, but reports `says`.
     pub(crate) fn rounding(does: Snapping, says: Snapping, spoil: F) -> Self {
         let cpu =
             Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
@@ -44,12 +44,12 @@ impl<F: FnMut(&mut Shadows)> Backend for FaultyBackend<F> {
     }
 }
 
-/// Lightens the last pixel that is darkest of those in penumbra.
+/// Lightens the last of the darkest pixels in penumbrae.
 pub(crate) fn lighten_one(shadows: &mut Shadows) {
     let lit = |v: f32| if v > 0.0 { v } else { 1.0 };
     let values = shadows.mask.iter_mut();
     let darkest = values.min_by(|a, b| lit(**a).total_cmp(&lit(**b)));
-    *darkest.expect("something is seen") = 1.0;
+    *darkest.expect("a pixel is visible") = 1.0;
 }
 
 /// Darkens the last pixel that is fully lit.

@@ -1,36 +1,37 @@
 //! Measures shadow techniques against ray-traced truth: error, time, agreement between backends,
 //! reports.
 //!
-//! * [`compare`]: every technique setting on every backend, against truth and against each other.
-//! * [`report`]: a page, charts, tables, data and pictures of it.
-//! * [`baseline`]: what got slower or less accurate than it was.
-//! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
-//! * [`mod@bias`]: the default bias against all that could be tuned by hand.
+//! * [`compare`]: all technique settings on all backends, compared with truth and with each other.
+//! * [`report`]: its page, charts, tables, data and images.
+//! * [`baseline`]: regressions of speed and accuracy.
+//! * [`textbook`]: textbook effects, measured, with images. [`mod@bench`]: paired timings.
+//! * [`mod@bias`]: the default bias compared with the best manually tuned one.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
-//! * [`stability`]: where methods fail, scene by scene.
-//! * [`which`]: which technique to use, as a page made from the results of the two.
+//! * [`stability`]: failure tests of methods, scene by scene.
+//! * [`which`]: a page that recommends techniques, from results of [`compare`] and [`stability`].
 //! * [`plan_files`]: plans on disk. [`assembled_wgsl`]: the shader text of a technique.
-//! * [`cli`]: the commands, for programs of one's own, too.
-//! * [`output`]: what all of these write with: folders, pictures, charts, pages and tables.
+//! * [`cli`]: the commands, also for your own programs.
+//! * [`output`]: shared output of folders, images, charts, pages and tables.
 //!
-//! Truth, costs, footprints and the planner are [`umbrage_plan`]'s; [`umbrage_core::metrics`] says
-//! how far a mask is from truth.
+//! [`umbrage_plan`] has truth, costs, footprints and the planner. [`umbrage_core::metrics`] has the
+//! error of a mask against truth.
 //!
-//! How it measures:
+//! Principles of measurement:
 //!
-//! * **A row's time is a frame's** (`compare/row.rs`). What is made once a scene, once a change and
-//!   every frame is timed apart; what moves picks the sum.
-//! * **Times are multiples of a yardstick**, fixed work timed in turn with every row; baselines
-//!   compare these.
+//! * **A row's time is that of a frame** (`compare/row.rs`). Work per scene, per change and per
+//!   frame is timed separately. The motion selects the parts of the sum.
+//! * **Times are multiples of a yardstick**, fixed work that is timed in turn with every row.
+//!   Baselines compare these.
 //! * **Every technique has a negative control** (`compare/control.rs`): rendered without casters,
 //!   it must return the full light.
 //! * **Limits of stability come from truth**, never from results. A case has a criterion for its
-//!   failure and one for what a cure takes away; what could not have failed is not measured, which
-//!   is no pass.
-//! * **A report is assembled from scenes' folders.** One run, a resumed run and merged shards share
-//!   one path. Figures have a checksum; what was changed or cut off is measured again, or refused.
-//! * **The page carries figures, not pictures**: pictures are the scenes' files beside it; its
-//!   scripts draw charts and tables.
+//!   failure and one for the side effect of fixing it. A case that could not have failed is
+//!   reported as not measured, which is not a pass.
+//! * **A report is assembled from folders of scenes.** A single run, a resumed run and merged
+//!   shards use the same code path. Figures have a checksum; changed or truncated ones are measured
+//!   again, or refused.
+//! * **The page contains figures, not images**: images are separate files in the folders of scenes.
+//!   Its scripts draw charts and tables.
 
 mod assembled;
 pub mod baseline;
@@ -50,7 +51,7 @@ pub mod stability;
 pub mod textbook;
 pub mod which;
 
-// Its macros are for the modules after it.
+// Its macros are used in the modules after it.
 #[macro_use]
 mod print;
 pub mod cli;

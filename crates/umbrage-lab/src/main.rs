@@ -1,4 +1,4 @@
-//! The commands that measure, as a program of their own: `umbrage compare model.obj`.
+//! The commands as a standalone program: `umbrage compare model.obj`.
 
 fn main() -> std::process::ExitCode {
     umbrage_lab::cli::Program::default().run()

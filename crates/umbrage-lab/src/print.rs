@@ -1,13 +1,13 @@
-//! `println!` and `eprintln!` of this program. The standard ones panic when nobody reads any more,
-//! as after `| head`; these end the program without a word, on Unix and on Windows.
+//! `println!` and `eprintln!` of this program. The standard ones panic if the reader closes the
+//! pipe, as after `| head`. These end the program silently, on Unix and on Windows.
 
 use std::{
     fmt::Arguments,
     io::{ErrorKind, Write},
 };
 
-/// The exit code after writing into a closed pipe: that of shells for the signal SIGPIPE, 128 + 13.
-/// It is not 0, as the program has not run to its end.
+/// Exit code after writing into a closed pipe: 128 + 13, as shells report for SIGPIPE. It is not 0,
+/// as the program did not complete.
 const CLOSED_PIPE: i32 = 141;
 
 macro_rules! println {
@@ -25,8 +25,8 @@ macro_rules! eprintln {
     };
 }
 
-/// Writes a line. Ends the program if that fails: other errors than a closed pipe, such as a full
-/// disk, can only be reported by the exit code.
+/// Writes a line. Ends the program on failure: errors such as a full disk can only be reported by
+/// the exit code.
 pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
     if let Err(kind) = write(to, text) {
         std::process::exit(if kind == ErrorKind::BrokenPipe {
@@ -38,7 +38,7 @@ pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
 }
 
 fn write(mut to: impl Write, text: Arguments<'_>) -> Result<(), ErrorKind> {
-    // One piece, so that lines of several threads do not mix.
+    // Write each line at once, so that lines of several threads don't mix.
     let text = format!("{text}\n");
     to.write_all(text.as_bytes())
         .and_then(|()| to.flush())

@@ -1,4 +1,4 @@
-//! Calling off a plan that nobody waits for any more.
+//! Cancellation of a plan that is no longer needed.
 
 use crate::error::MeasureError;
 use std::sync::{
@@ -6,12 +6,12 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
-/// Whether a plan is called off. Copies share the answer: one goes into
-/// [`PlanOptions`](crate::PlanOptions), another stays with whoever may call it off, on any thread.
+/// Cancellation flag of a plan. Clones share it: one goes into [`PlanOptions`](crate::PlanOptions),
+/// another stays with the code that may cancel, on any thread.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
-/// All are equal: options that ask for the same plan are the same, wanted or not.
+/// All flags are equal: two options for the same plan are equal, cancelled or not.
 impl PartialEq for Cancel {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -19,17 +19,18 @@ impl PartialEq for Cancel {
 }
 
 impl Cancel {
-    /// Calls it off: planning returns [`MeasureError::Cancelled`] before it tries another setting.
+    /// Cancels the plan: planning returns [`MeasureError::Cancelled`] before it evaluates another
+    /// setting.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Returns whether it is called off.
+    /// Returns whether the plan is cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Errors if it is called off.
+    /// Errors if the plan is cancelled.
     pub(crate) fn check(&self) -> Result<(), MeasureError> {
         if self.is_cancelled() {
             return Err(MeasureError::Cancelled);

@@ -2,7 +2,7 @@
 
 use umbrage_core::{BackendError, Invalid, RecipeError};
 
-/// Why truth, a cost or a plan could not be found.
+/// Reason why truth, a cost or a plan could not be computed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasureError {
@@ -15,7 +15,7 @@ pub enum MeasureError {
     /// A technique has parameters that cannot be used.
     #[error(transparent)]
     Plan(#[from] RecipeError),
-    /// A plan was called off: see [`Cancel`](crate::Cancel).
-    #[error("the plan was called off")]
+    /// A plan was cancelled: see [`Cancel`](crate::Cancel).
+    #[error("the plan was cancelled")]
     Cancelled,
 }

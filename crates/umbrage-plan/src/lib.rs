@@ -1,20 +1,20 @@
 //! Finds the cheapest shadow technique and setting that a scene needs, by measurement on the CPU.
 //!
-//! * [`catalogue`]: a row a technique: what is compared, planned and tested of it.
-//! * [`truth`]: what every shadow should have been, with its own error bars.
-//! * [`cost`]: milliseconds by counting, the same on every run.
-//! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
+//! * [`catalogue`]: one entry per technique: how it is compared, planned and tested.
+//! * [`truth`]: the ray-traced reference for each shadow, with its own error bars.
+//! * [`cost`]: milliseconds from counted work, the same on every run.
+//! * [`footprint`]: the share of their maps that techniques use, and its resolution on screen.
 //! * [`plan()`], [`Planner`]: the planner. [`regret()`]: its check against a sweep of all
 //!   candidates.
-//! * [`motion`]: what moves from frame to frame, and what has to be drawn again then.
+//! * [`motion`]: what moves from frame to frame, and what must be redrawn as a result.
 //! * [`pareto`]: the front of cost and error. [`statistics`]: quantiles.
 //!
-//! No rule says what is chosen. Some thousand seen receivers are sampled, more where visibility
-//! varies, and their truth is traced; candidates are then tried on these receivers alone, bit by
-//! bit as they would shade the image, from the cheapest up. What is about to be chosen is verified
-//! by a second sample, drawn where its own mask is suspect. Costs are counted and priced, so that
-//! the same scene has the same plan on every run. Of each candidate the bias is searched that has
-//! the least estimated error.
+//! No fixed rule decides the choice. The planner samples a few thousand visible receivers, more
+//! where visibility varies, and traces their truth. It then evaluates candidates on these receivers
+//! alone, from the cheapest up, with the bits of the full image. A second sample, drawn where the
+//! candidate's own mask is suspect, verifies a candidate before it is chosen. Costs are counted and
+//! priced, so the same scene has the same plan on every run. For each candidate, the planner
+//! searches the bias with the least estimated error.
 //!
 //! ```
 //! use umbrage_plan::{Bounds, PlanOptions, plan};
@@ -26,13 +26,13 @@
 //!
 //! * **Costs are counted** (triangles, covered texels, taps, samples, rays) and priced; prices are
 //!   fitted to times by `cargo xtask bench --costs`.
-//! * **Single receivers are asked at their own place in the image**, so answers are the whole
-//!   mask's bits. Estimates are unbiased. Receivers that face away from the light are in no sample,
-//!   and count in no error.
-//! * **Plans are made for the program that uses them** ([`RendererData`]): recipes are made from
-//!   what it has, and what it can't execute is no candidate.
-//! * **Several cameras are one trial**: a setting's figure is that of the worst camera. **All
-//!   lights under one budget** are a knapsack over their fronts, solved exactly.
+//! * **Single receivers are evaluated at their own position in the image**, so results have the
+//!   bits of the whole mask. Estimates are unbiased. Receivers that face away from the light are in
+//!   no sample and count in no error.
+//! * **Plans are made for the program that uses them** ([`RendererData`]): recipes are built from
+//!   the data that it has. Techniques that it can't execute are not candidates.
+//! * **Several cameras are evaluated together**: a setting's figure is that of the worst camera.
+//!   **All lights under one budget** are a knapsack over their fronts, solved exactly.
 
 mod cancel;
 pub mod catalogue;

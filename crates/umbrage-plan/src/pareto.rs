@@ -1,8 +1,9 @@
-//! The Pareto front: what nothing else beats at both cost and error.
+//! The Pareto front of cost and error.
 
-/// Returns the indices of the points (cost, error), less being better, to which no other is better
-/// in one and at least as good in the other; by rising cost. Equal points are all kept; points that
-/// hold NaN never are.
+/// Returns the indices of the Pareto-optimal points (cost, error), by rising cost.
+///
+/// A point is optimal if no other point is less in one figure and at most equal in the other. Equal
+/// points are all kept. Points with NaN are never kept.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut front: Vec<usize> = (0..points.len())
         .filter(|&i| {
@@ -15,7 +16,7 @@ pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     front
 }
 
-/// Whether `p` is better than `q` in one figure and at least as good in the other.
+/// Returns whether `p` is better than `q` in one figure and at least as good in the other.
 fn dominates(p: [f64; 2], q: [f64; 2]) -> bool {
     let is_no_worse = p[0] <= q[0] && p[1] <= q[1];
     let is_better = p[0] < q[0] || p[1] < q[1];

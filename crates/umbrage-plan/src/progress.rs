@@ -1,19 +1,19 @@
 //! Progress of the planner.
 
-/// Receives the planner's progress, from any thread.
+/// Step of the planner, reported from any thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<'a> {
-    /// It looks for where visibility varies.
+    /// It finds where visibility varies.
     Looking,
-    /// It traces truth: work done, work in all.
+    /// It traces truth: work done, total work.
     Truth(usize, usize),
-    /// It tries this technique; so many settings were tried before.
+    /// It evaluates this technique; the number counts the settings evaluated before.
     Trying(&'a str, usize),
-    /// It plays so many finalists in turn and times them.
+    /// It runs and times this many finalists in turn.
     Timing(usize),
-    /// It writes down the reasons.
+    /// It writes the reasons.
     Explaining,
 }
 
-/// Called with what the planner is at.
+/// Callback that receives the planner's current step.
 pub type OnStep<'a> = dyn Fn(Step<'_>) + Sync + 'a;

@@ -11,10 +11,11 @@ impl Sorted {
         Self(numbers)
     }
 
-    /// Returns the number that a share of 0..=1 of all numbers does not exceed, interpolated
-    /// linearly between neighbours (type 7 of Hyndman and Fan 1996, "Sample quantiles in
-    /// statistical packages"): 0 gives the least, 0.5 the median, 1 the greatest. None of no
-    /// numbers.
+    /// Returns the number that a share in 0..=1 of all numbers does not exceed.
+    ///
+    /// Interpolates linearly between neighbours (type 7 of Hyndman and Fan 1996, "Sample quantiles
+    /// in statistical packages"). Share 0 returns the least, 0.5 the median, 1 the greatest.
+    /// Returns `None` if there are no numbers.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let last = self.0.len().checked_sub(1)?;
         let place = share.clamp(0.0, 1.0) * last as f64;
@@ -23,8 +24,8 @@ impl Sorted {
         Some(before + (after - before) * place.fract())
     }
 
-    /// As [`Sorted::quantile`], but without interpolation: returns the nearest of the numbers
-    /// themselves.
+    /// Returns the nearest of the numbers themselves, without the interpolation of
+    /// [`Sorted::quantile`].
     pub fn nearest(&self, share: f64) -> Option<f64> {
         let last = self.0.len().checked_sub(1)?;
         let place = share.clamp(0.0, 1.0) * last as f64;

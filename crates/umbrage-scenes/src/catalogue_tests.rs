@@ -4,7 +4,7 @@ use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Mesh};
 
-/// The nearest and farthest thing in the picture.
+/// Returns the least and greatest distance in the image.
 fn seen(camera: &Camera, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
     let space = camera.space();
     let tangents = [0, 1].map(|i| 1.0 / f64::from(space.clip_from_view.col(i)[i]));
@@ -171,7 +171,7 @@ fn scaled_cubes_are_the_cubes_scaled() {
     let (plain, eye) = corner("cubes", 1.0);
     for (name, scale) in [("cubes-tiny", 1e-3), ("cubes-huge", 1e4)] {
         let (scaled, scaled_eye) = corner(name, scale);
-        // A few roundings of 32-bit floats at up to 25 m.
+        // Allow a few roundings of 32-bit floats at up to 25 m.
         assert!(
             plain
                 .iter()
@@ -188,7 +188,7 @@ fn built(name: &str) -> (Scene, Geometry) {
     (scene, geometry)
 }
 
-/// Each of a mesh's copies in the world.
+/// Returns the world-space positions of each copy of a mesh.
 fn copies<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Vec<Vec3>> + 'a {
     let mut next = 0;
     scene.instances.iter().map(move |instance| {
@@ -213,7 +213,7 @@ fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let near = corners.map(|(x, y)| world_from_clip.project_point3(Vec3::new(x, y, 0.0)));
         assert!(is_dark(camera.eye()), "{name}");
-        // 10 cm away along the view; its corners by the picture's shape.
+        // Check 10 cm along the view, and the corners against the aspect ratio.
         let along = (near[0] + near[2]) * 0.5 - camera.eye();
         assert!((along.length() - 0.1).abs() < 1e-4, "{name}: {along}");
         assert_eq!(
@@ -224,7 +224,7 @@ fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
     }
 }
 
-/// Seen from the lamp, each caster reaches across an edge of the cube.
+/// Seen from the light, each caster crosses an edge of the cube.
 #[test]
 fn casters_in_the_room_stand_on_seams() {
     let (scene, geometry) = built("lamp-in-room");
@@ -261,7 +261,8 @@ fn flat_receivers_meet_casters_on_all_sides() {
     has("behind the lamp", |b, lamp| b.min.z > lamp.z);
 }
 
-/// Each directed edge, by position, must be met by exactly one in the other direction.
+/// Reports whether each directed edge, by position, has exactly one counterpart in the other
+/// direction.
 fn is_closed(mesh: &Mesh) -> bool {
     let key = |v: u32| {
         mesh.positions[v as usize]
@@ -288,7 +289,7 @@ fn broken_meshes_are_broken_each_in_its_way() {
     assert!(is_closed(&whole.meshes[1]));
 }
 
-/// The wall's plane is z = 0; bricks stand 25 mm before it, joints 25 mm behind.
+/// The wall's plane is z = 0; bricks are 25 mm in front of it, joints 25 mm behind.
 #[test]
 fn the_wall_is_displaced_and_the_flat_caster_is_not() {
     let depths = |vertices: &mut dyn Iterator<Item = Vec3>| {
@@ -315,7 +316,7 @@ fn the_wall_is_displaced_and_the_flat_caster_is_not() {
     ));
 }
 
-/// Flat sheets have their tangents by hand; MikkTSpace makes the same.
+/// Flat sheets have explicit tangents, which equal those of MikkTSpace.
 #[test]
 fn tangents_of_flat_walls_are_those_of_mikktspace() {
     let mut checked = 0;

@@ -3,7 +3,7 @@
 use crate::builtin::noise::hash;
 use umbrage_core::glam::IVec3;
 
-/// What is put in place of something else: whatever parsers stumble over.
+/// Replacements that are difficult for parsers.
 const ODD: &[&[u8]] = &[
     b"",
     b"\n",
@@ -31,7 +31,7 @@ const ODD: &[&[u8]] = &[
     b"x",
 ];
 
-/// `count` copies, each with one to three short pieces replaced, the same on every run.
+/// Returns `count` copies, each with one to three short pieces replaced, equal in every run.
 pub(crate) fn damaged(text: &str, count: i32) -> impl Iterator<Item = Vec<u8>> {
     (0..count).map(move |i| {
         let mut bytes = text.as_bytes().to_vec();

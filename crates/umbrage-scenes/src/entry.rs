@@ -1,129 +1,126 @@
-//! What the catalogue tells about a built-in scene.
+//! Catalogue entries of built-in scenes.
 
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Fit, Geometry, Scene};
 
-/// A built-in scene: what it is called, what it is for, and how it is made.
+/// A built-in scene: its name, its purpose, and its constructor.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneEntry {
-    /// Lower case with dashes; also the scene's own name.
+    /// Name of the scene, in lower case with dashes.
     pub name: &'static str,
     /// One line for lists.
     pub summary: &'static str,
-    /// What it is there to show.
+    /// Purpose of the scene.
     pub kind: Kind,
-    /// Whether it is compared when nobody names a scene: neither heavy nor nearly the same as
-    /// another.
+    /// `true` if the scene is in the default suite: neither heavy nor similar to another scene.
     pub suite: bool,
-    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and those
-    /// with holes, are left to longer runs.
+    /// `true` if `compare --quick` includes it: a few scenes that differ, of fewer than a million
+    /// triangles.
     pub quick: bool,
-    /// Makes the scene, always the same.
+    /// Builds the scene, deterministically.
     pub build: fn() -> Scene,
-    /// The light space that a textbook would set by hand; none where a tight fit will do.
+    /// The light space of the textbook. `None` if a tight fit is suitable.
     pub fit: Option<Fit>,
-    /// Points whose visibility is known from a formula; none for most scenes.
+    /// Points with analytic visibility. `None` for most scenes.
     pub closed_form: Option<fn() -> ClosedForm>,
 }
 
-/// What a built-in scene is there to show.
+/// Purpose of a built-in scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// As in textbooks and tutorials.
+    /// A scene of textbooks and tutorials.
     Textbook,
-    /// Its shadow is known from a formula.
+    /// A scene whose shadow follows from a formula.
     ClosedForm,
-    /// A single cause of error by itself.
+    /// A scene with a single cause of error.
     Cause,
-    /// A way in which shadow methods fail.
+    /// A scene in which shadow methods fail.
     Failure(Failure),
-    /// Big: to measure speed.
+    /// A large scene, for measuring speed.
     Speed,
-    /// As in games and films: much of everything, near and far.
+    /// A scene like those of games and films: many objects, near and far.
     Content,
 }
 
-/// The ways to fail that built-in scenes provoke. The numbers are those of the project's catalogue
-/// of failures.
+/// The failures that built-in scenes provoke. The numbers are those of the project's catalogue of
+/// failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Failure {
     /// A constant bias or a wide kernel under a low sun: acne.
     LowSun = 1,
-    /// Near and far receivers under one bias: it suits one of them.
+    /// Near and far receivers under one bias, which only suits one of them.
     DistantReceivers = 2,
-    /// A thin thing on the ground: the shadow parts from it.
+    /// A thin caster on the ground: its shadow is detached.
     ThinContact = 3,
     /// Thin walls: light leaks in.
     SealedRoom = 4,
-    /// Open shells, leaves, single quads: methods that take casters for closed lose part of their
-    /// shadow.
+    /// Open shells, leaves, single quads: methods for closed casters lose part of their shadow.
     OpenShell = 5,
-    /// Thin slices above each other: moments blend their depths, a bias takes one for the next.
+    /// Thin slices above each other: moments blend their depths, and a bias confuses neighbours.
     ThinSlices = 6,
-    /// Two casters one behind the other under a lamp: one penumbra is made of both.
+    /// Two casters behind each other under an area light: one penumbra combines both.
     TwoBlockers = 7,
-    /// Casters that barely leave the floor: light leaks in at the contact.
+    /// Casters just above the floor: light leaks in at the contact.
     NearContact = 8,
-    /// Wires as thin as a texel: they come and go.
+    /// Wires as thin as a texel: they flicker.
     FineDetail = 9,
-    /// A wide landscape under a low sun: texels are far larger than pixels nearby.
+    /// A wide landscape under a low sun: nearby texels are far larger than pixels.
     Landscape = 10,
-    /// A landscape far from the origin: positions are coarse.
+    /// A landscape far from the origin: positions are imprecise.
     FarFromOrigin = 11,
-    /// The camera looks into the light: perspective warps degenerate.
+    /// The camera looks towards the light: perspective warps degenerate.
     IntoLight = 14,
-    /// A light amid its casters: the faces of a cube of maps meet in seams.
+    /// A light among its casters: the faces of a cube map meet in seams.
     CubeSeams = 15,
-    /// Casters at rising heights under a lamp: each penumbra has its own width.
+    /// Casters at increasing heights under an area light: each penumbra has its own width.
     RisingHeights = 17,
-    /// A canopy of leaves under a large lamp: many penumbrae overlap, and one is made of them.
+    /// A canopy of leaves under a large area light: many penumbrae overlap and combine.
     Canopy = 18,
     /// Two lights on one caster: their errors add up.
     TwoLights = 19,
-    /// A caster too near to the light: lost.
+    /// A caster too close to the light: its shadow is missing.
     CasterAtLight = 20,
-    /// The eye inside a shadow, whose volume the near plane cuts: counts start wrong.
+    /// The eye inside a shadow whose volume the near plane clips: counts start at a wrong value.
     EyeInUmbra = 21,
-    /// Duplicate faces, T-junctions, open edges: silhouettes that don't close.
+    /// Duplicate faces, T-junctions, open edges: silhouettes are not closed.
     BrokenMesh = 22,
-    /// Very many casters under a low sun: shadow volumes fill the picture many times over.
+    /// Very many casters under a low sun: shadow volumes cover the image many times.
     ManyVolumes = 23,
-    /// Stairs and casters beyond the light: wrong planes, shadows of what is behind the light.
+    /// Stairs and casters beyond the light: wrong planes, shadows of casters behind the light.
     Stairs = 24,
-    /// Relief under grazing light: biases along the shading normal, relief from normals or a depth
-    /// pass that the map lacks.
+    /// Relief under grazing light: biases along the shading normal, relief from a normal map, or a
+    /// depth pass without displacement.
     Relief = 25,
-    /// A long range of depths: coarse maps tell few of them apart.
+    /// A large range of depths: coarse maps distinguish few of them.
     LongRange = 26,
-    /// A light along the up axis: views degenerate.
+    /// A light along the up axis: look-at views degenerate.
     LightAlongUp = 27,
     /// Very small and very large scenes: biases in absolute units.
     Scale = 28,
-    /// Nothing casts, receives or is seen: empty fits.
+    /// No casters, no receivers or no visible geometry: empty fits.
     Nothing = 29,
-    /// A caster out of view whose shadow is in view: clipped away.
+    /// A caster out of view whose shadow is in view: the caster is clipped.
     CasterOutOfView = 30,
-    /// Corners of rooms: kernels and biases reach through the neighbouring wall.
+    /// Corners of rooms: kernels and biases cross the neighbouring wall.
     RoomCorner = 31,
     /// The rim of a spot's cone, where its map ends.
     ConeRim = 32,
-    /// A light whose penumbra is narrower than a texel: a width of nearly nothing.
+    /// A light whose penumbra is narrower than a texel: a penumbra width near zero.
     SmallLight = 33,
-    /// Few large facets near the terminator, where light grazes them.
+    /// Few large facets near the terminator, which light grazes.
     LowPoly = 34,
     /// Other renderers' projections: reversed depth, no far plane.
     OtherProjection = 35,
-    /// Holes that alpha textures cut into leaves: finer than a map's texels, and than pixels far
-    /// away.
+    /// Alpha-tested leaves: holes finer than a map's texels, and finer than distant pixels.
     CutOut = 39,
-    /// Blockers of two heights over one receiver: light bleeds between them where a map blends
+    /// Blockers of two heights over one receiver: light bleeds between them in maps that blend
     /// depths.
     LightBleeding = 40,
 }
 
 impl Failure {
-    /// The row of the catalogue of failures.
+    /// Returns the row in the catalogue of failures.
     pub fn row(self) -> u8 {
         self as u8
     }
@@ -142,33 +139,34 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// Points whose visibility a formula tells.
+/// Points with analytic visibility.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedForm {
     /// The points.
     pub samples: Vec<Sample>,
-    /// How far a correct answer may be off: 0 where points see all or nothing of the light; else
-    /// what stratified samples of an area light are known to reach.
+    /// Greatest error of a correct result: 0 for points that see all or nothing of the light,
+    /// otherwise the known error of stratified samples of an area light.
     pub tolerance: f32,
 }
 
-/// A surface point whose visibility is known.
+/// A surface point with known visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Where, world space, metres.
+    /// Position in world space, metres.
     pub point: Vec3,
-    /// Unit geometric normal of the surface there, towards the side that is asked about.
+    /// Unit geometric normal of the surface, towards the side of the sample.
     pub normal: Vec3,
-    /// The fraction of the light that is seen, 0 to 1.
+    /// The visible fraction of the light, 0 to 1.
     pub visibility: f32,
-    /// The same weighted by each light point's irradiance on a diffuse surface, where it is known.
+    /// The visible fraction weighted by each light point's irradiance on a diffuse surface, if
+    /// known.
     pub weighted: Option<f32>,
 }
 
 impl Sample {
-    /// The triangle of a receiver that the sample lies on: the one that it is least far outside of.
-    /// None when none is within 1e-4 of the sample's distance from the origin (or of a metre, if
-    /// that is more).
+    /// Returns the receiver triangle that contains the sample, or the nearest one. Returns `None`
+    /// if no triangle is within 1e-4 of the sample's distance from the origin, or within 1e-4 m if
+    /// that is more.
     pub fn triangle(&self, geometry: &Geometry) -> Option<u32> {
         let reach = 1e-4 * self.point.length().max(1.0);
         let mut nearest = None;
@@ -184,8 +182,8 @@ impl Sample {
     }
 }
 
-/// Returns how far a point is off a triangle's plane or beyond one of its edges, metres, whichever
-/// is more; 0 or less inside.
+/// Returns the distance of a point from a triangle's plane or beyond one of its edges, metres,
+/// whichever is greater. Points inside have 0 or less.
 fn outside(p: Vec3, triangle: [Vec3; 3]) -> f32 {
     let [a, b, c] = triangle;
     let n = (b - a).cross(c - a).normalize_or_zero();

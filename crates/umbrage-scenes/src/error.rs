@@ -1,11 +1,11 @@
-//! What can be wrong with a scene that somebody asks for.
+//! Errors of requested scenes.
 
 use crate::Files;
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// Why there is no scene: what is wrong, where, and how to help. Each tells all of it itself and
-/// has no source, so that reports of chains of errors don't tell it twice.
+/// Error of a scene: what is wrong, where, and what to do. Each variant displays all of it and has
+/// no source, so that reports of error chains don't repeat it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// A file that can't be opened or read.
@@ -13,9 +13,9 @@ pub enum SceneError {
     Unreadable {
         /// The file's path.
         file: String,
-        /// What is wrong.
+        /// Description of the error.
         why: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
     /// A file that can't be written.
@@ -23,55 +23,55 @@ pub enum SceneError {
     Unwritable {
         /// The file's path.
         file: String,
-        /// What is wrong.
+        /// Description of the error.
         why: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
-    /// A place in a file that can't be understood or used.
+    /// A position in a file whose content can't be parsed or used.
     #[error("{place}: {why}; {help}")]
     Fault {
         /// The file, the line and the key.
         place: Place,
-        /// What is wrong, with the offending value.
+        /// Description of the error, with the offending value.
         why: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
-    /// A file that a scene file names has an error of its own.
+    /// An error of a file that a scene file names.
     #[error("{place}: {fault}")]
     Named {
-        /// Where the file is named.
+        /// Position of the file's name.
         place: Place,
-        /// What is wrong with it.
+        /// The error of the file.
         fault: Box<SceneError>,
     },
-    /// Neither a built-in scene nor a file that could hold one.
+    /// Neither a built-in scene nor a scene file.
     #[error("there is no scene `{argument}`; {help}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         argument: String,
-        /// Names that are near to it, and what else would do.
+        /// Similar names, and valid alternatives.
         help: String,
     },
-    /// A scene that reads well but can't be rendered.
+    /// A scene that can be read but not rendered.
     #[error("{file}: {fault}")]
     Invalid {
         /// The file's path.
         file: String,
-        /// What is wrong.
+        /// Description of the error.
         fault: Invalid,
     },
 }
 
-/// A place in a file. Displays as ``file:line: `key` ``.
+/// A position in a file. Displays as ``file:line: `key` ``.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file's path.
     pub file: String,
-    /// The line, counted from 1; none for the file as a whole.
+    /// The line, counted from 1. `None` for the file as a whole.
     pub line: Option<usize>,
-    /// The key, with its table: `light.radius`; none where there is no key.
+    /// The key, with its table: `light.radius`. `None` if no key is involved.
     pub key: Option<String>,
 }
 
@@ -89,7 +89,7 @@ impl std::fmt::Display for Place {
 }
 
 impl SceneError {
-    /// The error of a file that was looked for among `files`.
+    /// Returns the error of a file that can't be read from `files`.
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error, files: &dyn Files) -> Self {
         let help = match error.kind() {
             std::io::ErrorKind::NotFound => files.help_for_missing(),

@@ -1,4 +1,4 @@
-//! Where the files are that make up a scene: on disk, in memory, or wherever a program keeps them.
+//! Sources of a scene's files: on disk, in memory, or in a program's own store.
 
 use std::{
     collections::BTreeSet,
@@ -8,24 +8,24 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// What an opened file can do.
+/// Operations of an opened file.
 pub trait OpenFile: BufRead + Seek {}
 
 impl<T: BufRead + Seek> OpenFile for T {}
 
-/// Where the files are that make up a scene: the scene file or the model, and what these name.
+/// Source of the files of a scene: the scene file or the model, and the files that these name.
 ///
-/// Paths are as [`read`](crate::read) was given the first one; those that a file names have that
-/// file's folder in front.
+/// The first path is that of [`read`](crate::read). A path in a file has that file's folder in
+/// front.
 pub trait Files {
     /// Opens a file.
     ///
     /// # Errors
-    /// Errors if there is no such file, with the kind [`NotFound`](io::ErrorKind::NotFound); and if
-    /// it can't be read.
+    /// Returns an error of kind [`NotFound`](io::ErrorKind::NotFound) if there is no such file, or
+    /// an error if it can't be read.
     fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>>;
 
-    /// Whether there is such a file. Models do without the looks that are not there.
+    /// Reports whether a file exists. Models are read without missing looks.
     fn has(&self, path: &Path) -> bool {
         match self.open(path) {
             Ok(_) => true,
@@ -33,7 +33,7 @@ pub trait Files {
         }
     }
 
-    /// What to do where a file isn't there: the end of the error that says so.
+    /// Returns the remedy for a missing file: the end of its error message.
     fn help_for_missing(&self) -> &str {
         "check the path"
     }
@@ -45,8 +45,8 @@ pub struct FilesOnDisk;
 
 impl Files for FilesOnDisk {
     fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
-        // Else a directory opens, and fails on reading with less to say; a pipe might never open,
-        // or never end.
+        // Reject other kinds first: reading a directory fails with a less useful error, and a pipe
+        // might never open or never end.
         if !fs::metadata(path)?.is_file() {
             return Err(io::Error::other("is not a file"));
         }
@@ -58,11 +58,11 @@ impl Files for FilesOnDisk {
     }
 }
 
-/// Files in memory, such as those that were dropped together on a web page.
+/// Files in memory, such as those dropped together on a web page.
 ///
-/// A file is found by its path. Where no file has that path, it is found by its name alone, in any
-/// folder, and without regard to upper and lower case: browsers don't tell folders, and models name
-/// folders of the machine that they were made on.
+/// A file is found by its path. If no file has that path, it is found by its name alone, in any
+/// folder and ignoring case. Browsers don't report folders, and models name folders of the machine
+/// they were made on.
 ///
 /// ```
 /// let files: umbrage_scenes::FilesInMemory = [
@@ -79,35 +79,35 @@ impl Files for FilesOnDisk {
 #[derive(Default)]
 pub struct FilesInMemory {
     files: Vec<(PathBuf, Vec<u8>)>,
-    /// Paths that were asked for in vain.
+    /// Requested paths that were missing.
     missing: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl FilesInMemory {
-    /// Adds a file. One of the same path is replaced.
+    /// Adds a file, or replaces the file of the same path.
     pub fn insert(&mut self, path: impl AsRef<Path>, bytes: impl Into<Vec<u8>>) {
         let path = plain(path.as_ref());
         self.files.retain(|(known, _)| *known != path);
         self.files.push((path, bytes.into()));
     }
 
-    /// Returns the paths that were asked for and are not there: what a scene was read without.
+    /// Returns the requested paths that were missing when a scene was read.
     pub fn missing(&self) -> Vec<PathBuf> {
         let missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner);
         missing.iter().cloned().collect()
     }
 
-    /// Returns the bytes of a file that is there.
+    /// Returns the bytes of an existing file.
     #[cfg(all(test, feature = "gltf"))]
     pub(crate) fn bytes_of(&self, path: &Path) -> Vec<u8> {
         let found = self.find(path).expect("one file is meant");
         found.expect("it is there").to_vec()
     }
 
-    /// Returns the bytes of a file; none if there is no such file.
+    /// Returns the bytes of a file. `None` if there is no such file.
     ///
     /// # Errors
-    /// Errors if several files could be meant.
+    /// Returns an error if several files match.
     fn find(&self, path: &Path) -> io::Result<Option<&[u8]>> {
         let path = plain(path);
         if let Some((_, bytes)) = self.files.iter().find(|(known, _)| *known == path) {
@@ -147,7 +147,7 @@ impl Files for FilesInMemory {
     }
 
     fn help_for_missing(&self) -> &str {
-        "give it together with the file that names it"
+        "provide it together with the file that names it"
     }
 }
 
@@ -168,7 +168,7 @@ impl fmt::Debug for FilesInMemory {
     }
 }
 
-/// Returns a path without `.` and, as far as the folder that they leave is known, `..`.
+/// Returns a path without `.`, and without `..` where the folder before it is known.
 fn plain(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {

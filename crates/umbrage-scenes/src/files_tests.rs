@@ -14,7 +14,7 @@ fn png(color: [u8; 3]) -> Vec<u8> {
     out.into_inner()
 }
 
-/// A scene file with a model of its own looks and a box with a texture, and all that they name, in
+/// A scene file with a model with looks and a box with a texture, and all files that they name, in
 /// folders.
 fn all() -> Vec<(&'static str, Vec<u8>)> {
     let scene = format!(
@@ -29,7 +29,7 @@ fn all() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// The same files without their folders, as browsers hand them on.
+/// Returns the files of [`all`] without their folders, as browsers report them.
 fn without_folders() -> Vec<(&'static str, Vec<u8>)> {
     let name = |path: &'static str| path.rsplit('/').next().unwrap();
     all()
@@ -168,7 +168,7 @@ fn faults_name_the_file() {
     for (name, bytes, word) in [
         ("a.toml", &b"\xff"[..], "UTF-8"),
         ("a.obj", b"f 1 2 3", "a.obj"),
-        ("a.png", b"", "is no .toml"),
+        ("a.png", b"", "is not a .toml"),
     ] {
         let message = read_all(name, vec![(name, bytes.to_vec())])
             .unwrap_err()
@@ -189,7 +189,7 @@ fn faults_name_the_file() {
     assert!(message.contains("is over 16 MiB long"), "{message}");
 }
 
-/// A program's own store: one model, whatever is asked for.
+/// A program's own store, which returns one model for every path.
 struct Store;
 
 impl Files for Store {

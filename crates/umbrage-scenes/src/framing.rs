@@ -1,24 +1,26 @@
-//! Cameras: from a file's words, or found for a model.
+//! Cameras: from the keys of a file, or fitted to a model.
 
 use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::{DVec3, UVec2, Vec3};
 use umbrage_core::{Aabb, Camera, Geometry, Invalid, light_space::look_along};
 
-/// Where a framed model is seen from: right, above and in front; or the same turned by quarters
-/// about y.
+/// Direction from which a model is framed: right, above and in front. Other sides are quarter turns
+/// of it about y.
 const THREE_QUARTER: DVec3 = DVec3::new(1.0, 0.7, 1.4);
-/// Another quarter is preferred if it is faced by more than this share of the model's area on top.
+/// Another quarter turn is preferred if more of the surface faces it, by this fraction of the
+/// model's area.
 const BETTER: f64 = 0.05;
-/// A room is open to a side that it faces with more than this share of its area on balance.
+/// A room is open to a side if more of its surface faces that side than away from it, by this
+/// fraction of its area.
 const OPEN: f64 = 0.08;
-/// The part of a framed picture that is kept free on each side.
+/// Empty border of a framed image, as a fraction of the image.
 const BORDER: f64 = 0.04;
 
-/// The angle of view that stands for none, degrees.
+/// Angle of view that replaces a camera without perspective, degrees.
 #[cfg(feature = "gltf")]
 const NARROW_DEGREES: f32 = 20.0;
 
-/// A pinhole camera whose near and far planes are still open.
+/// A pinhole camera whose near and far planes are not yet set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shot {
     pub(crate) eye: Vec3,
@@ -30,13 +32,12 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
-    /// Returns the shot that a camera takes; one without perspective counts as one of a narrow
-    /// angle.
+    /// Returns the shot of a camera. A camera without perspective has a narrow angle.
     #[cfg(feature = "gltf")]
     pub(crate) fn of(camera: &Camera) -> Self {
         let camera = camera.standard();
         let axes = camera.world_from_view.matrix3;
-        // The projection stretches heights by the inverse of this tangent.
+        // The projection scales heights by the inverse of this tangent.
         let stretch = camera.clip_from_view.y_axis.y;
         let has_perspective = camera.clip_from_view.z_axis.w != 0.0;
         let fov_y = if has_perspective {
@@ -53,7 +54,7 @@ impl Shot {
         }
     }
 
-    /// Returns the camera; near and far are fitted to what is seen where they aren't given.
+    /// Returns the camera. Missing near and far planes are fitted to the visible geometry.
     pub(crate) fn camera(
         &self,
         geometry: &Geometry,
@@ -82,7 +83,7 @@ impl Shot {
         };
         let triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
         let seen = depth_range(&pyramid, triangles);
-        // Where only sky is seen any range does; the target's distance gives the scale.
+        // Any range is suitable if only the sky is visible. The target's distance sets the scale.
         let distance = self.eye.distance(self.target);
         Ok(seen.unwrap_or([0.01 * distance, 100.0 * distance]))
     }
@@ -93,8 +94,8 @@ impl Shot {
     }
 }
 
-/// Returns the near and far plane: those that are given, else fitted ones, kept on the right side
-/// of the given one.
+/// Returns the near and far plane: the given ones, or fitted ones in the right order relative to
+/// them.
 fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
     let [near, far] = fitted;
     match given {
@@ -104,8 +105,8 @@ fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Returns a shot from a three-quarter view that sees all of the geometry, from as near as that
-/// allows; `None` without any geometry.
+/// Returns the closest shot from a three-quarter view that contains all of the geometry. `None`
+/// without geometry.
 pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot> {
     frame_from(
         best_side(geometry),
@@ -115,8 +116,8 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     )
 }
 
-/// Returns a shot from this side (the way from the target to the eye, any length) that sees all
-/// points, from as near as that allows; `None` without points.
+/// Returns the closest shot from this side that contains all points. `side` is the direction from
+/// the target to the eye, of any length. `None` without points.
 pub(crate) fn frame_from(
     side: DVec3,
     points: impl Iterator<Item = Vec3> + Clone,
@@ -139,9 +140,9 @@ pub(crate) fn frame_from(
         size,
     };
     let [tx, ty] = shot.tangents().map(|t| t * (1.0 - 2.0 * BORDER));
-    // A side of the pyramid through an eye at (x, y, depth) holds all points if, say for the right
-    // side, `p.x - p.depth tx <= x - depth tx`. So of each side only the greatest such number
-    // matters, and two opposite sides that touch their points give x, or y, and a depth.
+    // A side of the view pyramid from an eye at (x, y, depth) contains all points if, for the right
+    // side, `p.x - p.depth tx <= x - depth tx`. Only the greatest such number of each side matters.
+    // Two opposite sides that touch their points determine x, or y, and a depth.
     let mut right_most = f64::NEG_INFINITY;
     let mut left_most = f64::NEG_INFINITY;
     let mut top = f64::NEG_INFINITY;
@@ -158,7 +159,7 @@ pub(crate) fn frame_from(
     }
     let depth_of_width = -(right_most + left_most) / (2.0 * tx);
     let depth_of_height = -(top + bottom) / (2.0 * ty);
-    // The farther back of the two sees all.
+    // Choose the farther one, which contains all points.
     let depth = depth_of_width.min(depth_of_height);
     let x = 0.5 * (right_most - left_most);
     let y = 0.5 * (top - bottom);
@@ -168,8 +169,8 @@ pub(crate) fn frame_from(
     (shot.eye != shot.target).then_some(shot)
 }
 
-/// Returns a view nearly straight into a room that is open to one side, along x or z; none if there
-/// is no such side.
+/// Returns a view nearly straight into a room that is open to one side, along x or z. `None` if
+/// there is no such side.
 pub(crate) fn opening_side(geometry: &Geometry) -> Option<DVec3> {
     let (on_balance, area) = vector_area(geometry);
     let level = on_balance.with_y(0.0);
@@ -183,7 +184,7 @@ pub(crate) fn opening_side(geometry: &Geometry) -> Option<DVec3> {
     is_open.then_some(towards + 0.25 * across + 0.2 * DVec3::Y)
 }
 
-/// Returns the sum of the triangles' areas as vectors, and of their lengths; both twofold.
+/// Returns the sum of the triangles' area vectors, and the sum of their lengths, both times two.
 fn vector_area(geometry: &Geometry) -> (DVec3, f64) {
     let mut on_balance = DVec3::ZERO;
     let mut area = 0.0;
@@ -196,15 +197,15 @@ fn vector_area(geometry: &Geometry) -> (DVec3, f64) {
     (on_balance, area)
 }
 
-/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed
-/// solids, whose areas add up to zero as vectors; a room without an outside that is open to one
+/// Returns the three-quarter view that most of the surface faces. All views are equal for closed
+/// solids, whose area vectors add up to zero. A room without outer surfaces that is open to one
 /// side is seen through its opening.
 pub(crate) fn best_side(geometry: &Geometry) -> DVec3 {
     let (vector_area, area) = vector_area(geometry);
     let mut best = THREE_QUARTER;
     let mut side = THREE_QUARTER;
     for _ in 0..3 {
-        // A quarter about y.
+        // Turn a quarter about y.
         side = DVec3::new(side.z, side.y, -side.x);
         if vector_area.dot(side - best) > BETTER * area {
             best = side;
@@ -232,7 +233,7 @@ mod tests {
         )
     }
 
-    /// A box that is seen only from inside, open towards one side.
+    /// A box with inner surfaces only, open to one side.
     fn room(axis: usize, sign: f32) -> Mesh {
         let mut mesh = block(Vec3::NEG_ONE, Vec3::ONE);
         mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));

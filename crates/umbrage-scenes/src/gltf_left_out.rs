@@ -1,4 +1,4 @@
-//! Stands for the reader of glTF files where the feature `gltf` is off.
+//! Substitute for the reader of glTF files without the feature `gltf`.
 
 use crate::{Files, SceneError, model_part::ModelPart, scene_of_file::SceneOfFile};
 use umbrage_core::Scene;

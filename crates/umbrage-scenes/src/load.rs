@@ -1,4 +1,4 @@
-//! One way in for all kinds of scenes.
+//! Common entry points for all kinds of scenes.
 
 use crate::{
     Files, FilesOnDisk, SceneError, all, file, find, gltf,
@@ -9,18 +9,18 @@ use crate::{
 use std::path::{Path, PathBuf};
 use umbrage_core::Scene;
 
-/// What scenes are read from, in errors.
+/// Extensions of scene files, for errors.
 #[cfg(feature = "gltf")]
 const ENDINGS: &str = ".toml, .obj, .glb or .gltf";
 #[cfg(not(feature = "gltf"))]
 const ENDINGS: &str = ".toml or .obj";
 
-/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml`,
-/// `.obj`, `.glb` or `.gltf` file. The last two may name one of the file's scenes behind `#`, by
-/// its name or number.
+/// Returns the scene of a command-line argument: the name of a built-in scene, or the path of a
+/// `.toml`, `.obj`, `.glb` or `.gltf` file. After `#`, paths of the last two may have the name or
+/// number of one of the file's scenes.
 ///
 /// # Errors
-/// Errors if it is neither, with the nearest names; else as [`load`].
+/// Returns an error with similar names if it is neither, or the error of [`load`].
 pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
     match find(argument) {
         Some(entry) => Ok((entry.build)()),
@@ -48,30 +48,30 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
 }
 
 /// Loads a scene file (`.toml`) or a model (`.obj`; with the feature `gltf` also `.glb` and
-/// `.gltf`), which is framed and put in the sun if it has no camera and no light.
+/// `.gltf`). A model without a camera and a light receives a camera and a sun.
 ///
 /// # Errors
-/// Errors if the file can't be read, understood or rendered: with the file, the line and the key,
-/// as far as there is one.
+/// Returns an error if the file can't be read, parsed or rendered, with the file, the line and the
+/// key, if any.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     read(path, &FilesOnDisk)
 }
 
-/// Reads a scene from the text of a scene file. `name` stands for the file in errors, and gives the
-/// scene its name if the text has none; models are looked for in `folder`.
+/// Reads a scene from the text of a scene file. `name` is the name of the file in errors, and of
+/// the scene if the text has none. Paths of models are relative to `folder`.
 ///
 /// # Errors
-/// Errors if [`load`] does.
+/// Returns an error if [`load`] does.
 pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
     file::parse(text, Path::new(name), folder.as_ref(), &FilesOnDisk)
 }
 
-/// Reads a scene file or a model that is not on disk, or not as files: see
-/// [`FilesInMemory`](crate::FilesInMemory). All that it names is looked for among `files`, too:
-/// models, `.mtl` files and textures.
+/// Reads a scene file or a model that is not on disk, or not stored as files: see
+/// [`FilesInMemory`](crate::FilesInMemory). Files that it names are also read from `files`: models,
+/// `.mtl` files and textures.
 ///
 /// # Errors
-/// Errors if [`load`] does.
+/// Returns an error if [`load`] does.
 pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     match Kind::of(path) {
@@ -82,7 +82,7 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
     }
 }
 
-/// Whether a path is a model's by its name: one that is read here.
+/// Reports whether a path has the name of a supported model.
 pub fn is_model(path: impl AsRef<Path>) -> bool {
     match Kind::of(path.as_ref()) {
         Some(Kind::Obj) => true,
@@ -91,12 +91,11 @@ pub fn is_model(path: impl AsRef<Path>) -> bool {
     }
 }
 
-/// Returns whether a file brings lights of its own. Scene files do, `.obj` files don't, and of glTF
-/// files some (`KHR_lights_punctual`, unless all of them are off); where there is none, [`load`]
-/// adds a sun.
+/// Reports whether a file has lights. Scene files do and `.obj` files don't. Some glTF files do
+/// (`KHR_lights_punctual`, unless all of them are off). [`load`] adds a sun to files without one.
 ///
 /// # Errors
-/// Errors if the file can't be read or understood as far as its lights need.
+/// Returns an error if the file can't be read or parsed as far as its lights require.
 pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
     let path = path.as_ref();
     match Kind::of(path) {
@@ -107,8 +106,8 @@ pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
     }
 }
 
-/// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb`
-/// of `model.glb#night`.
+/// Returns the file of a path if its name is that of a scene file or a model: `model.glb` for
+/// `model.glb#night`.
 ///
 /// ```
 /// use std::path::Path;
@@ -130,12 +129,12 @@ pub fn file_of(path: impl AsRef<Path>) -> Option<PathBuf> {
 fn neither(path: &Path) -> SceneError {
     SceneError::Unreadable {
         file: path.display().to_string(),
-        why: format!("is no {ENDINGS} file"),
-        help: "give a scene file or a model, named so".to_owned(),
+        why: format!("is not a {ENDINGS} file"),
+        help: "use a scene file or a model with one of these extensions".to_owned(),
     }
 }
 
-/// What a path's name says that it is.
+/// Kind of file, by its name.
 #[derive(Clone, Debug, PartialEq)]
 enum Kind {
     SceneFile,

@@ -36,7 +36,7 @@ fn other_files_are_refused() {
     for name in ["scene.gltf2", "scene", "", "a.obj.zip", "a#1.toml.zip"] {
         let message = load(name).unwrap_err().to_string();
         assert!(
-            message.contains(&format!("is no {ENDINGS} file")),
+            message.contains(&format!("is not a {ENDINGS} file")),
             "{message}"
         );
     }
@@ -73,7 +73,7 @@ fn scene_files_bring_light_and_obj_files_don_t() {
     assert!(brings_light("cubes").is_err());
 }
 
-/// Programs print an error and then its sources: what is told already must not be one.
+/// Programs print an error and then its sources. A source must not repeat the error.
 #[test]
 fn errors_are_told_once() {
     let invalid = SceneError::Invalid {

@@ -1,23 +1,23 @@
-//! What a model is made of.
+//! Parts of a model.
 
 use umbrage_core::Instance;
 use umbrage_core::glam::Affine3A;
 
-/// A mesh of a scene, as a model places it and lets it look.
+/// A mesh of a scene, with the model's placement and material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ModelPart {
-    /// Index of a mesh of the scene; several parts may show one.
+    /// Index of a mesh of the scene. Several parts may share it.
     pub(crate) mesh: usize,
     /// Index of a material of the scene.
     pub(crate) material: Option<usize>,
-    /// Whether it throws shadows.
+    /// `true` if it casts shadows.
     pub(crate) casts: bool,
-    /// Where the mesh stands in the model.
+    /// Placement of the mesh in the model.
     pub(crate) model_from_mesh: Affine3A,
 }
 
 impl ModelPart {
-    /// A mesh that is the model's own, throws shadows, and stands where its vertices say.
+    /// Creates a part for a mesh without a transform, which casts shadows.
     pub(crate) fn new(mesh: usize, material: Option<usize>) -> Self {
         Self {
             mesh,
@@ -27,7 +27,7 @@ impl ModelPart {
         }
     }
 
-    /// Returns the instance of a model that stands at the world's origin.
+    /// Returns the instance of a model at the world's origin.
     pub(crate) fn instance(&self) -> Instance {
         Instance {
             material: self.material,
@@ -36,10 +36,10 @@ impl ModelPart {
         }
     }
 
-    /// Returns where the mesh stands in the world, given where the model stands: multiplied in 64
-    /// bits, rounded once.
+    /// Returns the mesh's placement in the world for a placement of the model, multiplied in 64
+    /// bits and rounded once.
     pub(crate) fn placed(&self, world_from_model: Affine3A) -> Affine3A {
-        // No zero changes its sign.
+        // Keep the signs of zeros.
         if self.model_from_mesh == Affine3A::IDENTITY {
             return world_from_model;
         }

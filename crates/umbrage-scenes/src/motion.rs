@@ -1,71 +1,71 @@
-//! Built-in scenes in motion: which cases of the catalogue of failures move, and where camera,
-//! light and casters are in each frame.
+//! Built-in scenes in motion: the moving cases of the catalogue of failures, and the camera, the
+//! light and the casters in each frame.
 
 use umbrage_core::glam::{Affine3A, DQuat, Quat, Vec2};
 use umbrage_core::{Camera, Fit, Layout, Light, RecipeError, Scene, View};
 
-/// Texels that the camera pans by from a frame to the next.
+/// Distance by which the camera pans each frame, texels.
 const PAN_TEXELS: f64 = 0.37;
-/// Texels that casters move by from a frame to the next: more than one, so that no frame may rest,
-/// and no whole number.
+/// Distance by which casters move each frame, texels. It exceeds one, so that every frame differs,
+/// and is not an integer.
 const CASTER_TEXELS: f64 = 1.37;
-/// Degrees that the camera yaws by from a frame to the next.
+/// Angle by which the camera yaws each frame, degrees.
 const YAW: f64 = 0.1;
-/// Degrees that the sun turns by from a frame to the next.
+/// Angle by which the sun turns each frame, degrees.
 const TURN: f64 = 0.25;
 /// Vertical field of view of the first frame of a widening, degrees.
 const FIRST_FOV: f64 = 75.0;
 /// Vertical field of view of the last frame of a widening, degrees.
 const LAST_FOV: f64 = 90.0;
 
-/// How deep steady fits reach in views a few metres deep, metres.
+/// Depth range of stable fits in views a few metres deep, metres.
 const NEARBY: f32 = 8.0;
-/// How deep they reach in landscapes.
+/// Depth range of stable fits in landscapes, metres.
 const LANDSCAPE: f32 = 160.0;
 
-/// A built-in scene in which something moves: a case of the catalogue of failures.
+/// A built-in scene in motion: a case of the catalogue of failures.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingScene {
-    /// Lower case with dashes.
+    /// Name, in lower case with dashes.
     pub name: &'static str,
-    /// Its row in the catalogue of failures.
+    /// Row in the catalogue of failures.
     pub row: u8,
     /// The built-in scene.
     pub scene: &'static str,
-    /// What moves.
+    /// The motion.
     pub motion: Motion,
-    /// The range of a fit that holds maps still while the camera moves, metres: [`Fit::Stable`].
+    /// The range of a fit that keeps maps stable while the camera moves, metres: [`Fit::Stable`].
     pub range: f32,
 }
 
-/// What moves from frame to frame.
+/// A change from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Nothing.
+    /// No motion.
     Still,
-    /// The camera moves sideways by .37 texels of the map a frame: within a few frames edges have
-    /// met texels in all phases.
+    /// The camera moves sideways by .37 texels of the map a frame. Within a few frames, edges cover
+    /// all phases of texels.
     Pan,
     /// The camera turns by .1 degree a frame about the vertical.
     Yaw,
-    /// The camera's vertical field of view opens from 75 to 90 degrees.
+    /// The camera's vertical field of view widens from 75 to 90 degrees.
     Widening,
     /// The sun turns by .25 degree a frame about the vertical.
     Sun,
-    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of
+    /// All casters except the first object of the scene, its ground, move along x by 1.37 texels of
     /// the map a frame.
     Casters,
-    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal
-    /// antialiasing does.
+    /// The camera's projection is offset by a different fraction of a pixel in each frame, as in
+    /// temporal antialiasing.
     Jitter,
 }
 
-/// Which frame of a motion.
+/// A frame of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionStep {
-    /// 0 for the first.
+    /// Index of the frame, 0 for the first.
     pub index: u32,
-    /// How many frames the motion has.
+    /// Number of frames in the motion.
     pub count: u32,
     /// The width of a texel of the first frame's map, metres: see [`texel_width`].
     pub texel: f64,
@@ -90,19 +90,19 @@ const fn moving(
 impl MovingScene {
     /// Wires as thin as a texel.
     pub const FENCE_PAN: Self = moving(9, "fence-pan", "fence", Motion::Pan, NEARBY);
-    /// Wires cut out of one quad.
+    /// Alpha-tested wires on one quad.
     pub const WIRE_FENCE_PAN: Self = moving(9, "wire-fence-pan", "wire-fence", Motion::Pan, NEARBY);
     /// A landscape under a low sun.
     pub const HILLS_PAN: Self = moving(10, "hills-pan", "hills", Motion::Pan, LANDSCAPE);
-    /// The same 100 km from the origin.
+    /// A landscape 100 km from the origin.
     pub const HILLS_1E5_PAN: Self =
         moving(11, "hills-1e5-pan", "hills-1e5", Motion::Pan, LANDSCAPE);
-    /// The same 1,000 km from the origin.
+    /// A landscape 1,000 km from the origin.
     pub const HILLS_1E6_PAN: Self =
         moving(11, "hills-1e6-pan", "hills-1e6", Motion::Pan, LANDSCAPE);
     /// A camera that turns.
     pub const HILLS_YAW: Self = moving(12, "hills-yaw", "hills", Motion::Yaw, LANDSCAPE);
-    /// A field of view that opens.
+    /// A field of view that widens.
     pub const HILLS_FOV: Self = moving(12, "hills-fov", "hills", Motion::Widening, LANDSCAPE);
     /// A sun that turns.
     pub const HILLS_SUN: Self = moving(13, "hills-sun", "hills", Motion::Sun, LANDSCAPE);
@@ -117,10 +117,10 @@ impl MovingScene {
     /// Casters that move.
     pub const HILLS_CASTERS: Self =
         moving(36, "hills-casters", "hills", Motion::Casters, LANDSCAPE);
-    /// A projection that is moved within a pixel.
+    /// A projection with offsets within a pixel.
     pub const HILLS_JITTER: Self = moving(37, "hills-jitter", "hills", Motion::Jitter, LANDSCAPE);
 
-    /// Leaf cards with holes, near and far.
+    /// Leaf cards with alpha tests, near and far.
     pub const FOLIAGE_PAN: Self = moving(39, "foliage-pan", "foliage", Motion::Pan, LANDSCAPE);
 
     /// All of them, by rows.
@@ -141,7 +141,7 @@ impl MovingScene {
 }
 
 impl Motion {
-    /// Returns a short description for people.
+    /// Returns a short description for readers.
     pub fn label(self) -> &'static str {
         match self {
             Self::Still => "still",
@@ -154,17 +154,17 @@ impl Motion {
         }
     }
 
-    /// Whether true shadows move; else the camera does.
+    /// Reports whether true shadows move. Otherwise, the camera does.
     pub const fn moves_shadows(self) -> bool {
         matches!(self, Self::Sun | Self::Casters)
     }
 
-    /// Whether the camera's pictures show points at other pixels from frame to frame.
+    /// Reports whether points move to other pixels of the camera's images.
     pub fn moves_pixels(self) -> bool {
         matches!(self, Self::Pan | Self::Yaw | Self::Widening)
     }
 
-    /// Returns the camera that the motion starts from.
+    /// Returns the camera at the start of the motion.
     #[must_use]
     pub fn first_camera(self, camera: &Camera) -> Camera {
         if self == Self::Widening {
@@ -207,7 +207,7 @@ impl Motion {
         let mut scene = first.clone();
         if self == Self::Casters {
             let offset = f64::from(step.index) * CASTER_TEXELS * step.texel;
-            // The first thing is the ground.
+            // The first object is the ground.
             for instance in scene.instances.iter_mut().skip(1).filter(|i| i.casts) {
                 instance.world_from_local.translation.x += offset as f32;
             }
@@ -216,14 +216,14 @@ impl Motion {
     }
 }
 
-/// Returns the width of a texel of a tight map of `size` texels a side, metres: the unit of what
-/// moves by texels. `view` is the first frame's, with its receivers.
+/// Returns the width of a texel of a tight map of `size` texels a side, metres. Motions in texels
+/// use this unit. `view` is that of the first frame, with its receivers.
 ///
 /// # Errors
-/// Errors if no map can be fitted to the view.
+/// Returns an error if no map can be fitted to the view.
 pub fn texel_width(view: &View<'_>, size: u32) -> Result<f64, RecipeError> {
     let spaces = Fit::Tight.light_spaces(Layout::Auto, view, size, 0.0)?;
-    // Clip units, of which a map is 2 wide, for each metre.
+    // Clip units per metre. A map is 2 clip units wide.
     let scale = spaces
         .spaces
         .first()
@@ -231,9 +231,9 @@ pub fn texel_width(view: &View<'_>, size: u32) -> Result<f64, RecipeError> {
     Ok(2.0 / (scale * f64::from(size)))
 }
 
-/// Returns how a frame's projection is moved by [`Motion::Jitter`], pixels, -.5 to .5 each way: the
-/// sequence of Halton (1960) in bases 2 and 3, which temporal antialiasing commonly takes. The
-/// first frame has none.
+/// Returns the offset of a frame's projection for [`Motion::Jitter`], pixels, -.5 to .5 in each
+/// direction: the sequence of Halton (1960) in bases 2 and 3, common in temporal antialiasing. The
+/// first frame has no offset.
 pub fn jitter(index: u32) -> Vec2 {
     if index == 0 {
         return Vec2::ZERO;
@@ -244,8 +244,8 @@ pub fn jitter(index: u32) -> Vec2 {
     )
 }
 
-/// Returns the digits of a number in a base, mirrored at the point: 6 is 110 in base 2, and becomes
-/// .011, which is .375.
+/// Returns the digits of a number in a base, mirrored at the radix point: 6 is 110 in base 2, which
+/// becomes .011 or .375.
 fn radical_inverse(number: u32, base: u32) -> f32 {
     let mut rest = number;
     let mut place = 1.0_f32;
@@ -285,7 +285,7 @@ fn yawed(camera: &Camera, degrees: f64) -> Camera {
     out
 }
 
-/// Returns a directional light turned about the vertical; other lights stay.
+/// Returns a directional light turned about the vertical. Other lights don't change.
 fn turned(light: &Light, degrees: f64) -> Light {
     match *light {
         Light::Directional {

@@ -1,13 +1,13 @@
-//! Suggestions for misspelt words.
+//! Suggestions for misspelled words.
 
-/// The candidates that `word` may have been meant to be, likeliest first: few edits away, or begun
-/// alike.
+/// Returns the candidates that are similar to `word`, most likely first: those few edits away, or
+/// with the same start.
 pub(crate) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Vec<&'a str> {
     let word = word.to_lowercase();
-    // A third of the letters may differ, but at least one.
+    // Up to a third of the letters may differ, and at least one.
     let reach = (word.chars().count() / 3).max(1);
     let mut near: Vec<(usize, &str)> = candidates
         .into_iter()
@@ -25,7 +25,7 @@ pub(crate) fn nearest<'a>(
     near.into_iter().map(|(_, c)| c).take(3).collect()
 }
 
-/// Words as a list: `` `a`, `b` or `c` ``.
+/// Formats words as a list: `` `a`, `b` or `c` ``.
 pub(crate) fn listed(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|w| format!("`{w}`")).collect();
     match quoted.split_last() {

@@ -1,10 +1,10 @@
-//! Polygons into triangles: Meisters 1975, "Polygons Have Ears".
+//! Triangulation of polygons: Meisters 1975, "Polygons Have Ears".
 
 use umbrage_core::glam::{DVec2, DVec3, Vec3};
 
-/// Cuts a polygon into triangles that wind as it does. Convex ones become a fan from the first
-/// corner; others lose one ear after another; what has no ear (self-crossing or without area)
-/// becomes a fan, too. Indices count its corners.
+/// Cuts a polygon into triangles of the same orientation. Convex polygons become a fan from the
+/// first corner; others are cut ear by ear. Polygons without an ear (self-crossing or without area)
+/// become a fan, too. Indices refer to the corners.
 pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
     let flat = flatten(corners);
     let mut left: Vec<u32> = (0..corners.len() as u32).collect();
@@ -20,7 +20,8 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
     out
 }
 
-/// Along the polygon's mean normal (Newell's method), so that it turns left throughout when convex.
+/// Projects a polygon along its mean normal (Newell's method), so that a convex one turns left at
+/// all corners.
 fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
     let Some(first) = corners.first().map(|c| c.as_dvec3()) else {
         return Vec::new();
@@ -49,8 +50,8 @@ fn area(flat: &[DVec2], triangle: [u32; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Turns left or not at all at each corner. Stars that wind twice also do, but then their fan is as
-/// good as any.
+/// Reports whether a polygon turns left or not at all at each corner. Stars that wind twice also
+/// do, but no triangulation of them is better than their fan.
 fn is_convex(flat: &[DVec2], left: &[u32]) -> bool {
     (0..left.len()).all(|i| area(flat, around(left, i)) >= 0.0)
 }
@@ -62,7 +63,7 @@ fn is_ear(flat: &[DVec2], left: &[u32], i: usize) -> bool {
             .iter()
             .all(|&t| area(flat, t) >= 0.0)
     };
-    // Corners at the same place as one of the ear's (bridges to holes) don't count against it.
+    // Ignore corners that coincide with one of the ear's, as at bridges to holes.
     let elsewhere = |p: u32| {
         [a, b, c]
             .iter()

@@ -8,7 +8,7 @@ fn area(corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec3 {
         .sum()
 }
 
-/// The sum of the triangles' areas, whichever way they face.
+/// Returns the sum of the triangles' areas, regardless of orientation.
 fn covered(corners: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
     triangles
         .iter()
@@ -17,7 +17,7 @@ fn covered(corners: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
 }
 
 fn outline(points: &[[f32; 2]]) -> Vec<Vec3> {
-    // In a slanted plane, so that the projection matters.
+    // Slant the plane, so that the projection matters.
     points
         .iter()
         .map(|&[x, y]| Vec3::new(x, y, 0.5 * x - 0.25 * y + 3.0))
@@ -59,8 +59,8 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
             let fan: Vec<_> = (1..corners.len() as u32 - 1)
                 .map(|i| [0, i, i + 1])
                 .collect();
-            // The vector area does not depend on the cut; covering twice or outside adds to the
-            // plain one.
+            // The vector area does not depend on the triangulation. Overlaps and triangles outside
+            // increase the scalar area.
             let whole = area(&corners, &fan);
             let parts = covered(&corners, &triangles);
             assert!(

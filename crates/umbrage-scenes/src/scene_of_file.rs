@@ -1,17 +1,17 @@
-//! glTF files by their names: a file, and one of its scenes.
+//! Names of glTF files and their scenes.
 
 use std::path::{Path, PathBuf};
 
-/// What a path names: a glTF file, and one of its scenes.
+/// A path of a glTF file, and one of its scenes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SceneOfFile {
     pub(crate) file: PathBuf,
-    /// The name or the number of a scene; the file's default scene if there is none.
+    /// The name or number of a scene. `None` for the file's default scene.
     pub(crate) scene: Option<String>,
 }
 
 impl SceneOfFile {
-    /// Parts `model.glb#2` or `model.glb#night` at the last `#`. None if it names no glTF file.
+    /// Splits `model.glb#2` or `model.glb#night` at the last `#`. `None` if it is not a glTF file.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         let whole = || Self {
             file: path.to_path_buf(),
@@ -28,7 +28,7 @@ impl SceneOfFile {
     }
 }
 
-/// Returns whether a path ends as glTF files do.
+/// Reports whether a path has an extension of glTF files.
 fn is_gltf(path: &Path) -> bool {
     path.extension().is_some_and(|ending| {
         ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf")

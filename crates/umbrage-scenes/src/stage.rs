@@ -1,4 +1,4 @@
-//! Puts built-in scenes together.
+//! Builder of built-in scenes.
 
 use crate::{
     framing::Shot,
@@ -7,7 +7,7 @@ use crate::{
 use umbrage_core::glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Geometry, Instance, Light, Material, Mesh, Scene};
 
-/// A scene in the making.
+/// A scene under construction.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     scene: Scene,
@@ -23,12 +23,12 @@ impl Stage {
         }
     }
 
-    /// A mesh as it is, casting and receiving.
+    /// Adds a mesh without a transform, which casts and receives.
     pub(crate) fn put(self, mesh: Mesh) -> Self {
         self.put_many(mesh, [Affine3A::IDENTITY])
     }
 
-    /// Copies of one mesh, casting and receiving.
+    /// Adds copies of one mesh, which cast and receive.
     pub(crate) fn put_many(
         mut self,
         mesh: Mesh,
@@ -42,7 +42,7 @@ impl Stage {
         self
     }
 
-    /// Gives everything so far these roles.
+    /// Sets the roles of everything added so far.
     pub(crate) fn roles(mut self, casts: bool, receives: bool) -> Self {
         for instance in &mut self.scene.instances {
             instance.casts = casts;
@@ -51,7 +51,7 @@ impl Stage {
         self
     }
 
-    /// Gives the mesh put last these roles.
+    /// Sets the roles of the last mesh.
     pub(crate) fn last_roles(mut self, casts: bool, receives: bool) -> Self {
         for instance in self.last() {
             instance.casts = casts;
@@ -60,7 +60,7 @@ impl Stage {
         self
     }
 
-    /// Gives the mesh put last this look.
+    /// Sets the look of the last mesh.
     pub(crate) fn look(mut self, look: Look) -> Self {
         let first = self.scene.textures.len();
         let id = self.scene.materials.len();
@@ -83,10 +83,10 @@ impl Stage {
         self
     }
 
-    /// Adds the camera, near and far fitted, and hands the scene over.
+    /// Adds the camera with fitted near and far planes, and returns the scene.
     ///
     /// # Panics
-    /// Panics if the scene is invalid: it is written in this crate, and a test builds each.
+    /// Panics if the scene is invalid. Scenes are defined in this crate, and a test builds each.
     pub(crate) fn shoot(
         self,
         eye: impl Into<Vec3>,
@@ -104,10 +104,10 @@ impl Stage {
         self.shoot_from(&shot, None)
     }
 
-    /// [`Stage::shoot`] with a near plane of one's own.
+    /// [`Stage::shoot`] with an explicit near plane.
     ///
     /// # Panics
-    /// As [`Stage::shoot`].
+    /// Panics if [`Stage::shoot`] does.
     pub(crate) fn shoot_from(mut self, shot: &Shot, near: Option<f32>) -> Scene {
         self.paint_the_rest();
         let geometry = Geometry::bake(&self.scene).expect("built-in scenes are valid");
@@ -118,7 +118,8 @@ impl Stage {
         self.scene
     }
 
-    /// What has no look yet gets colours in turn; the first thing is nearly always a floor.
+    /// Assigns colours in turn to objects without a look. The first object is nearly always a
+    /// floor.
     fn paint_the_rest(&mut self) {
         let first = self.scene.materials.len();
         let colors = PALETTE.len();
@@ -127,7 +128,7 @@ impl Stage {
             if instance.material.is_some() {
                 continue;
             }
-            // The floor's colour is not used again.
+            // Don't use the floor's colour again.
             let color = if n == 0 {
                 0
             } else {
@@ -143,7 +144,7 @@ impl Stage {
     }
 }
 
-/// Returns the material with its textures counted from `first`.
+/// Returns the material with its textures numbered from `first`.
 fn moved(mut material: Material, first: usize) -> Material {
     if let Some(id) = &mut material.diffuse_texture {
         *id += first;
@@ -160,7 +161,7 @@ fn moved(mut material: Material, first: usize) -> Material {
     material
 }
 
-/// The sun as an ideal light.
+/// A sun without extent.
 pub(crate) fn sun(x: f32, y: f32, z: f32) -> Light {
     Light::Directional {
         direction: Vec3::new(x, y, z),

@@ -1,4 +1,4 @@
-//! [`Gpu`]: a backend with a device of its own.
+//! [`Gpu`]: a backend with its own device.
 
 use crate::{
     device::{
@@ -31,7 +31,8 @@ use umbrage_core::{
 };
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
-/// Makes a [`ResourceFactory`] of a [`Gpu`]. A macro, since a method would borrow all fields.
+/// Builds a [`ResourceFactory`] from a [`Gpu`]. It is a macro because a method would borrow all
+/// fields.
 macro_rules! factory {
     ($gpu:expr) => {
         $crate::resources::counters::ResourceFactory {
@@ -44,12 +45,11 @@ macro_rules! factory {
 #[cfg(feature = "testing")]
 pub(crate) use factory;
 
-/// Executes recipes on a graphics adapter, uploads what they need and reads the mask back.
+/// Executes recipes on a graphics adapter: uploads inputs and reads the mask back.
 ///
-/// [`Shadows::timings`] are timestamps of the graphics adapter around the passes, so they hold no
-/// upload, compilation or read-back of ours; but drivers finish compiling a shader when it is first
-/// drawn with, so leave the first runs of a measurement out. Where the adapter has no timestamps,
-/// there are no timings.
+/// [`Shadows::timings`] are GPU timestamps around the passes, without upload, compilation or
+/// readback. Drivers may finish compiling a shader at its first draw, so exclude the first runs
+/// from a measurement. There are no timings if the adapter has no timestamps.
 #[derive(Debug)]
 pub struct Gpu {
     pub(crate) name: String,
@@ -69,11 +69,11 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the adapter that fits the choice best.
+    /// Opens the adapter that matches the choice best.
     ///
     /// # Errors
-    /// Errors with `NoAdapter` (what there is and what to install) if none fits; and if the adapter
-    /// cannot draw into float images.
+    /// Errors with `NoAdapter`, the available adapters and advice if none matches. Errors if the
+    /// adapter cannot draw into float images.
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
         requirements::check_receivers(&adapter)?;
@@ -85,7 +85,7 @@ impl Gpu {
             label: Some("umbrage"),
             required_features: adapter.features()
                 & (Features::TIMESTAMP_QUERY | COUNTING | of_tests),
-            // All that there is, so that large scenes fit.
+            // Request the adapter's full limits, so that large scenes fit.
             required_limits: adapter.limits(),
             ..DeviceDescriptor::default()
         };
@@ -124,13 +124,12 @@ impl Gpu {
         self.adapter.get_info()
     }
 
-    /// Returns the device and its queue, to share them with a renderer of your own.
+    /// Returns the device and its queue, to share them with another renderer.
     pub fn device(&self) -> (&Device, &Queue) {
         (&self.device, &self.queue)
     }
 
-    /// Returns what the device does with a product that goes into a sum. Draws a few pixels to find
-    /// out.
+    /// Returns the device's rounding of products in sums. Draws a few pixels to determine it.
     ///
     /// # Errors
     /// Errors if the device fails.
@@ -143,7 +142,7 @@ impl Gpu {
         self.renderer.limits()
     }
 
-    /// Returns how many GPU objects were made so far, for recipes and for receivers.
+    /// Returns the number of GPU objects created so far, for recipes and for receivers.
     #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
         let own = self.counters;
@@ -156,7 +155,7 @@ impl Gpu {
         }
     }
 
-    /// Runs `f` with every error of the device turned into `Err`.
+    /// Runs `f` and converts all device errors to `Err`.
     pub(crate) fn guarded<R>(
         &mut self,
         f: impl FnOnce(&mut Self) -> Result<R, BackendError>,
@@ -165,11 +164,10 @@ impl Gpu {
         let scopes = Scopes::open(&self.device);
         let result = f(self);
         let closed = scopes.close();
-        // A lost device explains all other errors, and errors of the device those that follow from
-        // them.
+        // Report a lost device first, then errors of the device: they cause the others.
         let outcome = self.errors.check().and(closed).and(result);
         if outcome.is_err() {
-            // What was made may be unusable.
+            // Drop cached objects, which may be unusable.
             self.receivers = None;
             self.geometries = Geometries::default();
             self.converter = Converter::default();
@@ -185,8 +183,8 @@ impl Gpu {
         self.finish(encoder, view, recipe, triangles.is_some())
     }
 
-    /// Uploads and compiles. Returns how many triangles are to be drawn to find receivers; `None`
-    /// if the view brings receivers.
+    /// Uploads and compiles. Returns the number of triangles to draw to compute receivers; `None`
+    /// if the view provides receivers.
     pub(crate) fn prepare(
         &mut self,
         view: &View<'_>,
@@ -230,8 +228,8 @@ impl Gpu {
         }
     }
 
-    /// Returns an encoder; with `triangles`, the passes that find receivers by drawing so many are
-    /// recorded.
+    /// Returns an encoder. If `triangles` is given, records the passes that compute receivers by
+    /// drawing that many triangles.
     pub(crate) fn begin(&self, triangles: Option<u32>) -> CommandEncoder {
         let mut encoder = self
             .device
@@ -244,15 +242,14 @@ impl Gpu {
         encoder
     }
 
-    /// Returns the recipe's images, or copies of them as floats where their own format can't be
-    /// read back.
+    /// Returns the recipe's images, or float copies of those whose format can't be read back.
     pub(crate) fn readable_images(&mut self, encoder: &mut CommandEncoder) -> Vec<GpuImage> {
         self.converter
             .read(&mut factory!(self), encoder, self.renderer.gpu_images())
     }
 
-    /// Submits, waits, and reads back. `finds_receivers` says whether the encoder holds the passes
-    /// that find receivers.
+    /// Submits, waits, and reads back. `finds_receivers` is true if the encoder contains the passes
+    /// that compute receivers.
     fn finish(
         &mut self,
         mut encoder: CommandEncoder,
@@ -299,15 +296,15 @@ impl Gpu {
     }
 }
 
-/// Returns how an adapter rounds vertices. Each adapter is probed once a process.
+/// Returns the vertex rounding of an adapter. Each adapter is probed once per process.
 fn snapping_of(
     info: &AdapterInfo,
     device: &Device,
     queue: &Queue,
 ) -> Result<Snapping, BackendError> {
     static KNOWN: Mutex<Vec<(AdapterInfo, Snapping)>> = Mutex::new(Vec::new());
-    // The lock is held while the adapter is probed, so that other threads wait rather than probe
-    // it, too.
+    // Hold the lock during the probe, so that other threads wait instead of probing the adapter,
+    // too.
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     for (adapter, snapping) in known.iter() {
         if adapter == info {
@@ -340,13 +337,13 @@ impl Backend for Gpu {
     }
 }
 
-/// Errors if the view lacks what the recipe needs, or holds numbers that can't be used.
+/// Errors if the view lacks an input of the recipe, or contains invalid numbers.
 pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
     view.camera.validate()?;
     if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size) {
-        let why = format!("are an image of {} x {} pixels", r.size.x, r.size.y);
+        let why = format!("are for an image of {} x {} pixels", r.size.x, r.size.y);
         let help = format!(
-            "make them for this camera, {} x {}",
+            "compute them for this camera, {} x {}",
             view.camera.size.x, view.camera.size.y
         );
         return Err(Invalid::new("receivers", why, help).into());
@@ -360,13 +357,13 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
         .iter()
         .any(|c| !matches!(c.source, Source::Faces(_)));
     if view.geometry.is_none() && casts_geometry {
-        let help = "give the view its geometry, or draw yours with `ShadowRenderer`";
+        let help = "add geometry to the view, or draw your own with `ShadowRenderer`";
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", help).into());
     }
     Ok(())
 }
 
-/// Returns the bytes that the mask, the receivers and the picture, if there is one, take per pixel.
+/// Returns the bytes per pixel of the mask, the receivers and the colour image, if any.
 fn bytes_per_pixel(recipe: &Recipe) -> u64 {
     let mask = 4;
     let picture = if recipe.shade.is_some() { 16 } else { 0 };
@@ -377,7 +374,7 @@ fn blind() -> BackendError {
     Invalid::new(
         "view",
         "has neither geometry nor receivers",
-        "give it one of them",
+        "add one of them",
     )
     .into()
 }

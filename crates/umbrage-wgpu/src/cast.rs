@@ -1,4 +1,4 @@
-//! The cast stage: triangles into every light space.
+//! The cast stage: draws triangles into every light space.
 
 use crate::{
     filter::clear,
@@ -20,21 +20,21 @@ use wgpu::{
     CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline, ShaderStages, TextureView,
 };
 
-/// All of a recipe's casts, ready to be encoded.
+/// All casts of a recipe, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct CastStage {
     pub(crate) targets: Vec<CastTarget>,
-    /// For each target, whether it draws faces that the technique made.
+    /// For each target, whether it draws a technique's faces.
     faces: Vec<bool>,
     list: DrawList,
-    /// For each target, and in it for each draw.
+    /// Pipelines, for each target and each of its draws.
     pipelines: Vec<Vec<RenderPipeline>>,
-    /// For each target, the layer that it peels off.
+    /// For each target, the layer that it peels.
     peeled: Vec<Binding>,
     /// Layers that casts read before any cast writes them.
     clears: Vec<(Format, TextureView)>,
     bindings: CastBindings,
-    /// Each draw's world from local.
+    /// World from local of each draw.
     places: Matrices,
 }
 
@@ -73,8 +73,8 @@ impl CastStage {
         }
     }
 
-    /// Returns whether a caller can draw the casts with their targets alone: none peels, counts or
-    /// draws the technique's faces.
+    /// Returns whether a caller can draw the casts with only their targets: none peels, counts or
+    /// draws a technique's faces.
     pub(crate) fn are_plain(&self) -> bool {
         let draws_faces = self.faces.contains(&true);
         let targets_are_plain = self
@@ -84,7 +84,7 @@ impl CastStage {
         targets_are_plain && !draws_faces
     }
 
-    /// Returns whether a cast draws faces that the technique made.
+    /// Returns whether a cast draws a technique's faces.
     pub(crate) fn draws_faces(&self, cast: usize) -> bool {
         self.faces[cast]
     }
@@ -103,7 +103,7 @@ impl CastStage {
         }
     }
 
-    /// Records one cast, without clearing what it reads.
+    /// Records one cast, without clearing the layers that it reads.
     pub(crate) fn encode_one(
         &self,
         encoder: &mut CommandEncoder,
@@ -139,8 +139,8 @@ impl CastStage {
     }
 }
 
-/// What the shaders of some casts read: clip from world and, for triangles with holes, the rays
-/// through texels.
+/// Shader bindings of some casts: clip from world and, for alpha-tested triangles, the rays through
+/// texels.
 #[derive(Debug, Default)]
 pub(crate) struct CastBindings {
     spaces: Matrices,
@@ -163,7 +163,7 @@ impl CastBindings {
         }
     }
 
-    /// Binds what all draws of a cast read.
+    /// Binds the resources of all draws of a cast.
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, cast: usize, peeled: &Binding) {
         self.spaces.bind(pass, 0, cast);
         if peeled.group().is_some() {
@@ -171,13 +171,13 @@ impl CastBindings {
         }
     }
 
-    /// Binds what draws of triangles with holes read.
+    /// Binds the resources of draws of alpha-tested triangles.
     pub(crate) fn bind_holes(&self, pass: &mut RenderPass<'_>, cast: usize) {
         self.holes.bind(pass, 1, cast);
     }
 }
 
-/// Binds the layer that a cast peels off, if it does.
+/// Binds the layer that a cast peels, if any.
 pub(crate) fn bind_peeled(
     peeled: &mut Binding,
     factory: &mut ResourceFactory<'_>,

@@ -1,31 +1,30 @@
-//! Shaders rewritten for tests, so that a software driver rounds as another driver does.
+//! Rewriting of shaders for tests, so that a software driver rounds like another driver.
 
 use std::{borrow::Cow, sync::OnceLock};
 use wgpu::Features;
 
-/// How all shaders of the process are rewritten.
+/// Rewriting rule for all shaders of the process.
 #[derive(Clone, Copy, Debug)]
 pub struct ShaderRewriter {
-    /// Returns the text to compile instead of a WGSL text.
+    /// Returns the replacement of a WGSL text.
     pub rewrite: fn(&str) -> String,
-    /// What devices must have for such texts.
+    /// Device features required by rewritten shaders.
     pub features: Features,
 }
 
 static REWRITER: OnceLock<ShaderRewriter> = OnceLock::new();
 
-/// Sets how shaders that are made from now on are rewritten. The first call counts; later ones do
-/// nothing.
+/// Sets the rewriting rule for shaders created from now on. Only the first call has an effect.
 pub fn rewrite_shaders(rewriter: ShaderRewriter) {
     let _ = REWRITER.set(rewriter);
 }
 
-/// Returns whether shaders are rewritten.
+/// Returns whether a rewriting rule is set.
 pub(crate) fn is_set() -> bool {
     REWRITER.get().is_some()
 }
 
-/// Returns the text to compile instead of a WGSL text.
+/// Returns the WGSL text to compile for an original text.
 pub(crate) fn rewritten(text: &str) -> Cow<'_, str> {
     match REWRITER.get() {
         Some(rewriter) => Cow::Owned((rewriter.rewrite)(text)),

@@ -1,6 +1,6 @@
-//! The driver on which both backends return the same bits, and workarounds for its behaviour.
+//! The driver with which both backends are bit-equal, and workarounds for its behaviour.
 //!
-//! Code that follows a [`Workaround`] names it; no other code follows a single driver.
+//! Code that depends on a [`Workaround`] refers to it; no other code depends on a driver.
 //! `tests/player/drivers.rs` runs each one on the pinned driver and fails once that driver no
 //! longer needs it. Then remove the rule and the workaround.
 
@@ -10,18 +10,18 @@ use std::sync::Once;
 /// The driver's `driver_info`.
 pub const PINNED_DRIVER: &str = "Mesa 22.3.6 (LLVM 15.0.6)";
 
-/// Environment variable that makes tests fail on other drivers, where its value is `required`. CI
-/// sets it.
+/// Environment variable that makes tests fail on other drivers if its value is `required`. CI sets
+/// it.
 pub const PINNED_DRIVER_VARIABLE: &str = "UMBRAGE_PINNED_DRIVER";
 
 /// A driver's behaviour, and the rule by which code avoids it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Workaround {
-    /// The driver, and the version in which the symptom was seen.
+    /// The driver, and the version in which the symptom was observed.
     pub driver: &'static str,
-    /// What the driver does.
+    /// Behaviour of the driver.
     pub symptom: &'static str,
-    /// What code does about it, and where.
+    /// Rule by which code avoids it, with its location.
     pub rule: &'static str,
 }
 
@@ -31,7 +31,7 @@ const LAVAPIPE: &str = "Mesa's lavapipe 22.3";
 pub const SHORT_LOOPS: Workaround = Workaround {
     driver: LAVAPIPE,
     symptom: "ends all loops of an invocation after 65,535 turns, those of its eight neighbours counted together",
-    rule: "soft/hidden.wgsl looks at two rows of the light and takes others for open",
+    rule: "soft/hidden.wgsl tests two rows of the light and treats others as open",
 };
 
 /// Sums are reordered.
@@ -49,19 +49,18 @@ pub const STEADY_FIRST_WORD: Workaround = Workaround {
 };
 
 impl Gpu {
-    /// Checks that the adapter is the software driver whose rounding the CPU backend copies bit for
-    /// bit: lavapipe of Mesa 22.3.6 on a processor with fused multiply-add (its rasteriser uses it
-    /// where there is one).
+    /// Checks that the adapter is the software driver to which the CPU backend is bit-equal:
+    /// lavapipe of Mesa 22.3.6 on a processor with fused multiply-add, which its rasteriser uses if
+    /// available.
     ///
     /// # Errors
-    /// Errors if it is another driver, and says which.
+    /// Errors with the driver's name if it is another one.
     pub fn check_pinned_driver(&self) -> Result<(), String> {
         check(&self.adapter_info().driver_info, has_fused_multiply_add())
     }
 
-    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`], and shaders are
-    /// not rewritten. If it is another driver, prints which driver was found, and that bits are not
-    /// compared.
+    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`] and shaders are
+    /// not rewritten. For another driver, prints its name, and that bits are not compared.
     ///
     /// Panics if it is another driver and the environment variable `UMBRAGE_PINNED_DRIVER` is
     /// `required`.
@@ -83,7 +82,7 @@ impl Gpu {
     }
 }
 
-/// Errors if the driver is another, or the processor has no fused multiply-add.
+/// Errors if the driver is a different one, or the processor has no fused multiply-add.
 fn check(driver: &str, fused: bool) -> Result<(), String> {
     if driver != PINNED_DRIVER {
         return Err(format!(

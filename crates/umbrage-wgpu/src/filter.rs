@@ -1,4 +1,4 @@
-//! The filter stage, and the clearing of what no stage writes.
+//! The filter stage, and the clearing of layers that no stage writes.
 
 use crate::{
     resources::{
@@ -17,7 +17,7 @@ use wgpu::{
     StoreOp, TextureView,
 };
 
-/// All of a recipe's filters, ready to be encoded.
+/// All filters of a recipe, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct FilterStage {
     /// Each filter, with the layers that it writes.
@@ -64,7 +64,7 @@ impl FilterStage {
         }
     }
 
-    /// Returns whether there is anything to filter.
+    /// Returns whether there are any filter passes.
     pub(crate) fn has_passes(&self) -> bool {
         self.filters.iter().any(|(_, layers)| !layers.is_empty())
     }
@@ -100,7 +100,7 @@ impl FilterStage {
     }
 }
 
-/// Returns the attachment of a pass that clears a layer and keeps what it draws.
+/// Returns the attachment of a pass that clears a layer and stores the result.
 pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassColorAttachment<'_> {
     let ops = Operations {
         load: LoadOp::Clear(clear),
@@ -114,7 +114,7 @@ pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassCo
     }
 }
 
-/// Records a pass that gives a layer the contents with which a recipe's images start.
+/// Records a pass that clears a layer to the initial contents of a recipe's images.
 pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &TextureView) {
     let color = [Some(color_attachment(view, Color::TRANSPARENT))];
     let cast_only = format.is_cast_only();
@@ -126,8 +126,8 @@ pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &Texture
     });
 }
 
-/// Returns the layers that may be read before a stage writes them: they must start as the recipe
-/// promises, not as the last frame left them.
+/// Returns the layers that may be read before a stage writes them. They must have the initial
+/// contents that recipes specify, not those of the last frame.
 fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (id, image) in images.iter().enumerate() {
@@ -144,7 +144,7 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
     out
 }
 
-/// Returns whether a filter writes the image and none reads it before.
+/// Returns whether a filter writes the image and none reads it before that.
 fn filtered_before_read(recipe: &Recipe, image: usize) -> bool {
     let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else {
         return false;

@@ -9,20 +9,20 @@ use wgpu::{
     VertexFormat,
 };
 
-/// Options that hold for all that a renderer does.
+/// Options of a renderer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RendererOptions {
-    /// Index of the bind group that holds what the receive kernel reads, so that
+    /// Index of the bind group of the receive kernel's resources, so that
     /// [`receive_wgsl`](crate::receive_wgsl) and
-    /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) fit into
-    /// the caller's own shaders.
+    /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) can be
+    /// used in the caller's shaders.
     pub kernel_group: u32,
-    /// When errors of the graphics API are reported.
+    /// Time at which errors of the graphics API are reported.
     pub errors: ApiErrors,
 }
 
 impl RendererOptions {
-    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
+    /// Returns the index of the G-buffer's bind group: 0, or 1 if the kernel's is 0.
     pub(crate) fn gbuffer_group(self) -> u32 {
         u32::from(self.kernel_group == 0)
     }
@@ -33,12 +33,12 @@ impl RendererOptions {
 pub struct FrameInputs<'a> {
     /// Size of the mask and of the receivers' textures, pixels.
     pub size: UVec2,
-    /// Drawn by the recipe's casts of [`Source::Casters`].
+    /// Casters, drawn by casts of [`Source::Casters`].
     pub casters: &'a [Drawable<'a>],
-    /// Casters, receivers, and what is neither: drawn by casts of [`Source::Everything`]. Recipes
-    /// without such casts need none.
+    /// All visible geometry: casters, receivers, and the rest. Drawn by casts of
+    /// [`Source::Everything`]; may be empty for recipes without such casts.
     pub everything: &'a [Drawable<'a>],
-    /// What the camera sees.
+    /// The visible surface points.
     pub receivers: GBuffer<'a>,
 }
 
@@ -47,17 +47,18 @@ pub struct FrameInputs<'a> {
 pub struct Drawable<'a> {
     /// Vertices, usage `VERTEX`.
     pub vertices: &'a Buffer,
-    /// Where positions are in it.
+    /// Layout of the positions in the vertex buffer.
     pub layout: VertexLayout,
-    /// Vertex indices; none when every three vertices are a triangle.
+    /// Vertex indices; `None` if every three vertices are a triangle.
     pub indices: Option<Indices<'a>>,
-    /// Which indices are drawn, or which vertices when there are none.
+    /// Range of indices to draw, or of vertices if there are no indices.
     pub range: Range<u32>,
-    /// Places the vertices into the world; none when they are there already, which is cheaper.
+    /// Transform to world space; `None` if the vertices are already in world space, which is
+    /// cheaper.
     pub world_from_local: Option<Affine3A>,
-    /// Ids of the triangles that `range` draws, in its order, where they are a part of the
-    /// [`Geometry`](umbrage_core::Geometry) that the technique was planned for: then casts that
-    /// need only some casters draw only those of them. None to draw all of them always.
+    /// Ids of the triangles in `range`, in the same order, in the
+    /// [`Geometry`](umbrage_core::Geometry) for which the technique was planned. Casts that need
+    /// only some casters then draw only these. `None` to always draw all triangles.
     pub triangles: Option<Range<u32>>,
 }
 
@@ -70,7 +71,7 @@ pub struct Indices<'a> {
     pub format: IndexFormat,
 }
 
-/// How a vertex buffer holds positions. A fourth component is not read.
+/// Format of positions in a vertex buffer. A fourth component is not read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PositionFormat {
     /// Three 32-bit floats, 12 bytes.
@@ -78,7 +79,7 @@ pub enum PositionFormat {
     Float32x3,
     /// Four 16-bit floats, 8 bytes.
     Float16x4,
-    /// Four 16-bit whole numbers that stand for -1..=1, 8 bytes.
+    /// Four 16-bit normalized integers for -1..=1, 8 bytes.
     Snorm16x4,
 }
 
@@ -100,20 +101,20 @@ impl PositionFormat {
     }
 }
 
-/// Where a vertex buffer holds positions.
+/// Layout of positions in a vertex buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexLayout {
-    /// How a position is written.
+    /// Format of a position.
     pub format: PositionFormat,
-    /// Bytes from one vertex to the next; a multiple of 4, at least those of a position.
+    /// Bytes from one vertex to the next: a multiple of 4, at least the size of a position.
     pub stride: u64,
-    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less those of a
-    /// position.
+    /// Bytes from the start of a vertex to its position: a multiple of 4, at most the stride minus
+    /// the size of a position.
     pub position_offset: u64,
 }
 
 impl VertexLayout {
-    /// Positions of three 32-bit floats and nothing else.
+    /// Tightly packed positions of three 32-bit floats.
     pub const PACKED: Self = Self {
         format: PositionFormat::Float32x3,
         stride: 12,
@@ -121,22 +122,22 @@ impl VertexLayout {
     };
 }
 
-/// What the camera sees: textures of [`FrameInputs::size`] with usage `TEXTURE_BINDING`.
+/// The visible surface points: textures of [`FrameInputs::size`] with usage `TEXTURE_BINDING`.
 ///
-/// Two channels of unused precision are the price of a plain layout; an engine that keeps its own
-/// G-buffer copies from it in one full-screen pass, or makes this one from depth with
+/// The layout is plain, at the cost of two channels of unused precision. An engine with its own
+/// G-buffer can copy it in one full-screen pass, or compute this one from depth with
 /// [`GBufferFromDepth`](crate::GBufferFromDepth).
 #[derive(Clone, Copy, Debug)]
 pub struct GBuffer<'a> {
-    /// `Rgba32Float`: world position, and in w 1 where a shadow may fall and 0 elsewhere.
+    /// `Rgba32Float`: world position; w is 1 for pixels that receive shadows and 0 for others.
     pub position: &'a TextureView,
-    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 where nothing
-    /// is seen; w is unread.
+    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 for empty
+    /// pixels; w is not read.
     pub normal: &'a TextureView,
-    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen.
-    /// For kernels that read them (ray tracing does, so that a triangle doesn't shadow itself) and
-    /// for recipes that shade: they colour every pixel with an id, for which position and normal
-    /// must then be right even where no shadow may fall.
+    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) for empty pixels. Needed
+    /// by kernels that read ids (ray tracing uses them to prevent self-shadowing), and by recipes
+    /// that shade. These shade every pixel with an id, so its position and normal must be valid
+    /// even if it doesn't receive shadows.
     pub triangle: Option<&'a TextureView>,
 }
 
@@ -152,8 +153,8 @@ impl GBuffer<'_> {
 }
 
 impl FrameInputs<'_> {
-    /// Errors if the device would fail: that would say so later, in other words, and in part only
-    /// when the caller submits.
+    /// Errors if the device would fail. The device reports errors later and less clearly, some of
+    /// them only when the caller submits.
     pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
             for (i, drawable) in drawables.iter().enumerate() {
@@ -168,8 +169,8 @@ impl FrameInputs<'_> {
         Ok(())
     }
 
-    /// Errors if a cast draws everything and the frame lists casters only. A frame without casters
-    /// either is fine: there the caller draws all casts itself.
+    /// Errors if a cast draws all geometry, but the frame only lists casters. A frame without
+    /// casters is valid: the caller draws all casts itself.
     fn check_everything(&self, recipe: &Recipe) -> Result<(), Invalid> {
         let needed = recipe
             .casts
@@ -178,7 +179,7 @@ impl FrameInputs<'_> {
         if !needed || !self.everything.is_empty() || self.casters.is_empty() {
             return Ok(());
         }
-        let why = "has casters but not everything, which a cast of the recipe draws";
+        let why = "has casters only, but a cast of the recipe draws all geometry";
         Err(Invalid::new(
             "frame",
             why,
@@ -192,16 +193,16 @@ impl FrameInputs<'_> {
             return Ok(());
         }
         let help =
-            "hand in triangle ids in `GBuffer::triangle`, or take a recipe that does without";
+            "add triangle ids as `GBuffer::triangle`, or use a recipe that doesn't need them";
         Err(Invalid::new(
             "frame",
-            "has no triangle ids, which tell this recipe what is seen",
+            "has no triangle ids, which this recipe needs",
             help,
         ))
     }
 }
 
-/// Triangles in buffers of the caller's, however they are placed.
+/// Triangles in the caller's buffers, without their placement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BufferedTriangles<'a> {
     pub(crate) vertices: &'a Buffer,
@@ -211,7 +212,7 @@ pub(crate) struct BufferedTriangles<'a> {
 }
 
 impl BufferedTriangles<'_> {
-    /// Returns what the range counts: indices, or vertices where there are none.
+    /// Returns the unit of the range: indices, or vertices if there are none.
     const fn counted(&self) -> &'static str {
         match self.indices {
             Some(_) => "indices",
@@ -219,7 +220,7 @@ impl BufferedTriangles<'_> {
         }
     }
 
-    /// Errors if a buffer lacks its usage, or doesn't hold what the range draws.
+    /// Errors if a buffer lacks its usage, or doesn't contain the range.
     pub(crate) fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
         self.layout.validate(limits)?;
         check_buffer(
@@ -243,21 +244,21 @@ impl BufferedTriangles<'_> {
         };
         if range.start > range.end {
             let why = format!("start at {} and end at {}", range.start, range.end);
-            return Err(Invalid::new(self.counted(), why, "put the first one first"));
+            return Err(Invalid::new(self.counted(), why, "swap start and end"));
         }
         if u64::from(range.end) > count {
             let why = format!("end at {}, and the buffer holds {count}", range.end);
             return Err(Invalid::new(
                 self.counted(),
                 why,
-                "draw what is in the buffer",
+                "use a range within the buffer",
             ));
         }
         if vertices == 0 && !range.is_empty() {
             return Err(Invalid::new(
                 "vertex buffer",
                 "holds no vertex",
-                "leave the caster out",
+                "remove the caster",
             ));
         }
         Ok(())
@@ -279,7 +280,7 @@ impl Drawable<'_> {
         self.check_triangles(triangles.counted())
     }
 
-    /// Errors if there are ids, but not as many as triangles are drawn.
+    /// Errors if there are ids, but not one for each drawn triangle.
     fn check_triangles(&self, what: &str) -> Result<(), Invalid> {
         let Some(triangles) = &self.triangles else {
             return Ok(());
@@ -289,11 +290,11 @@ impl Drawable<'_> {
         if named == drawn {
             return Ok(());
         }
-        let why = format!("are {drawn}, and their triangles {triangles:?} have {named}");
+        let why = format!("are {drawn}, but the triangles {triangles:?} have {named}");
         Err(Invalid::new(
             what,
             why,
-            "name the triangles that the range draws, or none",
+            "list the ids of the triangles in the range, or none",
         ))
     }
 }
@@ -319,8 +320,8 @@ impl VertexLayout {
         Ok(())
     }
 
-    /// Returns how many vertices fit in a buffer of this many bytes. The last one may end with its
-    /// position.
+    /// Returns the number of vertices that fit in a buffer of this size in bytes. The last one may
+    /// end with its position.
     fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + self.format.bytes())
@@ -337,11 +338,11 @@ fn check_buffer(
     if buffer.usage().contains(usage) {
         return Ok(());
     }
-    let why = format!("was made without the usage `BufferUsages::{usage_name}`");
-    Err(Invalid::new(what, why, "add it where the buffer is made"))
+    let why = format!("was created without the usage `BufferUsages::{usage_name}`");
+    Err(Invalid::new(what, why, "add it when creating the buffer"))
 }
 
-/// Errors if a texture of the G-buffer, `what`, has another format or size or can't be read.
+/// Errors if a texture `what` of the G-buffer has another format or size, or can't be read.
 pub(crate) fn check(
     view: &TextureView,
     what: &str,
@@ -360,7 +361,7 @@ pub(crate) fn check(
             found.y
         );
         let help = format!(
-            "make it {format:?} of {} x {}, as the frame says",
+            "make it {format:?} of {} x {}, like the frame",
             size.x, size.y
         );
         return Err(Invalid::new(what, why, help).into());
@@ -373,8 +374,8 @@ pub(crate) fn check_readable(texture: &Texture, what: &str) -> Result<(), Invali
     if texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
         return Ok(());
     }
-    let why = "was made without the usage `TextureUsages::TEXTURE_BINDING`";
-    Err(Invalid::new(what, why, "add it where the texture is made"))
+    let why = "was created without the usage `TextureUsages::TEXTURE_BINDING`";
+    Err(Invalid::new(what, why, "add it when creating the texture"))
 }
 
 /// Errors if a frame is empty or has more than `most` pixels on a side.

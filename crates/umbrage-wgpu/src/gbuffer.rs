@@ -35,7 +35,7 @@ struct Seen {
     end_receiver: u32,
 }
 
-/// Textures of one size.
+/// Receiver textures, all of one size.
 #[derive(Debug)]
 pub(crate) struct ReceiverTextures {
     size: UVec2,
@@ -43,7 +43,7 @@ pub(crate) struct ReceiverTextures {
     pub(crate) normal: (Texture, TextureView),
     pub(crate) triangle: (Texture, TextureView),
     pub(crate) depth: (Texture, TextureView),
-    /// What the textures hold, where they were uploaded.
+    /// The contents of the textures, if they were uploaded.
     uploaded: Option<UploadedReceivers>,
 }
 
@@ -64,8 +64,8 @@ impl UploadedReceivers {
         }
     }
 
-    /// Returns whether these are the receivers. Numbers are compared as words: a NaN equals itself,
-    /// and 0 is not -0.
+    /// Returns whether these are the receivers. Compares bit patterns: a NaN equals itself, and 0
+    /// is not -0.
     fn are(&self, r: &Receivers) -> bool {
         let same_words = |a: &Vec<f32>, b: &Vec<f32>| -> bool {
             let a: &[u32] = bytemuck::cast_slice(a);
@@ -82,7 +82,7 @@ impl UploadedReceivers {
     }
 }
 
-/// Returns positions and normals, one list a coordinate.
+/// Returns positions and normals, one list per coordinate.
 fn floats(r: &Receivers) -> [&Vec<f32>; 6] {
     [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz]
 }
@@ -107,8 +107,7 @@ impl ReceiverTextures {
         }
     }
 
-    /// Returns textures of this size: those held, if they fit, else new ones, which are held from
-    /// now on.
+    /// Returns textures of this size: `held` if it fits, otherwise new ones, which replace it.
     pub(crate) fn fit<'a>(
         held: &'a mut Option<Self>,
         factory: &mut ResourceFactory<'_>,
@@ -126,7 +125,7 @@ impl ReceiverTextures {
         }
     }
 
-    /// Says that the textures are drawn into, so that they no longer hold what was uploaded.
+    /// Marks the textures as drawn into, so that they no longer count as uploaded.
     pub(crate) fn forget_upload(&mut self) {
         self.uploaded = None;
     }
@@ -134,8 +133,8 @@ impl ReceiverTextures {
     /// Bytes per pixel: position, normal, triangle and depth.
     pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
 
-    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is
-    /// written if the textures hold them already: comparisons execute many recipes on the same
+    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Skips the
+    /// upload if the textures already contain them: comparisons execute many recipes with the same
     /// receivers.
     pub(crate) fn upload(&mut self, factory: &ResourceFactory<'_>, r: &Receivers) {
         if self.uploaded.as_ref().is_some_and(|held| held.are(r)) {
@@ -167,22 +166,22 @@ pub(crate) fn write(queue: &Queue, texture: &Texture, bytes: &[u8]) {
     queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
 }
 
-/// Finds receivers in two passes: ids, then points.
+/// Computes receivers in two passes: ids, then points.
 #[derive(Debug)]
 pub(crate) struct GBufferPass {
     uniforms: Option<Buffer>,
     ids: IdsPass,
-    /// Draws triangles with holes. Made when a geometry first has some, and when one first has
+    /// Draws alpha-tested triangles. Created on first use, and again when a geometry first has
     /// another rule.
     ids_with_holes: Option<IdsPass>,
     points: RenderPipeline,
     points_layout: BindGroupLayout,
     points_binding: Binding,
-    /// The triangles with holes that are drawn; both empty if there are none.
+    /// Ranges of alpha-tested triangles to draw; both empty if there are none.
     cut_out: [Range<u32>; 2],
 }
 
-/// Draws ids of triangles, without holes or with them.
+/// Draws the ids of opaque or alpha-tested triangles.
 #[derive(Debug)]
 struct IdsPass {
     holes: Option<HoleRule>,
@@ -193,7 +192,7 @@ struct IdsPass {
 
 impl IdsPass {
     fn new(factory: &ResourceFactory<'_>, holes: Option<HoleRule>) -> Self {
-        // Camera, positions and indices; of holes records and perhaps coverages.
+        // Bind camera, positions and indices; for alpha tests also records, and possibly coverages.
         let tables = match holes {
             None => 2,
             Some(HoleRule::Nearest) => 3,
@@ -227,7 +226,7 @@ impl IdsPass {
 
 impl GBufferPass {
     pub(crate) fn new(factory: &ResourceFactory<'_>) -> Self {
-        // The ids that the first pass drew come last.
+        // The ids drawn by the first pass come last.
         let ids = Slot::Whole { layered: false };
         let slots = [Slot::Uniform, Slot::Table, Slot::Table, ids];
         let stage = ShaderStages::FRAGMENT;
@@ -279,7 +278,7 @@ impl GBufferPass {
             .set(factory, "umbrage resolve", &self.points_layout, bound);
     }
 
-    /// `bound` is what the draws of other triangles read.
+    /// Prepares the alpha-tested draws. `bound` are the bindings of the opaque draws.
     fn prepare_holes(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -308,7 +307,7 @@ impl GBufferPass {
         );
     }
 
-    /// Draws all triangles in the order of ids, so that of equally near ones the first is seen.
+    /// Draws all triangles in the order of ids, so that the first of equally near ones is visible.
     fn draw_ids(&self, pass: &mut RenderPass<'_>, triangles: u32) {
         let mut next = 0;
         for run in &self.cut_out {
@@ -321,7 +320,7 @@ impl GBufferPass {
         self.ids.draw(pass, next..triangles);
     }
 
-    /// Records both passes; `queries` get timestamps 0 and 1.
+    /// Records both passes; `queries` receive timestamps 0 and 1.
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
@@ -329,7 +328,7 @@ impl GBufferPass {
         triangles: u32,
         queries: Option<&QuerySet>,
     ) {
-        // Clears the ids to `NO_TRIANGLE`.
+        // Clear the ids to `NO_TRIANGLE`.
         let none = Color {
             r: f64::from(u32::MAX),
             ..Color::TRANSPARENT
@@ -356,7 +355,7 @@ impl GBufferPass {
     }
 }
 
-/// Returns the timestamps of a pass, which writes those of the two that have an index.
+/// Returns the timestamp writes of a pass; only the given indices are written.
 fn stamp(
     query_set: &QuerySet,
     begin: Option<u32>,

@@ -1,4 +1,4 @@
-//! [`GBufferFromDepth`]: for engines that have a depth buffer and no positions.
+//! [`GBufferFromDepth`]: for engines that have a depth buffer, but no positions.
 
 use crate::{
     device::{
@@ -24,14 +24,14 @@ use wgpu::{
     RenderPipeline, ShaderStages, TextureFormat, TextureView,
 };
 
-/// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from
-/// neighbouring pixels, so they are rough where a surface is only a pixel wide; where the engine
-/// has geometric normals, use those.
+/// Computes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals are
+/// derived from neighbouring pixels, so they are inaccurate where a surface is only a pixel wide.
+/// If the engine has geometric normals, use those.
 #[derive(Debug, Default)]
 pub struct GBufferFromDepth {
     counters: Counters,
     layouts: Layouts,
-    /// By whether depth is multisampled.
+    /// Pipelines by whether depth is multisampled.
     pipelines: HashMap<bool, RenderPipeline>,
     uniforms: Option<Buffer>,
     binding: Binding,
@@ -40,16 +40,16 @@ pub struct GBufferFromDepth {
     errors: LaterErrors,
 }
 
-/// A depth buffer and the camera that it was drawn with.
+/// A depth buffer and its camera.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer<'a> {
-    /// Any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`. Of several
-    /// samples, the first counts.
+    /// Depth texture: any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`.
+    /// The first sample of a multisampled texture is used.
     pub depth: &'a TextureView,
-    /// The inverse of the camera's clip from world. Handedness, reversed z and an infinite far
-    /// plane are all in here.
+    /// Inverse of the camera's clip from world. It covers handedness, reversed z and an infinite
+    /// far plane.
     pub world_from_clip: Mat4,
-    /// The depth where nothing was drawn: 1, or 0 with reversed z.
+    /// Depth of empty pixels: 1, or 0 with reversed z.
     pub empty: f32,
 }
 
@@ -80,20 +80,20 @@ impl DepthCamera {
     }
 }
 
-/// Bytes of a camera in shaders.
+/// Bytes of the uniform struct.
 const CAMERA_BYTES: usize = 80;
 
 impl GBufferFromDepth {
-    /// Returns a converter that has made no GPU objects yet: they are made with the first frame.
+    /// Returns a converter without GPU objects: they are created with the first frame.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Makes the GPU objects that don't exist yet, and writes the camera.
+    /// Creates missing GPU objects, and writes the camera.
     ///
     /// # Errors
-    /// Errors if the matrix is singular, if `empty` is the depth of what is nearest to the camera,
-    /// or if the depth buffer cannot be read as described.
+    /// Errors if the matrix is singular, if `empty` is the depth of the nearest geometry, or if the
+    /// depth buffer cannot be read as described.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -166,23 +166,22 @@ impl GBufferFromDepth {
         });
     }
 
-    /// Returns an error of the graphics API that came since the last call: in browsers, where
-    /// [`prepare`](Self::prepare) can't wait for it. After one, all GPU objects are made again.
+    /// Returns an error of the graphics API since the last call, for browsers, where
+    /// [`prepare`](Self::prepare) can't wait for it. After an error, all GPU objects are recreated.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         *self = Self::default();
         Some(error)
     }
 
-    /// Records the pass and returns what it writes. Every pixel in which something was drawn
-    /// receives shadows.
+    /// Records the pass and returns its output. Every pixel that is not empty receives shadows.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
         let pipeline = self.pipelines.get(&self.samples);
         let (Some(pipeline), Some(gbuffer)) = (pipeline, self.gbuffer()) else {
-            let help = "call `prepare` first, and look at its error";
+            let help = "call `prepare` first, and check its error";
             return Err(Invalid::new("G-buffer from depth", "has nothing prepared", help).into());
         };
         let position = color_attachment(gbuffer.position, Color::TRANSPARENT);
@@ -199,8 +198,8 @@ impl GBufferFromDepth {
         Ok(gbuffer)
     }
 
-    /// Returns the G-buffer's size, pixels, for [`FrameInputs::size`](crate::FrameInputs::size);
-    /// zero before the first frame.
+    /// Returns the size of the G-buffer, pixels, for
+    /// [`FrameInputs::size`](crate::FrameInputs::size); zero before the first frame.
     pub fn size(&self) -> UVec2 {
         self.images
             .first()
@@ -220,7 +219,7 @@ impl GBufferFromDepth {
         })
     }
 
-    /// Returns how many GPU objects were made so far.
+    /// Returns the number of GPU objects created so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
@@ -233,7 +232,7 @@ impl DepthBuffer<'_> {
         check_readable(texture, what)?;
         let format = texture.format();
         if !format.has_depth_aspect() && format != TextureFormat::R32Float {
-            let help = "hand in one of a depth format, or of `R32Float`";
+            let help = "use a depth format, or `R32Float`";
             return Err(Invalid::new(what, format!("is {format:?}"), help));
         }
         invalid::finite("world from clip", &self.world_from_clip.to_cols_array())?;
@@ -248,7 +247,7 @@ impl DepthBuffer<'_> {
         self.check_empty()
     }
 
-    /// Returns whether there are several samples a pixel.
+    /// Returns whether the texture is multisampled.
     pub(crate) fn has_samples(&self) -> bool {
         self.depth.texture().sample_count() > 1
     }
@@ -261,26 +260,26 @@ impl DepthBuffer<'_> {
         }
     }
 
-    /// Errors if `empty` is the depth of what is nearest. Only with perspective does the matrix
-    /// tell which depth that is.
+    /// Errors if `empty` is the depth of the nearest geometry. Only a perspective matrix reveals
+    /// which depth that is.
     fn check_empty(&self) -> Result<(), Invalid> {
-        // All rays meet where clip x, y and w are 0.
+        // Find the eye: all rays meet where clip x, y and w are 0.
         let eye = self.world_from_clip.as_dmat4().z_axis;
-        // The fourth component is 1/far - 1/near, next to 1/near or 1/far; without perspective 0,
-        // or what inverting rounds.
+        // The fourth component is 1/far - 1/near, compared with 1/near or 1/far. Without
+        // perspective it is 0, or what inverting rounds.
         if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
             return Ok(());
         }
         let eye = eye.truncate() / eye.w;
         let nearest = self.middle(f64::from(1.0 - self.empty)).distance(eye);
-        // One of the two ends may be at infinity, so the nearest is compared with the middle of the
-        // depths.
+        // Compare the nearest point with the midpoint of the depths: one of the two ends may be at
+        // infinity.
         let between = self.middle(0.5).distance(eye);
         if nearest < between {
             return Ok(());
         }
         let why = format!(
-            "is {}, but that is where this camera sees what is nearest",
+            "is {}, but for this camera that is the depth of the nearest geometry",
             self.empty
         );
         Err(Invalid::new(
@@ -297,12 +296,12 @@ impl DepthBuffer<'_> {
             .project_point3(DVec3::new(x, y, z))
     }
 
-    /// Returns the world position at this depth in the middle of the image.
+    /// Returns the world position at this depth in the centre of the image.
     fn middle(&self, z: f64) -> DVec3 {
         self.unproject(0.0, 0.0, z)
     }
 
-    /// Returns 1 if right x up points to the viewer, as in right-handed worlds; else -1.
+    /// Returns 1 if right x up points to the viewer, as in right-handed worlds; otherwise -1.
     fn handedness(&self) -> Result<f32, Invalid> {
         let middle = self.middle(0.5);
         let right = self.unproject(0.5, 0.0, 0.5) - middle;
@@ -312,10 +311,10 @@ impl DepthBuffer<'_> {
         if volume.is_finite() && volume != 0.0 {
             return Ok(volume.signum() as f32);
         }
-        let help = "hand in the inverse of the camera's clip from world";
+        let help = "use the inverse of the camera's clip from world";
         Err(Invalid::new(
             "world from clip",
-            "does not unproject the middle of the image",
+            "does not unproject the centre of the image",
             help,
         ))
     }

@@ -1,16 +1,15 @@
 //! Executes umbrage's recipes on wgpu.
 //!
 //! * [`ShadowRenderer`] is middleware: the caller's device, the caller's encoder, no submission.
-//! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read
+//! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with its own device: upload, render, read
 //!   back, time.
 //!
-//! Recipes whose casts count
-//! ([`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail)) need a device with
-//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] requests it if the adapter has it, and
-//! `TIMESTAMP_QUERY`, without which there are no timings. All else is in every WebGPU device that
-//! can draw into images of 32-bit floats ([`check_adapter`]).
+//! Recipes with [`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail) need a
+//! device with the feature `DEPTH32FLOAT_STENCIL8`. [`Gpu`] requests it if the adapter has it. It
+//! also requests `TIMESTAMP_QUERY`, without which there are no timings. Everything else works on
+//! every WebGPU device that can draw into 32-bit float images ([`check_adapter`]).
 //!
-//! wgpu is re-exported, so that callers can name the version used here.
+//! wgpu is re-exported, so that callers can use the same version.
 
 mod backend;
 mod cast;
@@ -54,9 +53,11 @@ pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
-    MaskInputs, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetLight, SetNormals,
-    SetPass, SetReceivers, SetReport, SetTimestamps, StillLayers, TimedPass, Unserved,
+    MaskInputs, MaskReceivers, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetNormals,
+    SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
+#[allow(deprecated, reason = "former names stay for one release")]
+pub use light_set::{SetLight, SetReceivers};
 pub use renderer::ShadowRenderer;
 #[cfg(feature = "testing")]
 pub use resources::counters::Counters;

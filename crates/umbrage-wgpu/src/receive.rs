@@ -1,4 +1,4 @@
-//! The stages that run a kernel for every pixel of the G-buffer: receive and shade.
+//! The receive and shade stages, which run a kernel for every pixel of the G-buffer.
 
 use crate::{
     filter::color_attachment,
@@ -22,13 +22,14 @@ use wgpu::{
     RenderPassTimestampWrites, ShaderStages,
 };
 
-/// A stage that writes one image, ready to be encoded. It has none if the recipe lacks the stage.
+/// A stage that writes one image, prepared for encoding. It has no image if the recipe lacks the
+/// stage.
 #[derive(Debug, Default)]
 pub(crate) struct PixelStage {
     kernel: KernelStage,
     gbuffer: Binding,
     image: Vec<GpuImage>,
-    /// The image where no pixel is written.
+    /// Clear colour of the image.
     background: Color,
 }
 
@@ -44,7 +45,7 @@ struct PixelKernel<'a> {
 }
 
 impl PixelStage {
-    /// Makes the receive stage. Returns the mask that it writes.
+    /// Prepares the receive stage. Returns the mask that it writes.
     pub(crate) fn prepare_receive(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -71,7 +72,7 @@ impl PixelStage {
         self.image()
     }
 
-    /// Makes the shade stage, if the recipe has one.
+    /// Prepares the shade stage, if the recipe has one.
     pub(crate) fn prepare_shade(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -109,8 +110,8 @@ impl PixelStage {
         );
     }
 
-    /// Makes the image, the bindings and the pipeline. `shader` returns the text, given the
-    /// kernel's and the group of `seen`.
+    /// Creates the image, the bindings and the pipeline. `shader` returns the text, given the
+    /// kernel's text and the group of `seen`.
     #[expect(clippy::too_many_arguments, reason = "the two stages share all of it")]
     fn prepare(
         &mut self,
@@ -185,7 +186,7 @@ impl PixelStage {
         self.image.first()
     }
 
-    /// Returns the bind group of what the kernel reads; `None` before anything is prepared.
+    /// Returns the bind group of the kernel; `None` before anything is prepared.
     pub(crate) fn kernel_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
         let binding = &self.kernel.binding;
         binding.group().zip(binding.layout())

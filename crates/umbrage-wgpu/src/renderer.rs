@@ -22,14 +22,15 @@ use crate::{
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
-/// Executes recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes
-/// and writes what a frame needs, [`encode`](Self::encode) records the passes.
+/// Executes recipes. It never creates a device and never submits. [`prepare`](Self::prepare)
+/// creates and writes the resources of a frame, [`encode`](Self::encode) records the passes.
 ///
 /// ```no_run
 /// use umbrage_core::{BackendError, Recipe};
 /// use umbrage_wgpu::{FrameInputs, ShadowRenderer, wgpu};
 ///
-/// /// Once a frame; the renderer was made by `ShadowRenderer::new(&device, RendererOptions::default())`.
+/// /// Once per frame. The renderer was created with
+/// /// `ShadowRenderer::new(&device, RendererOptions::default())`.
 /// fn shadows<'a>(
 ///     renderer: &'a mut ShadowRenderer,
 ///     device: &wgpu::Device,
@@ -45,13 +46,15 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureVie
 ///
 /// # Several lights
 /// One renderer serves several lights, whose recipes may differ: prepare and encode the first, then
-/// the second. What was recorded for one keeps its mask, images, uniforms and bind groups until the
-/// encoder is submitted or dropped; meanwhile `prepare` uses others, made when they are first
-/// needed. So all that is recorded between two submissions may read the masks and the
-/// [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and
-/// that many lights take that many masks and maps. After the submission the next `prepare` uses
-/// them again: take masks and bind groups again after each, and submit all that reads them before
-/// it or together with the encoder.
+/// the second. The mask, images, uniforms and bind groups of each light stay valid until the
+/// encoder is submitted or dropped; meanwhile `prepare` uses others, created on first use.
+/// Everything recorded between two submissions may therefore read the masks and the
+/// [`receive_bind_group`](Self::receive_bind_group)s of all lights encoded there. Memory for masks
+/// and maps grows with the number of these lights.
+///
+/// After the submission, the next `prepare` reuses these resources. Get masks and bind groups again
+/// after each `prepare`. Submit the commands that read them before the next `prepare`, or together
+/// with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
     options: RendererOptions,
@@ -60,14 +63,14 @@ pub struct ShadowRenderer {
     submissions: Submissions,
     errors: LaterErrors,
     shared: Shared,
-    /// One entry for each light that was ever encoded between two submissions.
+    /// One entry for each light encoded between two submissions.
     lights: Vec<Resources>,
     /// Index of the entry that was prepared last.
     prepared: Option<usize>,
 }
 
 impl ShadowRenderer {
-    /// Returns a renderer for this device. Nothing is made yet: shaders come with recipes.
+    /// Returns a renderer for this device. No GPU objects are created yet.
     ///
     /// # Errors
     /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
@@ -94,14 +97,13 @@ impl ShadowRenderer {
         })
     }
 
-    /// Makes the GPU objects that the recipe needs and that don't exist yet, and writes uniforms
-    /// and new tables to the queue. To find out whether what was encoded before has been submitted,
-    /// it polls the device without waiting.
+    /// Creates missing GPU objects of the recipe, and writes uniforms and new tables to the queue.
+    /// Polls the device without waiting, to detect submissions of earlier encoders.
     ///
     /// # Errors
-    /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's,
-    /// memory runs out, or a kernel's WGSL is at fault (with the compiler's message). After an
-    /// error nothing is prepared, and all GPU objects are made again.
+    /// Errors if the recipe or the frame is invalid, the device is not the renderer's, memory runs
+    /// out, or a kernel's WGSL is invalid (with the compiler's message). After an error nothing is
+    /// prepared, and all GPU objects are recreated.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -116,7 +118,7 @@ impl ShadowRenderer {
         self.prepare_with_holes(device, queue, recipe, frame)
     }
 
-    /// The same where triangles with holes are drawn, too; the frame's inputs list the others.
+    /// Prepares a frame that also draws alpha-tested triangles; the frame's inputs list the others.
     pub(crate) fn prepare_with_holes(
         &mut self,
         device: &Device,
@@ -160,7 +162,7 @@ impl ShadowRenderer {
     }
 
     /// Returns the index of resources that no unsubmitted encoder reads: the first whose textures
-    /// fit, else the first, else new ones.
+    /// fit, otherwise the first free ones, otherwise new ones.
     fn free_resources(&mut self, recipe: &Recipe, frame: &FrameInputs<'_>) -> usize {
         if self.lights.iter().any(|light| !light.pending.is_over()) {
             self.submissions.poll();
@@ -184,8 +186,8 @@ impl ShadowRenderer {
         })
     }
 
-    /// Records all passes, and that of the [`picture`](Self::picture) if the recipe shades. Returns
-    /// the mask: `R32Float`, visibility of the light, 1 where nothing receives.
+    /// Records all passes, including that of the [`picture`](Self::picture) if the recipe shades.
+    /// Returns the mask: `R32Float`, visibility of the light, 1 for pixels that don't receive.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
@@ -193,7 +195,7 @@ impl ShadowRenderer {
         self.encode_timed(encoder, None)
     }
 
-    /// Records all passes as [`encode`](Self::encode) does, with timestamps around the stages.
+    /// Records all passes like [`encode`](Self::encode), with timestamps around the stages.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -213,29 +215,28 @@ impl ShadowRenderer {
 
     /// Returns the targets to draw into before
     /// [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers whose casters
-    /// need their own vertex formats or shaders (skinning, displacement, alpha test). For recipes
-    /// whose casts peel or count, or draw faces that the technique made, use
-    /// [`encode_casts_with`](Self::encode_casts_with), which also records what has to happen
-    /// between them.
+    /// need their own vertex formats or shaders (skinning, displacement, alpha test). If casts
+    /// peel, count or draw a technique's faces, use [`encode_casts_with`](Self::encode_casts_with),
+    /// which also records the passes between them.
     ///
     /// # Errors
-    /// Errors if [`encode`](Self::encode) does; and if there is such a cast.
+    /// Errors if [`encode`](Self::encode) does, or if there is such a cast.
     pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
         let casts = &self.light()?.casts;
         if casts.are_plain() {
             return Ok(&casts.targets);
         }
-        let why = "peel, count or draw faces of the technique's own, so targets alone don't tell what to draw";
+        let why = "peel, count or draw a technique's faces, which needs more than the targets";
         Err(Invalid::new(
             "casts",
             why,
-            "call `encode_casts_with`, which draws what callers can't",
+            "call `encode_casts_with` instead",
         )
         .into())
     }
 
-    /// Records all casts in order: those of faces that the technique made itself, and for each that
-    /// draws casters or everything, `draw` is called to record a pass into its target.
+    /// Records all casts in order. Draws a technique's faces itself, and calls `draw` for each cast
+    /// of casters or all geometry, to record a pass into its target.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -272,8 +273,8 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Records casts alone; with [`encode_filters`](Self::encode_filters) and
-    /// [`receive_bind_group`](Self::receive_bind_group) this is all that forward shading needs.
+    /// Records only the casts. Together with [`encode_filters`](Self::encode_filters) and
+    /// [`receive_bind_group`](Self::receive_bind_group), this suffices for forward shading.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -282,7 +283,7 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Records filters alone.
+    /// Records only the filters.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -293,7 +294,7 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Records filters without clearing the images that nothing writes.
+    /// Records filters without clearing unwritten images.
     #[cfg(feature = "testing")]
     pub(crate) fn encode_filters_only(
         &self,
@@ -311,8 +312,8 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Returns what the receive kernel reads, for [`receive_wgsl`](crate::receive_wgsl) in the
-    /// caller's own shader: set it at [`RendererOptions::kernel_group`].
+    /// Returns the bind group of the receive kernel, for [`receive_wgsl`](crate::receive_wgsl) in
+    /// the caller's shader: set it at [`RendererOptions::kernel_group`].
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -320,21 +321,21 @@ impl ShadowRenderer {
         self.light()?.receive.kernel_group().ok_or_else(unprepared)
     }
 
-    /// Returns an image of the recipe with all its layers, for showing it; counts are whole numbers
+    /// Returns an image of the recipe with all its layers, for display; counts are integers
     /// (`texture_2d<u32>`).
     pub fn image(&self, id: usize) -> Option<&TextureView> {
         self.gpu_images().get(id).map(|image| &image.whole)
     }
 
-    /// Returns the recipe's colours, `Rgba32Float`, linear; `None` before a recipe that shades is
-    /// prepared.
+    /// Returns the shaded image of the recipe, `Rgba32Float`, linear; `None` before a recipe that
+    /// shades is prepared.
     pub fn picture(&self) -> Option<&TextureView> {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// Returns an error of the graphics API that came since the last call, with
-    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is prepared, and all GPU
-    /// objects are made again.
+    /// Returns an error of the graphics API since the last call, for
+    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After an error, nothing is prepared, and all
+    /// GPU objects are recreated.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         (self.shared, self.lights) = Default::default();
@@ -342,7 +343,7 @@ impl ShadowRenderer {
         Some(error)
     }
 
-    /// Returns how many GPU objects were made so far.
+    /// Returns the number of GPU objects created so far.
     #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
         Counters {
@@ -368,15 +369,15 @@ impl ShadowRenderer {
         self.light().ok()?.shading.image()
     }
 
-    /// Returns what was prepared last.
+    /// Returns the resources that were prepared last.
     fn light(&self) -> Result<&Resources, BackendError> {
         self.prepared
             .and_then(|i| self.lights.get(i))
             .ok_or_else(unprepared)
     }
 
-    /// Returns what was prepared last, and keeps it from being written before the encoder's
-    /// commands are submitted.
+    /// Returns the resources that were prepared last, and protects them from writes until the
+    /// encoder's commands are submitted.
     fn recorded(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
         let light = self.light()?;
         self.submissions.watch(encoder, &light.pending);
@@ -388,7 +389,7 @@ fn unprepared() -> BackendError {
     Invalid::new(
         "shadow renderer",
         "has nothing prepared",
-        "call `prepare` first, and look at its error",
+        "call `prepare` first, and check its error",
     )
     .into()
 }

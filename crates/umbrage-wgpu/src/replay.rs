@@ -1,4 +1,4 @@
-//! Executes one stage from given images, so that tests can compare stages by themselves.
+//! Execution of single stages from given images, so that tests can compare stages separately.
 
 use crate::{
     backend::{Gpu, check, factory},
@@ -11,12 +11,12 @@ use umbrage_core::{BackendError, Image, Invalid, Recipe, View};
 use wgpu::CommandEncoder;
 
 impl Gpu {
-    /// Executes only the receive stage, from these images instead of those that the recipe's casts
-    /// and filters would make. The view needs receivers or geometry. Returns the mask.
+    /// Executes only the receive stage, using these images instead of the results of the recipe's
+    /// casts and filters. The view needs receivers or geometry. Returns the mask.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does; and if the images are not
-    /// as the recipe describes them.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the images don't
+    /// match the recipe.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,
@@ -41,10 +41,10 @@ impl Gpu {
         })
     }
 
-    /// Executes only the filter with this index, from these images. Returns what it wrote.
+    /// Executes only the filter with this index, from these images. Returns its output.
     ///
     /// # Errors
-    /// Errors if [`replay_receive`](Self::replay_receive) does; and if there is no such filter.
+    /// Errors if [`replay_receive`](Self::replay_receive) does, or if there is no such filter.
     pub fn replay_filter(
         &mut self,
         recipe: &Recipe,
@@ -54,7 +54,7 @@ impl Gpu {
         let recipe = still(recipe, images)?;
         let Some(filter) = recipe.filters.get(filter).cloned() else {
             let why = format!("has {} filters", recipe.filters.len());
-            return Err(Invalid::new("recipe", why, "replay one of them").into());
+            return Err(Invalid::new("recipe", why, "use the index of one of them").into());
         };
         let output = filter.output;
         let recipe = Recipe {
@@ -75,7 +75,7 @@ impl Gpu {
         })
     }
 
-    /// Prepares with a receiver texture of one pixel, which nothing reads.
+    /// Prepares with a receiver texture of one pixel, which is not read.
     fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
         let mut factory = factory!(self);
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut factory, UVec2::ONE);
@@ -99,14 +99,14 @@ impl Gpu {
     }
 }
 
-/// Returns the recipe without casts and colours. Errors if the images are not as it describes them.
+/// Returns the recipe without casts and shading. Errors if the images don't match it.
 fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
     let mut fits = recipe.images.len() == images.len();
     for (desc, image) in recipe.images.iter().zip(images) {
         fits &= *desc == image.desc && image.texels.len() as u64 == desc.floats();
     }
     if !fits {
-        let help = "hand in those of `Shadows::images`, rendered with `keep_images`";
+        let help = "use those of `Shadows::images`, rendered with `keep_images`";
         return Err(Invalid::new("images to replay", "differ from the recipe's", help).into());
     }
     Ok(Recipe {

@@ -1,5 +1,4 @@
-//! The layers that casts draw into, for the renderer's own draws and for callers with their own
-//! vertex shaders.
+//! The layers that casts draw into, for the renderer and for callers with their own vertex shaders.
 
 use crate::resources::images::GpuImage;
 use glam::{Mat4, UVec2};
@@ -10,30 +9,30 @@ use wgpu::{
     StencilState, StoreOp, TextureFormat, TextureView,
 };
 
-/// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters
-/// (or [`everything`](Self::everything)) with pipelines that have [`primitive`](Self::primitive)
-/// and [`depth_stencil`](Self::depth_stencil) and whose vertex shader ends in
+/// The target of one cast. Begin a pass with [`attachment`](Self::attachment), and draw all casters
+/// (or [`everything`](Self::everything)). Pipelines need [`primitive`](Self::primitive) and
+/// [`depth_stencil`](Self::depth_stencil), and a vertex shader that ends in
 /// `clip_from_world * p_world`. Draw the targets in order: two may share a layer, the first one
 /// clears it, and later ones may read what earlier ones drew.
 #[derive(Clone, Debug)]
 pub struct CastTarget {
-    /// The layer to be attached: depth, 1 where nothing casts; or depth and counts.
+    /// Layer to attach: depth, 1 in empty texels; or depth and counts.
     pub layer: TextureView,
-    /// Its size, texels.
+    /// Size in texels.
     pub size: UVec2,
-    /// Whether this is the first cast into the layer.
+    /// True if this is the first cast into the layer.
     pub clears: bool,
     /// The light's view and projection.
     pub clip_from_world: Mat4,
-    /// Whether all that the camera may see is to be drawn, and not casters alone.
+    /// True to draw all geometry that the camera may see, not only casters.
     pub everything: bool,
-    /// For depth peeling, the layer to be peeled off, `texture_2d<f32>`. Then the pipeline needs a
-    /// fragment shader without outputs that does `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x
-    /// { discard;
-    /// }`, where `at` is `@builtin(position)`; in a [`Format::Depth16`] image, with both sides as `round(65535.0
-    /// * z)`.
+    /// Layer to peel, `texture_2d<f32>`, for depth peeling. The pipeline then needs a fragment
+    /// shader without outputs that discards the fragments that are not behind it:
+    /// `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x { discard; }`
+    /// Here `at` is `@builtin(position)`. In a [`Format::Depth16`] image, compare both sides as
+    /// `round(65535.0 * z)`.
     pub behind: Option<TextureView>,
-    /// Faces left out.
+    /// Face culling.
     pub cull: Cull,
     /// Polygon offset.
     pub bias: RasterBias,
@@ -51,7 +50,7 @@ impl CastTarget {
         target
     }
 
-    /// Returns the target of a cast that peels nothing off.
+    /// Returns the target of a cast that doesn't peel.
     fn plain(casts: &[Cast], index: usize, image: &GpuImage) -> Self {
         let cast = &casts[index];
         let is_drawn_before = casts[..index]
@@ -71,29 +70,31 @@ impl CastTarget {
         }
     }
 
-    /// Returns the rays through the centres of the layer's texels: along which a program's own
-    /// shader looks for holes, with [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
+    /// Returns the rays through the centres of the layer's texels, for alpha tests in the program's
+    /// shader with [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
     pub fn rays(&self) -> CameraRays {
         self.space.rays(self.size)
     }
 
-    /// The depth-stencil attachment of the pass.
+    /// Returns the depth-stencil attachment of the pass.
     pub fn attachment(&self) -> RenderPassDepthStencilAttachment<'_> {
         self.attachment_that(self.clears)
     }
 
-    /// As [`attachment`](Self::attachment), of a pass that clears the layer first, or does not.
+    /// Returns [`attachment`](Self::attachment) for a pass that clears the layer first, or does
+    /// not.
     pub(crate) fn attachment_that(&self, clears: bool) -> RenderPassDepthStencilAttachment<'_> {
         attachment(&self.layer, self.format, clears)
     }
 
-    /// Triangles, counter-clockwise seen from outside, with the target's culling.
+    /// Returns the primitive state: triangles, counter-clockwise seen from outside, with the
+    /// target's culling.
     pub fn primitive(&self) -> PrimitiveState {
         self.state().primitive()
     }
 
-    /// The nearest surface stays, with the target's bias added; or surfaces that are not before the
-    /// depth are counted.
+    /// Returns the depth-stencil state: keeps the nearest surface, with the target's bias added, or
+    /// counts surfaces that are not in front of the depth.
     pub fn depth_stencil(&self) -> DepthStencilState {
         self.state().depth_stencil()
     }
@@ -122,14 +123,14 @@ impl CastTarget {
         }
     }
 
-    /// The format of the image that is drawn.
+    /// Returns the format of the target image.
     pub(crate) fn format(&self) -> Format {
         self.format
     }
 }
 
-/// Attaches a layer of an image of depth or counts; of a shared texture, the other part is only
-/// read.
+/// Returns the attachment of a layer of an image of depth or counts; the other aspect of a shared
+/// texture is read-only.
 pub(crate) fn attachment(
     view: &TextureView,
     format: Format,
@@ -143,8 +144,8 @@ pub(crate) fn attachment(
     }
 }
 
-/// Returns what a pass does to an attachment that it keeps: clears it to `value` first, or draws
-/// over what was there.
+/// Returns the operations of an attachment that is stored: clears it to `value` first, or loads its
+/// contents.
 fn operations<V>(clear: bool, value: V) -> Operations<V> {
     let load = if clear {
         LoadOp::Clear(value)
@@ -157,7 +158,7 @@ fn operations<V>(clear: bool, value: V) -> Operations<V> {
     }
 }
 
-/// A target's fixed state; floats as bits, so that it can be a key.
+/// Fixed state of a target; floats are stored as bits, so that it can be a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct DepthState {
     format: TextureFormat,
@@ -169,7 +170,7 @@ pub(crate) struct DepthState {
 }
 
 impl DepthState {
-    /// The nearest surface, of either side, without bias.
+    /// Keeps the nearest surface, of either side, without bias.
     pub(crate) const DEPTH_LESS: Self = Self {
         format: TextureFormat::Depth32Float,
         counts: false,
@@ -179,7 +180,8 @@ impl DepthState {
         clamp_bits: 0,
     };
 
-    /// The nearest surface, of either side, with a polygon offset of so many units.
+    /// Returns the state that keeps the nearest surface, of either side, with a polygon offset of
+    /// this number of units.
     pub(crate) const fn with_constant_offset(format: TextureFormat, units: i32) -> Self {
         Self {
             format,
@@ -220,8 +222,8 @@ impl DepthState {
     }
 }
 
-/// Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": where the depth test
-/// fails, back faces count up and front faces down, modulo 256.
+/// Returns the stencil state of Everitt and Kilgard 2002, "Practical and robust stenciled shadow
+/// volumes": where the depth test fails, back faces count up and front faces down, modulo 256.
 fn depth_fail_counting() -> StencilState {
     let front = StencilFaceState {
         compare: CompareFunction::Always,

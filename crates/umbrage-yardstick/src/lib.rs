@@ -1,8 +1,9 @@
-//! What umbrage is timed against, apart from hand-written renderers: fixed work that is played in
-//! turn with every row of a comparison, and rays as the `obvhs` crate traces them.
+//! References that umbrage's times are compared with, apart from hand-written renderers. They are a
+//! fixed workload that runs in turn with every row of a comparison, and rays traced by the `obvhs`
+//! crate.
 //!
-//! This is a crate of its own since it has to be optimised fully, and the laboratory around it,
-//! which writes pages and charts, is not: that would double the time that the first build takes.
+//! This is a separate crate because it has to be fully optimised. The laboratory, which writes
+//! pages and charts, is not: that would double the time of the first build.
 
 mod rays;
 mod yardstick;

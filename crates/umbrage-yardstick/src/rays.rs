@@ -1,4 +1,4 @@
-//! Any-hit rays, traced by umbrage's own test in obvhs's hierarchy and by obvhs alone.
+//! Any-hit rays, traced by umbrage's own triangle test in obvhs's hierarchy and by obvhs alone.
 
 use obvhs::{ray::Ray, rt_triangle::RtTriangle};
 use rayon::prelude::*;
@@ -11,30 +11,30 @@ use umbrage_core::{
     glam::{Vec3, Vec3A},
 };
 
-/// One ray.
+/// A ray for an any-hit test.
 #[derive(Clone, Copy, Debug)]
 pub struct AnyHitRay {
-    /// Where it starts, world space.
+    /// Origin, world space.
     pub origin: Vec3,
-    /// From the origin to the end, metres.
+    /// Vector from the origin to the end, metres.
     pub segment: Vec3,
-    /// The triangle that it starts on, which doesn't count as hit.
+    /// Triangle of the origin, which doesn't count as a hit.
     pub skip: u32,
 }
 
-/// Rays a task.
+/// Number of rays per task.
 const TASK: usize = 4096;
 
-/// Traces all rays through umbrage's hierarchy with its crack-free triangle test, and returns how
-/// long that takes.
+/// Traces all rays through umbrage's hierarchy with its crack-free triangle test, and returns the
+/// time that this takes.
 pub fn time_own_rays(bvh: &Bvh, rays: &[AnyHitRay]) -> Duration {
     time(rays, |ray| bvh.occluded(ray.origin, ray.segment, ray.skip))
 }
 
-/// A geometry as obvhs traces it.
+/// A geometry for obvhs.
 pub struct ObvhsScene {
     hierarchy: obvhs::cwbvh::CwBvh,
-    /// In the order of the hierarchy's leaves.
+    /// Triangles in the order of the hierarchy's leaves.
     triangles: Vec<RtTriangle>,
 }
 
@@ -53,7 +53,8 @@ impl ObvhsScene {
         }
     }
 
-    /// Traces all rays with obvhs's traversal and triangle test, and returns how long that takes.
+    /// Traces all rays with obvhs's traversal and triangle test, and returns the time that this
+    /// takes.
     pub fn time_rays(&self, rays: &[AnyHitRay]) -> Duration {
         time(rays, |ray| {
             let obvhs_ray = Ray::new(ray.origin.into(), ray.segment.into(), 0.0, 1.0);
@@ -65,7 +66,7 @@ impl ObvhsScene {
     }
 }
 
-/// Traces all rays and returns how long that takes.
+/// Traces all rays and returns the time that this takes.
 fn time(rays: &[AnyHitRay], hits: impl Fn(&AnyHitRay) -> bool + Sync) -> Duration {
     let start = Instant::now();
     let count: usize = rays

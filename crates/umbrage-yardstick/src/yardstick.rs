@@ -1,13 +1,13 @@
-//! A yardstick: fixed work, timed in turn with every row, so that rows of different runs are
-//! compared as multiples of it.
+//! A yardstick: a fixed workload, timed in turn with every row. Rows of different runs are compared
+//! as multiples of it.
 //!
-//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick
-//! down, too, and cancels out of the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and
-//! Prokopec 2020, "Duet Benchmarking: Improving Measurement Accuracy in the Cloud"). The work is a
-//! chain of table loads and integer products, played as a recipe: so it runs where the row runs, on
-//! the same threads or the same adapter, and is timed by the same clock. Nothing of the techniques,
-//! of the rasterisers or of the maps is in it; only the loop over receivers is shared with what it
-//! measures.
+//! Temporary slowdowns of a machine (other programs, heat, a governor) affect the yardstick, too,
+//! and cancel out of the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and Prokopec 2020,
+//! "Duet Benchmarking: Improving Measurement Accuracy in the Cloud").
+//!
+//! The work is a chain of table loads and integer products, executed as a recipe. So it runs where
+//! the row runs, on the same threads or the same adapter, and is timed by the same clock. It uses
+//! no technique, rasteriser or map; it shares only the loop over receivers with the row.
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
@@ -15,32 +15,35 @@ use umbrage_core::{
     light_sample::hash, module, uniforms,
 };
 
-/// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two
-/// threads.
+/// Number of links of the chain in a unit of work, over all receivers: one or two milliseconds on
+/// two threads.
 const LINKS: u64 = 1 << 19;
 
-/// Rows of the table: 1 MiB, more than the caches next to a core hold and less than a map of middle
-/// size.
+/// Number of rows of the table: 1 MiB, more than the caches next to a core and less than a map of
+/// middle size.
 const ROWS: u32 = 1 << 16;
 
-/// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made
-/// anew between the two. It takes about a quarter of the row's time by its counted cost, which is
-/// the same on every run. A yardstick of quite another length meets other noise: what fits between
-/// two turns of the system's scheduler is never held up, what is ten times as long always is. One
-/// as long as the row would double what a comparison takes.
+/// The yardstick for a row.
+///
+/// It keeps the row's images and tables, so that nothing is freed and rebuilt between the two. It
+/// takes about a quarter of the row's time by its counted cost, which is equal on every run.
+///
+/// A yardstick of a very different length meets other noise. Work that fits between two turns of
+/// the system's scheduler is never interrupted; work ten times as long always is. A yardstick as
+/// long as the row would double the time of a comparison.
 #[derive(Clone, Debug)]
 pub struct Yardstick {
-    /// What is played.
+    /// Recipe that runs the chain.
     pub recipe: Recipe,
-    /// Units of work in it.
+    /// Units of work in the recipe.
     pub units: f64,
 }
 
-/// A unit takes about so many milliseconds of counted cost.
+/// Approximate counted cost of a unit, milliseconds.
 const UNIT_MS: f64 = 1.0;
-/// A yardstick's length over its row's.
+/// Ratio of a yardstick's length to its row's.
 const SHARE: f64 = 0.25;
-/// Units of the shortest yardstick, which is still far longer than a clock's step.
+/// Units of the shortest yardstick, which still takes far longer than a clock's step.
 pub const MIN_UNITS: f64 = 1.0 / 32.0;
 /// Units of the longest yardstick.
 pub const MAX_UNITS: f64 = 256.0;
@@ -52,7 +55,7 @@ impl Yardstick {
         Self::with_units(row, receivers, SHARE * cost_ms / UNIT_MS)
     }
 
-    /// Returns the yardstick of about so many units, at most [`MAX_UNITS`]. `None` if nothing
+    /// Returns a yardstick of about this many units, at most [`MAX_UNITS`]. `None` if nothing
     /// receives.
     pub fn with_units(row: &Recipe, receivers: &Receivers, units: f64) -> Option<Self> {
         let count = receivers.receives.iter().filter(|&&r| r).count() as u64;
@@ -94,7 +97,7 @@ impl Yardstick {
     }
 }
 
-/// Returns the table of pseudorandom words, made once.
+/// Returns the table of pseudorandom words, which is built once.
 fn table() -> Arc<[[u32; 4]]> {
     static TABLE: OnceLock<Arc<[[u32; 4]]>> = OnceLock::new();
     TABLE
@@ -105,10 +108,10 @@ fn table() -> Arc<[[u32; 4]]> {
 uniforms! {
     /// Uniforms of [`YardstickKernel`].
     pub struct YardstickUniforms {
-        /// One less than the table's rows, a power of two. First: see `STEADY_FIRST_WORD` in
-        /// umbrage-wgpu's drivers.rs.
+        /// Number of rows of the table minus one; the number is a power of two. It is the first
+        /// field: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub mask: u32,
-        /// Links of each receiver's chain.
+        /// Number of links of each receiver's chain.
         pub links: u32,
     }
 }
@@ -140,8 +143,8 @@ impl ReceiveKernel for YardstickKernel {
 }
 
 impl YardstickKernel {
-    /// Runs the chain. The result is of no use, but depends on every link, so that compilers can't
-    /// leave any out.
+    /// Runs the chain. The result is unused, but depends on every link, so that compilers can't
+    /// omit any.
     fn chain(&self, x: u32, y: u32) -> f32 {
         let mut state = x
             .wrapping_mul(0x9e37_79b9)

@@ -1,16 +1,19 @@
-//! The least technique that a scene needs.
+//! Automatic choice of the cheapest technique that a scene needs.
 
 use crate::{Scene, techniques::TechniquePreset};
 use umbrage_plan::{MeasureError, Miss, PlanOptions, plan};
 
-/// What shadows may err and cost (a greatest error, time, number of bytes, or several of them), and
-/// what the renderer has that will play them: [`Budget::renderer`](umbrage_plan::Bounds::renderer).
+/// Limits on error and cost, and the data that the renderer has for executing recipes
+/// ([`Budget::renderer`](umbrage_plan::Bounds::renderer)).
 pub type Budget = umbrage_plan::Bounds;
 
-/// Finds the cheapest built-in technique and setting within a budget (without a bound of the error,
-/// the most accurate) for a scene's first camera and light. It measures on the CPU, in seconds:
-/// call it where scenes are made rather than every frame, and keep the answer
-/// ([`TechniquePreset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
+/// Finds the cheapest built-in technique and setting within a budget, for a scene's first camera
+/// and light.
+///
+/// Without an error bound, it finds the most accurate one. It measures on the CPU and takes
+/// seconds. Call it when a scene is built, not every frame, and store the result
+/// ([`TechniquePreset::to_toml`]). [`mod@crate::plan`] also reports the reasons and the
+/// alternatives.
 ///
 #[cfg_attr(feature = "scenes", doc = "```")]
 #[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
@@ -28,9 +31,11 @@ pub type Budget = umbrage_plan::Bounds;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Presets are those that the caller's renderer can play. It is taken to have the triangles on the CPU, as above. If they are on the
-/// GPU alone, say so: planar shadows, volumes and rays, which are made of triangles, are then left out, and maps lie around the
-/// casters' box as they will in the program.
+/// All returned presets can be executed by the caller's renderer. By default the renderer is
+/// assumed to have the triangles on the CPU, as above. If they are on the GPU only, set
+/// [`Budget::renderer`](umbrage_plan::Bounds::renderer). This excludes planar shadows, volumes and
+/// rays, which need triangles. Maps are then fitted to the bounding box of the casters, as they
+/// will be in the program.
 ///
 #[cfg_attr(feature = "scenes", doc = "```")]
 #[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
@@ -48,17 +53,20 @@ pub type Budget = umbrage_plan::Bounds;
 /// ```
 ///
 /// # Errors
-/// When the scene or the budget is not valid, and when nothing is within the budget.
+/// Errors if the scene or the budget is not valid, or if nothing is within the budget.
 pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError> {
     auto_with(scene, budget, &PlanOptions::default())
 }
 
-/// As [`auto`], with options: the cameras of a path, what moves from frame to frame, another light
-/// or image size, techniques of your own, or the prices of your machine ([`PlanOptions::cost`],
-/// from a [`PriceList`](umbrage_plan::cost::PriceList) that `bench --costs --write` writes).
+/// Finds a preset like [`auto`], with options.
+///
+/// Options cover the cameras of a path, what moves from frame to frame, another light or image
+/// size, and custom techniques. They also accept the prices of another machine:
+/// [`PlanOptions::cost`], from a [`PriceList`](umbrage_plan::cost::PriceList) that
+/// `bench --costs --write` writes.
 ///
 /// # Errors
-/// As those of [`auto`].
+/// Errors in the same cases as [`auto`].
 pub fn auto_with(
     scene: &Scene,
     budget: &Budget,
@@ -67,14 +75,15 @@ pub fn auto_with(
     Ok(plan(scene, budget, options, &|_| {})?.preset()?)
 }
 
-/// Why there is no preset.
+/// Reason why there is no preset.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AutoError {
-    /// The scene or the budget can't be used.
+    /// The scene or the budget is not valid.
     #[error(transparent)]
     Measure(#[from] MeasureError),
-    /// Nothing is within the budget: which bound fails, by how much, and what comes nearest.
+    /// Nothing is within the budget. Contains the bound that fails, by how much, and the closest
+    /// setting.
     #[error(transparent)]
     Miss(#[from] Box<Miss>),
 }
@@ -97,16 +106,15 @@ mod tests {
         let options = PlanOptions {
             samples: 1024,
             size: Some(UVec2::new(160, 120)),
-            // Where maps are drawn every frame, exact shadows of triangles are cheaper than the
-            // finest map.
+            // If maps are drawn every frame, exact shadows of triangles are cheaper than the finest
+            // map.
             motion: FrameMotion::AllMoves,
             ..PlanOptions::default()
         };
         auto_with(scene, &budget, &options)
     }
 
-    /// Exact shadows need triangles; a renderer that has none gets what it can play, or is told
-    /// that there is nothing.
+    /// A renderer without triangles gets a technique that it can execute, or an error.
     #[test]
     fn what_the_renderer_cannot_play_is_never_picked() {
         for name in ["c1-box-sun", "cubes", "lamp-in-room"] {

@@ -3,16 +3,16 @@
 use std::{fmt, str::FromStr};
 use umbrage_core::{Backend, BackendError, Invalid};
 
-/// Which backend to make.
+/// Backend to create.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BackendChoice {
-    /// wgpu if there is an adapter for it that is not the CPU in disguise, else the CPU.
-    /// [`Backend::name`] says which.
+    /// wgpu if there is a hardware adapter, otherwise the CPU. [`Backend::name`] returns the one
+    /// that was chosen.
     #[default]
     Auto,
-    /// The CPU reference.
+    /// The CPU reference backend.
     Cpu,
-    /// wgpu on any adapter, software ones too.
+    /// wgpu on any adapter, including software adapters.
     Wgpu,
 }
 
@@ -26,7 +26,7 @@ impl FromStr for BackendChoice {
             "wgpu" | "gpu" => Ok(Self::Wgpu),
             _ => Err(Invalid::new(
                 "backend",
-                format!("there is none called `{name}`"),
+                format!("`{name}` is unknown"),
                 "use auto, cpu or wgpu",
             )),
         }
@@ -43,10 +43,10 @@ impl fmt::Display for BackendChoice {
     }
 }
 
-/// Makes the chosen backend.
+/// Creates the chosen backend.
 ///
 /// # Errors
-/// When there is no adapter, or the feature that the choice needs is switched off.
+/// Errors if there is no adapter, or if the feature that the choice needs is disabled.
 pub fn backend(choice: BackendChoice) -> Result<Box<dyn Backend>, BackendError> {
     match choice {
         BackendChoice::Cpu => cpu(),

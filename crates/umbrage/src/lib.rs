@@ -1,26 +1,26 @@
 //! Shadows for wgpu programs, measured.
 //!
-//! This crate only gathers the others: one dependency, three ways to choose a backend.
+//! This crate re-exports the others: one dependency, with three ways to choose a backend.
 //!
 //! * by name or at run time: [`backend`] with a [`BackendChoice`], as `Box<dyn Backend>`;
-//! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic
+//! * by type: `umbrage::cpu::Cpu` or `umbrage::gpu::Gpu`, both [`Backend`]s, in functions generic
 //!   over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
-//! Four more are on by default: `presets` (settings as TOML, and `serde` for what holds data),
-//! `rays` (`traced` and `soft`), `parallel` (threads) and `simd` (vector instructions). A renderer
-//! on wgpu may name `default-features = false, features = ["wgpu"]`: it then builds no threads, no
-//! hierarchies and no parsers, and what the CPU prepares takes one thread.
+//! Four more are on by default: `presets` (settings as TOML, `serde` for data types), `rays`
+//! (`traced` and `soft`), `parallel` (threads) and `simd` (vector instructions). A wgpu renderer
+//! can use `default-features = false, features = ["wgpu"]`. It then builds no threads, hierarchies
+//! or parsers, and CPU preparation runs on one thread.
 //!
-//! Three features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ
-//! models (with `gltf` glTF, too) and has the built-in scenes. With `plan`, `umbrage::auto` finds
-//! the least technique that a scene needs, by measurement.
+//! Three features are off by default. `scenes` adds `umbrage::scenes`: the built-in scenes, and
+//! loaders for scene files and OBJ models. `gltf` adds glTF models. `plan` adds `umbrage::auto`,
+//! which measures to find the cheapest technique that a scene needs.
 //!
-//! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
+//! Programs with their own device and encoder use `umbrage::gpu::ShadowRenderer`.
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
-//! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::{MapFilter as _, Pcf,
-//! ShadowMap}};
+//! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View};
+//! use umbrage::techniques::{MapFilter as _, Pcf, ShadowMap};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let geometry = Geometry::bake(&scene)?;
@@ -31,7 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! How large should a map be? As fine as the screen is where what it shows faces the light:
+//! [`ShadowMap::sized_for`](techniques::ShadowMap::sized_for) chooses a map size that matches the
+//! screen resolution on receivers that face the light:
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
 //! use umbrage::{Geometry, View, cpu::Cpu, techniques::{MapFilter as _, Pcf, ShadowMap}};
@@ -40,8 +41,9 @@
 //! let (camera, geometry) = (&scene.cameras[0], Geometry::bake(&scene)?);
 //! let view = View::new(camera, &scene.lights[0], &geometry);
 //! // For nine in ten of the pixels that face the light, no texel is larger than a pixel.
-//! let map = ShadowMap::default().sized_for(&view, &Cpu::new().receivers(camera, &geometry)?,
-//! 0.9)?; let technique = Pcf::default().on(map);
+//! let map = ShadowMap::default()
+//!     .sized_for(&view, &Cpu::new().receivers(camera, &geometry)?, 0.9)?;
+//! let technique = Pcf::default().on(map);
 //! # let small = camera.resized(camera.size / 2);
 //! # let of_small = View::new(&small, &scene.lights[0], &geometry);
 //! # let smaller = map.sized_for(&of_small, &Cpu::new().receivers(&small, &geometry)?, 0.9)?;
@@ -68,4 +70,10 @@ pub use umbrage_plan as plan;
 #[cfg(feature = "scenes")]
 pub use umbrage_scenes as scenes;
 #[cfg(feature = "wgpu")]
-pub use umbrage_wgpu as wgpu;
+pub use umbrage_wgpu as gpu;
+/// The former name of [`gpu`].
+#[cfg(feature = "wgpu")]
+#[deprecated(since = "0.1.0", note = "renamed to `umbrage::gpu`")]
+pub mod wgpu {
+    pub use umbrage_wgpu::*;
+}

@@ -1,9 +1,9 @@
-//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures
-//! and search trees.
+//! Dependencies of each feature. A renderer alone must not compile scene files, images and search
+//! trees.
 
 use std::{collections::BTreeSet, path::Path, process::Command};
 
-/// Names of the packages that the facade needs with some features, by what cargo says.
+/// Returns the names of the packages that the facade needs with some features, according to cargo.
 fn packages(features: &str) -> BTreeSet<String> {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let out = Command::new(env!("CARGO"))
@@ -33,7 +33,7 @@ fn assert_without(features: &str, unwanted: &[&str]) {
         .collect();
     assert!(
         packages.contains("umbrage-core"),
-        "that is no list: {packages:?}"
+        "not a package list: {packages:?}"
     );
     assert!(found.is_empty(), "`{features}` needs {found:?}");
 }
@@ -50,7 +50,7 @@ fn the_renderer_needs_no_scenes_and_no_planner() {
         "umbrage-lab",
     ];
     assert_without("wgpu", &unwanted);
-    // Nor what makes the CPU quick, traces rays, or reads settings.
+    // The default features add parallelism, SIMD, ray tracing and settings as TOML.
     let unwanted = ["rayon", "obvhs", "pulp", "rdst", "toml", "serde"];
     assert_without("wgpu", &unwanted);
     let of_default = packages("default");
@@ -78,7 +78,7 @@ fn scenes_without_gltf_need_neither_its_crates_nor_jpeg() {
     assert_without("scenes", &["gltf", "gltf-json", "zune-jpeg"]);
 }
 
-/// The list tells what is there, too.
+/// The list of packages also shows what is present.
 #[test]
 fn scenes_need_what_they_read() {
     let of_scenes = packages("scenes");

@@ -1,7 +1,7 @@
-//! Coloured shadows of panes by maps, compared with rays through the panes.
+//! Coloured shadows of panes with maps, compared with rays through the panes.
 //!
 //! `cargo run --release --example panes [FOLDER]` prints errors, times and bytes, and writes images
-//! of red, green and blue light together; the folder is `docs/others` without an argument.
+//! of red, green and blue light together. The default folder is `docs/others`.
 
 use anyhow::Result;
 use image::RgbImage;
@@ -25,14 +25,14 @@ use umbrage_examples::{
 use umbrage_plan::truth::TruthOptions;
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
-/// Size of the images, which show some pixels of the part with the shadows.
+/// Size of the images, which show a subset of pixels of the area with the shadows.
 const SHOWN: UVec2 = UVec2::new(300, 170);
-/// Times are the least of so many runs.
+/// Number of runs, of which the least time counts.
 const RUNS: usize = 5;
-/// Images show maps of this side, texels.
+/// Side of the maps in images, texels.
 const SHOWN_MAP: u32 = 1024;
 
-/// A way to draw the shadows of panes.
+/// A method of drawing the shadows of panes.
 struct PaneMethod {
     label: &'static str,
     radius: u32,
@@ -91,9 +91,9 @@ struct LitPanes {
     judged: JudgedScene,
     /// Red, green and blue.
     light: Vec<Vec3>,
-    /// The first pixel that is shown.
+    /// The first pixel of the image.
     corner: UVec2,
-    /// One in so many pixels of a row is shown, and one in so many rows.
+    /// Step between the pixels of the image, along rows and columns.
     step: u32,
 }
 
@@ -121,7 +121,7 @@ impl LitPanes {
         })
     }
 
-    /// Prints a row for each map and method, and returns truth and all methods as images.
+    /// Prints a row for each map and method, and returns images of the reference and all methods.
     fn measure(&self) -> Result<Sheet> {
         let mut sheet = Sheet::new(3);
         sheet.push(self.image(&self.light));
@@ -188,8 +188,8 @@ impl LitPanes {
         Ok(least)
     }
 
-    /// Returns an image of the light that arrives. What faces away from the light, or shows
-    /// nothing, is grey.
+    /// Returns an image of the arriving light. Pixels that face away from the light or show nothing
+    /// are grey.
     fn image(&self, colours: &[Vec3]) -> RgbImage {
         colored(SHOWN, |i| {
             let i = i as u32;

@@ -1,13 +1,13 @@
-//! Shadows of coloured panes, written as a user of the library would: a map of what is opaque, and
-//! one more for the panes of each material, which lets a share of the light through.
+//! Shadows of coloured panes, written like a technique of a user of the library: a map of opaque
+//! casters, and a map of the panes of each material, which transmits a fraction of the light.
 //!
 //! A mask has one number a pixel, so a coloured shadow is three masks: of red, green and blue
-//! light. All three look up the same maps. The light that gets through panes of several materials
-//! is the product of their shares, in whatever order they stand. A map keeps the nearest pane
-//! alone, so that two panes of one material, one behind the other, count once.
+//! light. All three use the same maps. The light through panes of several materials is the product
+//! of their transmittances, in any order. A map only keeps the nearest pane, so that two panes of
+//! one material behind each other count once.
 //!
-//! Renderers without such maps let a pane cast as if it had holes ("screen-door" or "hashed"
-//! transparency: Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic transparency"):
+//! Renderers without such maps treat a pane as if it had holes ("screen-door" or "hashed"
+//! transparency: Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic transparency").
 //! [`Panes::dithered`] does that, for comparison.
 
 use serde::{Deserialize, Serialize};
@@ -33,35 +33,35 @@ use umbrage::{
 
 pub mod scenes;
 
-/// How many materials let light through, at most.
+/// Greatest number of materials that transmit light.
 pub const MATERIALS: usize = 3;
-/// What lets all light through.
+/// Transmittance of a material without absorption.
 pub const FULLY_TRANSPARENT: Vec3 = Vec3::ONE;
 /// Greatest radius of the square of comparisons.
 pub const MAX_RADIUS: u32 = 8;
 
-/// A material that lets light through.
+/// A material that transmits light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Glass {
     /// Index into the scene's materials.
     pub material: u32,
-    /// The share of red, green and blue light that gets through, 0 to 1 each.
+    /// The transmitted fraction of red, green and blue light, 0 to 1 each.
     pub transmittance: Vec3,
 }
 
-/// One colour's mask of a scene with panes.
+/// A mask of one colour for a scene with panes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panes {
-    /// All maps. Of 32 bits, with the nearest surface.
+    /// Settings of all maps, which have 32 bits and store the nearest surface.
     pub map: ShadowMap,
     /// Comparisons: texels to each side, 0 to [`MAX_RADIUS`].
     pub radius: u32,
-    /// What lets light through.
+    /// The materials that transmit light.
     pub glass: [Glass; MATERIALS],
-    /// 0 for red, 1 for green, 2 for blue.
+    /// Colour of the mask: 0 for red, 1 for green, 2 for blue.
     pub colour: usize,
-    /// Whether panes have holes, a share of the map's texels at random, instead of letting a share
-    /// of the light through.
+    /// `true` if panes have random holes in a fraction of the map's texels, instead of transmitting
+    /// a fraction of the light.
     pub dithered: bool,
 }
 
@@ -74,7 +74,7 @@ impl ShadowTechnique for Panes {
         self.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(RecipeError::unsupported(
-                "panes are told by the triangles' materials, and this view has no triangles",
+                "panes need the triangles' materials, and this view has no triangles",
             ));
         };
         let shares = self.glass.map(|glass| glass.transmittance[self.colour]);
@@ -138,25 +138,25 @@ impl Panes {
         let is_plain =
             self.map.format == MapFormat::Depth32 && self.map.surface == Surface::Nearest;
         if !is_plain {
-            let why = "ask for a map that is not of the nearest depth in 32 bits";
+            let why = "use a map that does not store the nearest depth in 32 bits";
             return Err(Invalid::new(
                 what,
                 why,
-                "leave format and surface as they are",
+                "use the default format and surface",
             ));
         }
         let lowest = self.glass.map(|glass| glass.transmittance.min_element());
         let highest = self.glass.map(|glass| glass.transmittance.max_element());
         let are_shares = lowest.iter().all(|&v| v >= 0.0) && highest.iter().all(|&v| v <= 1.0);
         if !are_shares {
-            let why = "let through more than all light, or less than none";
-            return Err(Invalid::new(what, why, "use shares from 0 to 1"));
+            let why = "have a transmittance outside 0 to 1";
+            return Err(Invalid::new(what, why, "use fractions from 0 to 1"));
         }
         Ok(())
     }
 }
 
-/// Returns the casters whose material is wanted.
+/// Returns the casters with a wanted material.
 fn faces(geometry: &Geometry, is_wanted: impl Fn(u32) -> bool) -> Faces {
     let mut faces = Faces::default();
     for triangle in geometry.casters() {
@@ -177,13 +177,13 @@ fn faces(geometry: &Geometry, is_wanted: impl Fn(u32) -> bool) -> Faces {
 uniforms! {
     /// Uniforms of [`PanesKernel`].
     pub struct PanesUniforms {
-        /// The maps: their layers, and how they are compared with.
+        /// The maps: their layers and comparison settings.
         pub lookup: ShadowMapUniforms,
-        /// The share of this colour's light that panes of each material let through; w is unused.
+        /// Transmittance of the panes of each material for this colour; w is unused.
         pub transmittance: Vec4,
         /// Comparisons: texels to each side.
         pub radius: i32,
-        /// 1 if panes have holes instead.
+        /// 1 if panes have holes, else 0.
         pub dithered: u32,
     }
 }
@@ -243,7 +243,7 @@ impl Taps for OpaqueAndPanes<'_> {
 }
 
 impl OpaqueAndPanes<'_> {
-    /// Returns the share of the light that reaches a receiver past one material's panes.
+    /// Returns the fraction of the light that passes one material's panes to a receiver.
     #[inline(always)]
     fn through(&self, is_before: bool, x: i32, y: i32, pane: usize) -> f32 {
         if is_before {
@@ -253,20 +253,21 @@ impl OpaqueAndPanes<'_> {
         if self.uniforms.dithered == 0 {
             return transmittance;
         }
-        // The same texel has the same hole for all receivers, and another one for each material.
+        // A texel has the same hole for all receivers, and another one for each material.
         let bits = seed(x as u32, (y as u32).wrapping_add(pane as u32 * 65536));
         let noise = (bits >> 8) as f32 / 16_777_216.0;
         if noise < transmittance { 1.0 } else { 0.0 }
     }
 }
 
-/// Returns which share of red, green and blue light each receiver gets from the scene's first
-/// light, which has no extent, as its first camera sees it: a ray goes through all casters, and
-/// what panes let through multiplies. What faces away from the light gets none, and where nothing
-/// is seen all is lit. Each ray asks each pane, so there have to be few.
+/// Returns the fraction of red, green and blue light that reaches each receiver from the scene's
+/// first light, which has no extent, in the view of its first camera. Each ray passes through all
+/// casters, and the transmittances of panes are multiplied. Surfaces that face away from the light
+/// receive none; pixels without geometry are lit. Each ray tests each pane, so the method is for
+/// few panes.
 ///
 /// # Errors
-/// Errors if the scene is not valid.
+/// Returns an error if the scene is not valid.
 pub fn transmitted(
     scene: &Scene,
     receivers: &Receivers,
@@ -292,9 +293,9 @@ pub fn transmitted(
         }
         let p = Vec3::new(receivers.x[i], receivers.y[i], receivers.z[i]);
         let n = Vec3::new(receivers.nx[i], receivers.ny[i], receivers.nz[i]);
-        // The start lies before its own surface, so that a ray away from it doesn't meet it.
+        // Start in front of the surface, so that a ray away from it doesn't hit it.
         let start = ray_origin(p, n, eye, extent);
-        // A light without extent has one point, whatever the sample.
+        // A light without extent has one point for every sample.
         let ray = segment(&sampler, start, Vec2::ZERO, far);
         if dot3(n, ray) <= 0.0 || opaque.bvh().occluded(start, ray, NO_TRIANGLE) {
             shares.push(Vec3::ZERO);
@@ -314,7 +315,7 @@ pub fn transmitted(
     Ok(shares)
 }
 
-/// Returns the scene with those casters alone whose material is wanted.
+/// Returns the scene with only those casters that have a wanted material.
 fn with_casters(scene: &Scene, is_wanted: impl Fn(u32) -> bool) -> Result<Geometry, Invalid> {
     let mut scene = scene.clone();
     for instance in &mut scene.instances {

@@ -7,7 +7,7 @@ struct PanesUniforms {
     dithered: u32,
 }
 
-// Returns whether the receiver is before what is stored, as `tap` tells of the first image.
+// Returns whether the receiver is in front of the stored depth, like `tap` for the first image.
 fn is_before(stored: f32, l: ShadowCoord, at: vec2i, is_beside: bool) -> bool {
     let is_lit = depth_at(l, at.x, at.y) <= stored;
     return is_lit | is_lit_beside(is_beside);

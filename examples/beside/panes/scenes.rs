@@ -22,16 +22,16 @@ pub const GLASS: [Glass; MATERIALS] = [
         transmittance: Vec3::new(0.15, 0.3, 0.9),
     },
 ];
-/// The material without transmittance.
+/// Index of the opaque material.
 const OPAQUE: u32 = 0;
-/// How many shards.
+/// Number of shards.
 const SHARDS: u32 = 120;
 
-/// Returns a window of three colours with two more panes behind it. It stands across z = 0, and the
-/// sun shines through it towards +z.
+/// Returns a window of three colours with two more panes behind it. It is in the plane z = 0, and
+/// the sun shines through it towards +z.
 ///
 /// # Errors
-/// Errors if `size` has no pixels.
+/// Returns an error if `size` has no pixels.
 pub fn window(size: UVec2) -> Result<Scene, Invalid> {
     let sun = Vec3::new(0.3, -0.8, 0.6);
     let [eye, target] = [Vec3::new(3.5, 4.0, 8.5), Vec3::new(0.2, 0.8, 1.2)];
@@ -42,7 +42,7 @@ pub fn window(size: UVec2) -> Result<Scene, Invalid> {
     let [red, _, blue] = GLASS.map(|glass| glass.material);
     let floor = [Vec3::Z * 12.0, Vec3::X * 12.0];
     put(Vec3::new(-6.0, 0.0, -4.0), floor, OPAQUE)?;
-    // Three panes between four posts, under a beam.
+    // Put three panes between four posts, under a beam.
     for (i, glass) in GLASS.iter().enumerate() {
         let corner = Vec3::new(-2.0 + 1.4 * i as f32, 0.1, 0.0);
         put(corner, upright(1.3, 2.8), glass.material)?;
@@ -52,16 +52,16 @@ pub fn window(size: UVec2) -> Result<Scene, Invalid> {
         put(corner, upright(0.1, 2.9), OPAQUE)?;
     }
     put(Vec3::new(-2.1, 2.9, 0.0), upright(4.3, 0.15), OPAQUE)?;
-    // Behind the window: blue over red and green, and red over red.
+    // Put two panes behind the window: blue over red and green, and red over red.
     put(Vec3::new(-1.2, 0.4, 1.0), upright(1.2, 1.0), blue)?;
     put(Vec3::new(-2.4, 0.3, 0.7), upright(0.9, 1.2), red)?;
     Ok(scene)
 }
 
-/// Returns shards of glass that hang over a floor, at all angles and many above each other.
+/// Returns shards of glass above a floor, at all angles and with many overlaps.
 ///
 /// # Errors
-/// Errors if `size` has no pixels.
+/// Returns an error if `size` has no pixels.
 pub fn shards(size: UVec2) -> Result<Scene, Invalid> {
     let sun = Vec3::new(0.25, -0.9, 0.3);
     let [eye, target] = [Vec3::new(0.5, 5.5, 8.0), Vec3::new(0.5, 0.0, 0.8)];
@@ -69,7 +69,7 @@ pub fn shards(size: UVec2) -> Result<Scene, Invalid> {
     let floor = [Vec3::Z * 14.0, Vec3::X * 14.0];
     put(&mut scene, Vec3::new(-7.0, 0.0, -6.0), floor, OPAQUE)?;
     for i in 0..SHARDS {
-        // Evenly spread, and in no rows (Roberts 2018, "The unreasonable effectiveness of
+        // Distribute them evenly without rows (Roberts 2018, "The unreasonable effectiveness of
         // quasirandom sequences", in five dimensions).
         let [x, y, z, turn, tilt] = [0.8813, 0.7766, 0.6844, 0.6032, 0.5316]
             .map(|step: f32| (0.5 + step * i as f32).fract());

@@ -1,4 +1,4 @@
-//! The program in its window: what happens in each frame.
+//! The program in its window, and the steps of each frame.
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::report::ReportFile;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(crate) struct Reports {
     /// Reason of the device's loss.
     pub lost: Slot<String>,
-    /// The scene that was being loaded when the device was lost.
+    /// The scene that was loading when the device was lost.
     pub unfinished: Slot<String>,
     /// An error of the device that no call returned.
     error: Slot<String>,
@@ -32,7 +32,7 @@ pub(crate) struct App {
     reports: Reports,
     #[cfg(not(target_arch = "wasm32"))]
     report_file: Option<ReportFile>,
-    /// Time from the page's begin to its first frame with a scene, milliseconds.
+    /// Time from the start of the page to its first frame with a scene, milliseconds.
     #[cfg(target_arch = "wasm32")]
     pub first_frame_ms: Option<f64>,
 }
@@ -41,7 +41,7 @@ impl App {
     /// Opens the first scene.
     ///
     /// # Errors
-    /// Errors if there is no device, or it can't be used.
+    /// Returns an error if there is no device, or it can't be used.
     pub(crate) fn new(
         context: &eframe::CreationContext<'_>,
         start: Start,
@@ -61,7 +61,7 @@ impl App {
             });
         }
         ctx.set_theme(egui::Theme::Dark);
-        // Our table of keys has these.
+        // The program's own keys change the zoom.
         ctx.options_mut(|options| options.zoom_with_keyboard = false);
         let storage = context.storage.filter(|_| !start.is_fresh);
         let saved: Option<Settings> =
@@ -93,7 +93,7 @@ impl App {
         })
     }
 
-    /// Notes the time of the first frame with a scene.
+    /// Records the time of the first frame with a scene.
     #[cfg(target_arch = "wasm32")]
     fn note_frame(&mut self) {
         if self.first_frame_ms.is_none() && !self.viewer.stage.is_nothing() {
@@ -111,7 +111,7 @@ impl App {
     }
 }
 
-/// Makes the device report its errors and its loss.
+/// Registers the device's callbacks for errors and loss.
 fn listen(device: &wgpu::Device, reports: &Reports, ctx: &egui::Context) {
     let error_slot = reports.error.clone();
     device.on_uncaptured_error(Arc::new(move |error| error_slot.put(error.to_string())));
@@ -128,15 +128,15 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let ctx = &ui.ctx().clone();
         let viewer = &mut self.viewer;
-        // A lost device reports that now, before the panel's painter requests memory. The frame's
-        // passes return all other errors.
+        // Poll, so that a lost device reports its loss before the panel's painter requests memory.
+        // The frame's passes return all other errors.
         let _ = viewer.render.device.poll(wgpu::PollType::Poll);
         if self.reports.lost.is_full() {
             let loading = viewer.loading.as_ref();
             if let Some(argument) = loading.and_then(|loading| loading.argument()) {
                 self.reports.unfinished.put(argument.to_owned());
             }
-            // Nothing can be drawn any more: the window is opened again, with another device.
+            // Nothing can be drawn any longer: reopen the window with another device.
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             return;
         }
@@ -167,7 +167,7 @@ impl eframe::App for App {
         if viewer.is_steered(ctx) || viewer.pace.is_fresh() {
             ctx.request_repaint();
         } else if viewer.figures.subject.is_none() || viewer.loading.is_some() {
-            // Loading shows its time. More frames would slow it down.
+            // Update the displayed time of loading. More frames would slow loading down.
             ctx.request_repaint_after(REST);
         }
         #[cfg(not(target_arch = "wasm32"))]
@@ -176,8 +176,8 @@ impl eframe::App for App {
         self.note_frame();
     }
 
-    /// Returns the panel's colour, as the window stores it. Painted by the panel's own shader, it
-    /// took a fifth of the frame time of a large scene on a software driver.
+    /// Returns the panel's colour in the format of the window. Painting it with the panel's own
+    /// shader took a fifth of the frame time of a large scene on a software driver.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         if self.viewer.render.target_format.is_srgb() {
             egui::Rgba::from(visuals.panel_fill).to_array()
@@ -190,7 +190,7 @@ impl eframe::App for App {
         let Viewer {
             stage, settings, ..
         } = &self.viewer;
-        // Without a scene, what was saved before stays.
+        // Without a scene, keep the saved settings.
         if !stage.is_nothing() {
             eframe::set_value(storage, eframe::APP_KEY, &settings.to_save(stage));
         }

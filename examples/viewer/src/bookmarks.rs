@@ -1,7 +1,7 @@
-//! Failures of shadow methods: the scenes of the catalogue of failures, still or in motion, each
-//! with a setting that shows the fault and one that fixes it.
+//! Failures of shadow methods: the scenes of the catalogue of failures, still or in motion. Each
+//! has settings with the artefact and settings that fix it.
 //!
-//! Rows whose fault no setting of a side has are left out: [`of_still`] lists them with the
+//! Rows whose artefact no settings of a side produce are excluded. [`of_still`] lists them with the
 //! reasons.
 
 use crate::side::{FitKind, SideSettings, entry};
@@ -16,43 +16,43 @@ use umbrage::{
     },
 };
 
-/// Side of the maps that show faults, texels: coarse enough that faults are seen at once.
+/// Side of the maps with artefacts, texels: coarse enough for artefacts to be obvious.
 pub(crate) const COARSE: u32 = 512;
 /// Side of the map of `sealed-room`, texels: its walls are then an eighth of a texel thick.
 const COARSER_THAN_WALLS: u32 = 128;
-/// Maps of a sun whose place follows the camera.
+/// Number of maps of a sun that follow the camera.
 const CASCADES: u32 = 3;
-/// A bias of a fiftieth of the depth range: gaps are seen at once.
+/// A bias of a fiftieth of the depth range, which makes gaps obvious.
 const TOO_MUCH: Bias = Bias {
     constant: 0.02,
     ..Bias::NONE
 };
-/// A bias that is less than receivers far along a plane need.
+/// A bias that is too small for distant receivers of a long plane.
 const TOO_LITTLE: Bias = Bias {
     constant: 0.0003,
     ..Bias::NONE
 };
-/// Texels to each side of a filter of 7x7.
+/// Radius of a filter of 7x7, texels.
 const WIDE: u32 = 3;
-/// Range of the map of `tower-out-of-view`, metres: a part of the tower's shadow is outside of it.
+/// Range of the map of `tower-out-of-view`, metres. It excludes a part of the tower's shadow.
 const TOO_NEAR: f32 = 6.0;
 
-/// Kinds of faults, in the order of lists.
+/// Kinds of artefacts, in the order of lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum FaultKind {
     /// Surfaces shadow themselves.
     Acne,
-    /// Shadows part from what throws them.
+    /// Shadows are detached from their casters.
     PeterPanning,
-    /// Light gets through or around what should hide it.
+    /// Light leaks through or around its casters.
     LightLeaking,
-    /// Maps of moments let light into the shadow of two casters.
+    /// Maps of moments leak light into the shadow of two casters.
     LightBleeding,
-    /// A kernel reaches beyond the corner of a wall.
+    /// A kernel crosses the corner of a wall.
     CornerLines,
-    /// A shadow isn't there, or ends too early.
+    /// A shadow is missing, or ends too early.
     MissingShadow,
-    /// Texels are larger than pixels, or than what casts.
+    /// Texels are larger than pixels or casters.
     Aliasing,
     /// Edges change while the camera or the light moves.
     Shimmering,
@@ -101,30 +101,30 @@ pub(crate) struct Bookmark {
     pub summary: &'static str,
     /// The built-in scene.
     pub scene: &'static str,
-    /// The fault on the left.
+    /// The artefact on the left.
     pub kind: FaultKind,
     fails: Fails,
 }
 
-/// Whether it fails at rest or in motion.
+/// Failures at rest or in motion.
 #[derive(Clone, Copy, Debug)]
 enum Fails {
     Still(Failure),
     InMotion(MovingScene),
 }
 
-/// A setting that shows the fault of a still scene.
+/// Settings with the artefact of a still scene.
 struct StillFault {
     kind: FaultKind,
     preset: TechniquePreset,
-    /// Metres around the camera that the map reaches; none for a tight fit.
+    /// Range of the map around the camera, metres. `None` for a tight fit.
     reach: Option<f32>,
 }
 
-/// Returns all failures, by the kind of fault, then by row.
+/// Returns all failures, sorted by the kind of artefact, then by row.
 pub(crate) fn all() -> Vec<Bookmark> {
     let still = scenes::all().iter().filter_map(of_entry);
-    // The renderer's casters stay where they are.
+    // The renderer does not move casters.
     let moving = MovingScene::ALL
         .into_iter()
         .filter(|moving| moving.motion != Motion::Casters);
@@ -165,7 +165,7 @@ fn of_moving(moving: MovingScene) -> Bookmark {
 }
 
 impl Bookmark {
-    /// Returns the label in lists: the fault and the name.
+    /// Returns the label in lists: the artefact and the name.
     pub(crate) fn label(&self) -> String {
         format!("{}: {}", self.kind.name(), self.name)
     }
@@ -184,22 +184,23 @@ impl Bookmark {
         }
     }
 
-    /// Returns a setting that shows the fault. `range` is how far a camera sees, metres.
+    /// Returns settings with the artefact. `range` is the camera's range of view, metres.
     pub(crate) fn fault(&self, range: f32) -> SideSettings {
         match self.fails {
             Fails::Still(failure) => match of_still(self.name, failure) {
                 Some(fault) => fault.side(range),
-                // Such scenes are no places: see `of_entry`.
+                // `of_entry` excludes such scenes.
                 None => without_map(None, range),
             },
             Fails::InMotion(moving) => moving_map(FitKind::Tight, &moving),
         }
     }
 
-    /// Returns a setting that has no fault for a light. `range` is how far a camera sees, metres.
+    /// Returns settings without artefacts for a light. `range` is the camera's range of view,
+    /// metres.
     pub(crate) fn fix(&self, light: Option<&Light>, range: f32) -> SideSettings {
         match self.fails {
-            // Maps of a sun that turns change, whatever their fit.
+            // Maps of a turning sun change with every fit.
             Fails::InMotion(moving) if !moving.motion.moves_shadows() => {
                 moving_map(FitKind::Stable, &moving)
             }
@@ -225,7 +226,7 @@ fn moving_map(fit: FitKind, moving: &MovingScene) -> SideSettings {
 }
 
 impl StillFault {
-    /// Returns the side that shows it. `range` is how far a camera sees, metres.
+    /// Returns the settings as a side. `range` is the camera's range of view, metres.
     fn side(self, range: f32) -> SideSettings {
         let mut out = SideSettings::new(entry(self.preset.technique().name()), range);
         out.preset = self.preset;
@@ -237,8 +238,8 @@ impl StillFault {
     }
 }
 
-/// Returns the setting that shows the fault of a scene; `None` if no setting of a side has that
-/// fault.
+/// Returns the settings with the artefact of a scene. `None` if no settings of a side have that
+/// artefact.
 fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
     let map = |bias| ShadowMap {
         size: COARSE,
@@ -250,7 +251,7 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
     let second_depth = || TechniquePreset::from(SecondDepth::default().on(map(Bias::FRONT_CULL)));
     let pcss = || TechniquePreset::from(Pcss::default().on(map(Bias::ADAPTIVE)));
     let (kind, preset) = match failure {
-        // The normal offset of one comparison, under a kernel that reaches three texels.
+        // The normal offset of one comparison, with a kernel of radius 3.
         Failure::LowSun if scene == "low-sun-10" => (FaultKind::Acne, wide(Bias::NORMAL_OFFSET)),
         Failure::LowSun | Failure::Relief | Failure::TwoLights => {
             (FaultKind::Acne, hard(Bias::NONE))
@@ -258,9 +259,10 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         Failure::DistantReceivers => (FaultKind::Acne, hard(TOO_LITTLE)),
         // Enough for most facets, too little for those that light grazes.
         Failure::LowPoly => (FaultKind::Acne, hard(Bias::CONSTANT)),
-        // More than the slices are apart.
+        // More than the distance of the slices.
         Failure::ThinContact | Failure::ThinSlices => (FaultKind::PeterPanning, hard(TOO_MUCH)),
-        // Casters move away by two texels of their slope: more than a wall is thick.
+        // Casters move away by two texels of their slope, which is more than the thickness of a
+        // wall.
         Failure::SealedRoom => {
             let map = ShadowMap {
                 size: COARSER_THAN_WALLS,
@@ -271,7 +273,7 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         // Casters that are not closed have no second surface.
         Failure::BrokenMesh => (FaultKind::LightLeaking, second_depth()),
         Failure::OpenShell => (FaultKind::MissingShadow, second_depth()),
-        // As the variance maps of textbooks: nothing hides the bleeding.
+        // Like the variance maps of textbooks, without reduction of bleeding.
         Failure::NearContact | Failure::LightBleeding => {
             let vsm = Vsm {
                 bleeding_reduction: 0.0,
@@ -281,23 +283,24 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
             (FaultKind::LightBleeding, vsm.into())
         }
         Failure::RoomCorner => (FaultKind::CornerLines, wide(Bias::ADAPTIVE)),
-        // A lamp's clip depth is crowded near it: the constant is more than the bar is away.
+        // The clip depth of a perspective light is dense near it: the constant exceeds the bar's
+        // distance.
         Failure::CasterAtLight => (FaultKind::MissingShadow, hard(Bias::CONSTANT)),
         Failure::CasterOutOfView => (FaultKind::MissingShadow, hard(Bias::ADAPTIVE)),
         Failure::FineDetail | Failure::CutOut | Failure::Landscape | Failure::IntoLight => {
             (FaultKind::Aliasing, hard(Bias::ADAPTIVE))
         }
-        // Penumbrae of one width.
+        // Penumbrae of constant width.
         Failure::RisingHeights => (FaultKind::PenumbraWidth, wide(Bias::ADAPTIVE)),
-        // One width for each place, from the mean of its blockers.
+        // One width for each position, from the mean of its blockers.
         Failure::TwoBlockers | Failure::Canopy | Failure::SmallLight => {
             (FaultKind::PenumbraWidth, pcss())
         }
-        // Faults of `volumes` and `planar`, which light sets refuse.
+        // Artefacts of `volumes` and `planar`, which light sets refuse.
         Failure::EyeInUmbra | Failure::ManyVolumes | Failure::Stairs => return None,
-        // Faults that no technique here has: cubes' faces overlap, fits hold the rim of a cone, any
-        // axis and any projection, no bias is in metres, and maps of 16 bits do as well as others
-        // under all biases that have no acne there.
+        // Artefacts that no technique here has: the faces of cubes overlap, fits contain the rim of
+        // a cone, any axis and any projection, and no bias is in metres. Maps of 16 bits are equal
+        // to others under all biases without acne.
         Failure::CubeSeams
         | Failure::ConeRim
         | Failure::LightAlongUp
@@ -305,8 +308,8 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         | Failure::Scale
         | Failure::LongRange
         | Failure::Nothing => return None,
-        // Truth has the same coarse positions. The fault shows in motion alone, as in
-        // `hills-1e6-pan`.
+        // The reference has the same imprecise positions. The artefact is only visible in motion,
+        // as in `hills-1e6-pan`.
         Failure::FarFromOrigin => return None,
     };
     let reach = (failure == Failure::CasterOutOfView).then_some(TOO_NEAR);
@@ -335,20 +338,19 @@ mod tests {
         plan::truth::{Truth, TruthOptions, trace},
     };
 
-    /// Size of the pictures, pixels.
+    /// Size of the images, pixels.
     const SIZE: UVec2 = UVec2::new(320, 180);
-    /// Least share of wrong pixels that a fault has, percent. In a window of 1280x720 that is 4,600
-    /// pixels: as many as a patch of 68x68, or a line 4 pixels wide across the whole picture.
+    /// Least fraction of wrong pixels for an artefact, percent. In a window of 1280x720 that is
+    /// 4,600 pixels: a patch of 68x68, or a line 4 pixels wide across the image.
     const LEAST_WRONG: f64 = 0.5;
-    /// In its own way a fault has more than this many times the wrong pixels that the map's coarse
-    /// texels make by themselves.
+    /// Least ratio of an artefact's wrong pixels, in its direction, to those due to the map's
+    /// coarse texels.
     const BEYOND_TEXELS: f64 = 2.0;
-    /// Factor for moments, against a filter of the same width, which blurs as much.
+    /// Least ratio for moments, relative to a filter of the same width, which blurs equally.
     const BEYOND_BLUR: f64 = 1.0;
-    /// A fix has at most this share of the fault's error: lights with an extent leave it some
-    /// noise.
+    /// Greatest ratio of a fix's error to that of the artefact. Area lights leave some noise.
     const MOST_LEFT: f64 = 0.5;
-    /// Rays for each pixel: their noise is far below any fault.
+    /// Rays for each pixel. Their noise is far below any artefact.
     const TRUTH: TruthOptions = TruthOptions {
         samples: 256,
         penumbra_factor: 1,
@@ -391,7 +393,7 @@ mod tests {
         assert!(find("eye-in-umbra").is_none(), "light sets refuse volumes");
     }
 
-    /// A still failure as the viewer shows it, with truth.
+    /// A still failure, rendered as in the viewer, with its reference.
     struct Rendered {
         camera: Camera,
         light: Light,
@@ -442,8 +444,8 @@ mod tests {
         }
     }
 
-    /// Returns the share of pixels that are wrong as the kind of fault implies, percent, if it
-    /// implies a direction.
+    /// Returns the fraction of pixels that are wrong in the direction of the artefact, percent.
+    /// `None` if the artefact has no direction.
     const fn in_its_way(kind: FaultKind, errors: &Errors) -> Option<f64> {
         match kind {
             FaultKind::Acne => Some(errors.false_shadow),
@@ -458,9 +460,9 @@ mod tests {
         }
     }
 
-    /// Each still place shows its fault: many pixels are wrong, in the fault's way and not by the
-    /// map's coarse texels or a filter's blur alone, and the fix has far less of it. The module
-    /// `path` tests faults in motion.
+    /// Each still scene shows its artefact: many pixels are wrong in the artefact's direction, and
+    /// not only due to the map's coarse texels or a filter's blur. The fix has a far smaller error.
+    /// The module `path` tests artefacts in motion.
     #[test]
     fn cures_are_right_where_faults_are_wrong() {
         let mut failed = Vec::new();
@@ -515,14 +517,14 @@ mod tests {
         fs::read_to_string(docs.join(name)).expect(name)
     }
 
-    /// Returns the places that a text links to.
+    /// Returns the failures that a text links to.
     fn linked(text: &str) -> impl Iterator<Item = &str> {
         let links = text.split("live.md?failure=").skip(1);
         links.map(|after| after.split(['&', ')']).next().expect("a part"))
     }
 
-    /// Pages link to places that there are, and those of `docs/failures.md` show the technique that
-    /// their section is about.
+    /// Links of pages refer to existing failures. Links of `docs/failures.md` show the technique of
+    /// their section.
     #[test]
     fn pages_link_to_what_they_describe() {
         for name in linked(&page("live.md")) {
@@ -532,7 +534,7 @@ mod tests {
         let mut compared = 0;
         for section in text.split("\n## ").skip(1) {
             let title = section.lines().next().unwrap_or("");
-            // The row above the line of dashes says what is to the left.
+            // The row above the line of dashes describes the left image.
             let words = section.split("\n|---|---|").next().unwrap_or("");
             let left = words.lines().last().unwrap_or("");
             let left = left.split('|').nth(1).unwrap_or("");

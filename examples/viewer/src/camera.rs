@@ -1,4 +1,4 @@
-//! The camera that the user moves.
+//! The camera that the user controls.
 
 use crate::lights::LookedAt;
 use serde::{Deserialize, Serialize};
@@ -7,19 +7,19 @@ use umbrage::{
     glam::{Affine3A, EulerRot, Quat, UVec2, Vec2, Vec3, camera::rh::proj::directx},
 };
 
-/// Radians for each point that the mouse moves.
+/// Turn for each point of mouse movement, radians.
 const TURN: f32 = 0.0035;
 /// Greatest pitch, radians.
 const STEEPEST: f32 = 1.55;
-/// The near plane, as a share of the scene's diagonal.
+/// Near plane, as a fraction of the scene's diagonal.
 const NEAR: f32 = 2e-4;
 
-/// Meaning of rotation.
+/// Effect of rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Mode {
-    /// The camera stays, and looks around.
+    /// The camera keeps its position and looks around.
     Fly,
-    /// The camera goes around a point.
+    /// The camera orbits a point.
     Orbit,
 }
 
@@ -27,17 +27,17 @@ pub(crate) enum Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ViewCamera {
     pub mode: Mode,
-    /// Metres a second.
+    /// Speed, metres a second.
     pub speed: f32,
-    /// Whether lines stay parallel.
+    /// `true` if the projection is orthographic.
     pub orthographic: bool,
-    /// World space, metres.
+    /// Position in world space, metres.
     eye: Vec3,
-    /// Radians around the y axis; 0 looks along -z.
+    /// Turn around the y axis, radians; 0 looks along -z.
     yaw: f32,
-    /// Radians upwards.
+    /// Turn upwards, radians.
     pitch: f32,
-    /// From the eye to the point that it goes around, metres.
+    /// Distance from the eye to the orbited point, metres.
     distance: f32,
     /// Full vertical angle, radians.
     fov_y: f32,
@@ -46,7 +46,7 @@ pub(crate) struct ViewCamera {
 }
 
 impl ViewCamera {
-    /// Returns a camera that shows what a scene's camera does.
+    /// Returns a camera with the view of a scene's camera.
     pub(crate) fn new(camera: &Camera, bounds: &Aabb) -> Self {
         let camera = camera.standard();
         let eye = camera.eye();
@@ -61,7 +61,7 @@ impl ViewCamera {
             0.8
         };
         let diagonal = bounds.diagonal().max(1e-3);
-        // About as far as the centre of the scene.
+        // Approximately the distance of the scene's centre.
         let distance = (bounds.center() - eye).dot(ahead).max(0.05 * diagonal);
         Self {
             mode: Mode::Fly,
@@ -93,7 +93,8 @@ impl ViewCamera {
         }
     }
 
-    /// Returns whether position and direction are those of another camera, however either is moved.
+    /// Reports whether position and direction equal those of another camera, regardless of the
+    /// modes.
     pub(crate) fn has_pose_of(&self, other: &Self) -> bool {
         let place = |view: &Self| (view.eye, view.yaw, view.pitch, view.distance);
         place(self) == place(other)
@@ -107,7 +108,7 @@ impl ViewCamera {
         };
     }
 
-    /// Turns as the mouse moves, points.
+    /// Turns by a mouse movement, points.
     pub(crate) fn turn(&mut self, moved: Vec2) {
         let pivot = self.pivot();
         self.yaw -= TURN * moved.x;
@@ -117,14 +118,14 @@ impl ViewCamera {
         }
     }
 
-    /// Moves sideways and up, so that the pivot follows the mouse: `moved` and the image's height
-    /// in points.
+    /// Moves sideways and up, so that the pivot follows the mouse. `moved` and the image's height
+    /// are in points.
     pub(crate) fn pan(&mut self, moved: Vec2, height: f32) {
         let metres = 2.0 * self.distance * (0.5 * self.fov_y).tan() / height.max(1.0);
         self.eye += self.rotation() * Vec3::new(-moved.x * metres, moved.y * metres, 0.0);
     }
 
-    /// Goes ahead by steps of the wheel.
+    /// Moves ahead by steps of the wheel.
     pub(crate) fn step(&mut self, steps: f32) {
         match self.mode {
             Mode::Fly => self.eye += self.ahead() * (0.5 * self.speed * steps),
@@ -137,13 +138,13 @@ impl ViewCamera {
         }
     }
 
-    /// Flies for some seconds: `way` is to the right, up (in the world) and forward, each -1 to 1.
+    /// Flies for some seconds. `way` is to the right, up (in the world) and forward, each -1 to 1.
     pub(crate) fn fly(&mut self, way: Vec3, seconds: f32) {
         let along = self.rotation() * Vec3::new(way.x, 0.0, -way.z);
         self.eye += (along + Vec3::Y * way.y) * (self.speed * seconds);
     }
 
-    /// Returns the camera for a picture of this size. Its depth is reversed: 1 at the near plane.
+    /// Returns the camera for an image of this size. Its depth is reversed: 1 at the near plane.
     pub(crate) fn camera(&self, size: UVec2) -> Camera {
         let aspect = size.x as f32 / size.y as f32;
         let near = NEAR * self.diagonal;
@@ -167,7 +168,7 @@ impl ViewCamera {
         self.rotation() * Vec3::NEG_Z
     }
 
-    /// Returns the point that the camera goes around, and the visible extent there.
+    /// Returns the point that the camera orbits, and the visible extent at that point.
     pub(crate) fn looked_at(&self) -> LookedAt {
         LookedAt {
             point: self.pivot(),

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A value that a callback leaves for the program.
+/// A value from a callback for the program.
 #[derive(Clone)]
 pub(crate) struct Slot<T>(Arc<Mutex<Option<T>>>);
 
@@ -13,26 +13,26 @@ impl<T> Default for Slot<T> {
 }
 
 impl<T> Slot<T> {
-    /// Returns whether there is a value.
+    /// Reports whether there is a value.
     pub(crate) fn is_full(&self) -> bool {
         let slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         slot.is_some()
     }
 
-    /// Takes the value, if there is one.
+    /// Removes and returns the value, if there is one.
     pub(crate) fn take(&self) -> Option<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Puts a value, unless there is one already.
+    /// Stores a value, unless there is one already.
     pub(crate) fn put(&self, value: T) {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         slot.get_or_insert(value);
     }
 }
 
-/// Returns what the program requires of an adapter: its greatest sizes, for large scenes and
-/// windows, and timestamps where there are some.
+/// Returns the requirements for an adapter's device: its greatest sizes, for large scenes and
+/// windows, and timestamps if available.
 pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let has = adapter.limits();
     let timed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;

@@ -1,11 +1,11 @@
-//! Files that are dropped on the window or the page.
+//! Files dropped on the window or the page.
 
 use std::path::{Path, PathBuf};
 use umbrage::scenes;
 
-/// Returns the index of the scene among files that were dropped together, and a note if others
-/// could be scenes, too. Scene files precede models; of several the first is chosen. Other files
-/// are named by the scene.
+/// Returns the index of the scene among dropped files, and a note if others could be scenes, too.
+/// Scene files precede models, and the first of several is chosen. Other files are named by the
+/// scene.
 pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     let those = |is_meant: fn(&Path) -> bool| -> Vec<usize> {
         (0..paths.len()).filter(|&i| is_meant(&paths[i])).collect()
@@ -15,7 +15,7 @@ pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
         files => files,
     };
     match scenes[..] {
-        // Whatever it is: the error says what could be read instead.
+        // Try the first file. The error lists supported kinds.
         [] => (0, None),
         [only] => (only, None),
         [first, ..] => {
@@ -29,8 +29,8 @@ pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     }
 }
 
-/// Returns the offer while files are held over the window or the page, if there are any. Browsers
-/// give no names before the drop.
+/// Returns the message while files are held over the window or the page. Browsers don't report
+/// names before the drop.
 pub(crate) fn offer(held: &[Option<PathBuf>]) -> Option<String> {
     if held.is_empty() {
         return None;
@@ -42,7 +42,9 @@ pub(crate) fn offer(held: &[Option<PathBuf>]) -> Option<String> {
         .iter()
         .any(|path| is_scene_file(path) || scenes::is_model(path))
     {
-        return Some("None of it can be shown: drop a .toml, .obj, .glb or .gltf file.".to_owned());
+        return Some(
+            "These files can't be shown: drop a .toml, .obj, .glb or .gltf file.".to_owned(),
+        );
     }
     let (scene, _) = scene_among(&paths);
     let name = paths[scene].file_name().unwrap_or(paths[scene].as_os_str());
@@ -89,7 +91,7 @@ mod tests {
             Some("Drop it here to show tile.obj.")
         );
         let words = held(&[Some("/a/wood.png")]).expect("words");
-        assert!(words.starts_with("None of it can be shown"), "{words}");
+        assert!(words.starts_with("These files can't be shown"), "{words}");
         assert_eq!(
             held(&[None, None]).as_deref(),
             Some("Drop it here to show it.")

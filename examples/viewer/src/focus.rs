@@ -1,12 +1,12 @@
-//! Focus of the keyboard: the panel's part is scrolled into view, and a frame is drawn around it.
+//! Keyboard focus: scrolls the focused part of the panel into view, and frames it.
 
 use egui::{Color32, Id, LayerId, Order, Rect, Stroke};
 
-/// The part that has the keyboard.
+/// The part with the keyboard focus.
 #[derive(Default)]
 pub(crate) struct Focus {
     last: Option<Id>,
-    /// Its rectangle in the window, points.
+    /// Rectangle of the part in the window, points.
     pub at: Option<Rect>,
 }
 
@@ -16,8 +16,7 @@ fn focused(ctx: &egui::Context) -> Option<egui::Response> {
 }
 
 impl Focus {
-    /// Scrolls the panel to a part that has received the focus. Must be called in the panel's
-    /// scroll area.
+    /// Scrolls the panel to a newly focused part. Must be called in the panel's scroll area.
     pub(crate) fn scroll(&mut self, ui: &egui::Ui) {
         let response = focused(ui.ctx());
         let id = response.as_ref().map(|response| response.id);
@@ -27,7 +26,7 @@ impl Focus {
         }
         self.last = id;
         if let Some(response) = response.filter(|response| response.layer_id == ui.layer_id()) {
-            // A margin, so that neighbours show which way it goes on.
+            // Leave a margin, so that neighbours are visible.
             ui.scroll_to_rect(response.rect.expand2(egui::vec2(0.0, 24.0)), None);
         }
     }

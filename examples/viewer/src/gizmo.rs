@@ -1,4 +1,4 @@
-//! Markers of lights, and the handles by which they are dragged and turned.
+//! Markers of lights, and handles for dragging and turning them.
 
 use crate::lights::{EditLight, LookedAt};
 use transform_gizmo::{
@@ -13,17 +13,17 @@ use umbrage::{
 /// Radius of a marker, points.
 const MARKER: f32 = 9.0;
 
-/// Handles of the chosen light.
+/// Handles of the selected light.
 #[derive(Default)]
 pub(crate) struct LightHandles {
     gizmo: Gizmo,
-    /// Whether they turn the light instead of moving it.
+    /// `true` if they turn the light instead of moving it.
     pub turns: bool,
-    /// Whether the mouse holds a handle.
+    /// `true` if the mouse holds a handle.
     pub is_held: bool,
 }
 
-/// Returns the position of a point of the world in the picture, points; `None` behind the camera.
+/// Returns the position of a world point in the image, points. `None` behind the camera.
 pub(crate) fn position_in(rect: egui::Rect, camera: &Camera, point: Vec3) -> Option<egui::Pos2> {
     let clip = camera.space().clip_from_world() * point.extend(1.0);
     if clip.w <= 0.0 {
@@ -33,7 +33,7 @@ pub(crate) fn position_in(rect: egui::Rect, camera: &Camera, point: Vec3) -> Opt
     Some(rect.lerp_inside(egui::vec2(unit[0], unit[1])))
 }
 
-/// Draws a marker at each light. A click on one chooses it.
+/// Draws a marker at each light. A click on a marker selects its light.
 pub(crate) fn markers(
     ui: &egui::Ui,
     rect: egui::Rect,
@@ -98,13 +98,13 @@ fn draw_marker(
 }
 
 impl LightHandles {
-    /// Pixels of the window for each of its points.
+    /// Number of pixels for each point of the window.
     pub(crate) fn pixels_per_point(&self) -> f32 {
         self.gizmo.config().pixels_per_point
     }
 
-    /// Draws the chosen light's handles, and moves or turns it as they are dragged. Returns whether
-    /// it changed.
+    /// Draws the selected light's handles, and moves or turns the light as they are dragged.
+    /// Returns whether it changed.
     pub(crate) fn show(
         &mut self,
         ui: &egui::Ui,
@@ -132,7 +132,7 @@ impl LightHandles {
         };
         let pointer = ui.input(|input| input.pointer.clone());
         let cursor = pointer.hover_pos().unwrap_or_default();
-        // Windows over the picture take the pointer.
+        // Windows over the image capture the pointer.
         let is_on_top = ui.ctx().layer_id_at(cursor) == Some(ui.layer_id());
         let is_over_picture = rect.contains(cursor) && is_on_top;
         let interaction = GizmoInteraction {

@@ -1,5 +1,5 @@
-//! Work that takes longer than a frame. On the desktop a thread does it. In browsers, which have
-//! none, it is done at once, or by a worker of the page.
+//! Work that takes longer than a frame. On the desktop it runs on a thread. In browsers, which have
+//! none, it runs at once or on a worker of the page.
 
 use anyhow::Result;
 use std::{
@@ -8,7 +8,7 @@ use std::{
 };
 use umbrage::plan::Cancel;
 
-const PANICKED: &str = "an error of this program ended it; please report it, with the scene";
+const PANICKED: &str = "a bug of this program stopped it; please report the bug with the scene";
 
 /// State that the work shares with the window.
 struct JobState<T> {
@@ -35,7 +35,7 @@ impl<T> JobProgress<T> {
         !self.cancel.is_cancelled()
     }
 
-    /// Hands an outcome to the window. It replaces one that was not taken yet.
+    /// Publishes an outcome to the window. It replaces one that was not yet received.
     pub(crate) fn publish(&self, outcome: Result<T>) {
         self.state().outcome = Some(outcome);
         self.ctx.request_repaint();
@@ -45,7 +45,7 @@ impl<T> JobProgress<T> {
 /// Work in progress. Dropping it cancels the work.
 pub(crate) struct Job<T> {
     progress: Arc<JobProgress<T>>,
-    /// Ends when it is dropped.
+    /// The worker, which is terminated on drop.
     #[cfg(target_arch = "wasm32")]
     pub worker: Option<crate::web::worker::PageWorker>,
 }
@@ -69,12 +69,12 @@ impl<T> Job<T> {
         (job, progress)
     }
 
-    /// Returns the current step, in words.
+    /// Returns a description of the current step.
     pub(crate) fn step(&self) -> String {
         self.progress.state().step.clone()
     }
 
-    /// Reports a step that the window does itself.
+    /// Reports a step of the window itself.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn set_step(&self, step: String) {
         self.progress.step(step);
@@ -94,7 +94,7 @@ impl<T: Send + 'static> Job<T> {
     ) -> Self {
         let (job, progress) = Self::new(ctx);
         let run = move || {
-            // A panic would leave the window waiting for ever.
+            // Catch panics, which would leave the window waiting for ever.
             let outcome = panic::catch_unwind(AssertUnwindSafe(|| work(&progress)));
             let outcome = outcome.unwrap_or_else(|_| Err(anyhow::anyhow!(PANICKED)));
             if let Some(outcome) = outcome.transpose() {

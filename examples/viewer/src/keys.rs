@@ -1,4 +1,4 @@
-//! The keys: one table of what they do, which is also the help of F1.
+//! The keys: one table of their actions, which is also the help of F1.
 
 use crate::{
     bookmarks,
@@ -23,32 +23,32 @@ pub(crate) enum With {
     Command,
 }
 
-/// A key that was pressed.
+/// A key press.
 pub(crate) struct Press<'a> {
     ctx: &'a egui::Context,
     has_shift: bool,
 }
 
-/// A key and what it does.
+/// A key and its action.
 type Bound = (With, Key, fn(&mut Viewer, &Press<'_>));
 
-/// A step of the divider, as a share of the width.
+/// A step of the divider, as a fraction of the width.
 const DIVIDER_STEP: f32 = 0.02;
-/// A step of a light that is moved, as a share of the visible width.
+/// A step of moving a light, as a fraction of the visible width.
 const LIGHT_STEP: f32 = 0.04;
-/// A step of a light that is turned, radians: two degrees.
+/// A step of turning a light, radians: two degrees.
 const LIGHT_TURN: f32 = 0.035;
-/// Factor of lights' steps with shift.
+/// Factor of the steps of lights with shift.
 const FINE: f32 = 0.1;
 
 #[cfg(not(target_arch = "wasm32"))]
 const SCREENSHOT: &str = "saves a screenshot";
-/// There are no folders to save it in, and the key is the browser's.
+/// Browsers have no folders for screenshots, and use the key themselves.
 #[cfg(target_arch = "wasm32")]
-const SCREENSHOT: &str = "screenshots are the browser's own";
+const SCREENSHOT: &str = "use the browser's screenshots";
 
-/// Keys that the panel has for itself while one of its parts has the keyboard: arrows go to the
-/// next part, and space presses.
+/// Keys that belong to the panel while one of its parts has the focus: arrows select the next part,
+/// and space presses a button.
 const KEYS_OF_PANEL: [Key; 7] = [
     Key::ArrowLeft,
     Key::ArrowRight,
@@ -59,23 +59,23 @@ const KEYS_OF_PANEL: [Key; 7] = [
     Key::Space,
 ];
 
-/// Lines of the help: keys, what they do, and how that is done. The mouse, keys that are held, and
-/// the panel's own keys are handled elsewhere.
+/// Lines of the help: keys, their action, and its implementation. The mouse, held keys, and the
+/// panel's keys are handled elsewhere.
 pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
     use With::{Any, Command, Nothing, Shift};
     [
-        ("W A S D, E Q", "fly; with shift faster", &[]),
-        ("J L, I K", "look around, or go around", &[]),
-        ("right mouse button", "looks around, or goes around", &[]),
-        ("middle button, wheel", "sideways; ahead and back", &[]),
+        ("W A S D, E Q", "fly; faster with Shift", &[]),
+        ("J L, I K", "look around, or orbit", &[]),
+        ("right mouse button", "look around, or orbit", &[]),
+        ("middle button, wheel", "pan; move ahead and back", &[]),
         (
             "O",
-            "fly or orbit",
+            "switch between fly and orbit",
             &[(Nothing, Key::O, |v, _| v.settings.view.switch_mode())],
         ),
         (
             "plus, minus",
-            "ahead and back; nearer and farther in orbit",
+            "move ahead and back; zoom in orbit",
             &[
                 (Any, Key::Plus, |v, _| v.steps_nearer += 1.0),
                 (Any, Key::Equals, |v, _| v.steps_nearer += 1.0),
@@ -84,22 +84,22 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "Home",
-            "back to the scene's own view",
+            "reset the view",
             &[(Nothing, Key::Home, |v, _| v.go_home())],
         ),
         (
             "F2",
-            "chooses a scene or a file",
+            "open a scene or a file",
             &[(Nothing, Key::F2, |v, press| v.pick(press, Choice::Scene))],
         ),
         (
             "F3",
-            "chooses a place of failure",
+            "open a failure",
             &[(Nothing, Key::F3, |v, press| v.pick(press, Choice::Failure))],
         ),
         (
             "B, Shift B",
-            "next place of failure, or the one before",
+            "next or previous failure",
             &[
                 (Nothing, Key::B, |v, press| v.open_next_failure(press, 1)),
                 (Shift, Key::B, |v, press| v.open_next_failure(press, -1)),
@@ -107,12 +107,12 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "Space",
-            "plays what moves there, or pauses",
+            "start or pause the motion",
             &[(Nothing, Key::Space, |v, _| v.play_or_pause())],
         ),
         (
             "1, 2",
-            "choose the technique of the left, of the right",
+            "choose the left or right technique",
             &[
                 (Nothing, Key::Num1, |v, press| {
                     v.pick(press, Choice::Technique(0))
@@ -124,16 +124,12 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "X",
-            "both sides, or one",
+            "show both sides, or one",
             &[(Nothing, Key::X, |v, _| {
                 v.settings.split = v.settings.split.is_none().then_some(0.5)
             })],
         ),
-        (
-            "F",
-            "flips between the sides",
-            &[(Nothing, Key::F, |v, _| v.flip())],
-        ),
+        ("F", "switch sides", &[(Nothing, Key::F, |v, _| v.flip())]),
         (
             "comma, period",
             "move the divider",
@@ -144,21 +140,21 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "H",
-            "errors as a picture",
+            "show errors",
             &[(Nothing, Key::H, |v, press| v.switch_errors(press))],
         ),
         (
             "V, Shift V",
-            "next picture over the scene, or the one before",
+            "next or previous overlay",
             &[
                 (Nothing, Key::V, |v, press| v.show_next_picture(press, 1)),
                 (Shift, Key::V, |v, press| v.show_next_picture(press, -1)),
             ],
         ),
-        ("click on a light", "chooses it; its handles move it", &[]),
+        ("click on a light", "select it; drag its handles", &[]),
         (
             "N, Shift N",
-            "next light, or the one before",
+            "next or previous light",
             &[
                 (Nothing, Key::N, |v, _| v.choose_next_light(1)),
                 (Shift, Key::N, |v, _| v.choose_next_light(-1)),
@@ -166,7 +162,7 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "arrows, Page Up, Down",
-            "move or turn the light; with shift finely",
+            "move or turn the light; finely with Shift",
             &[
                 (Any, Key::ArrowLeft, |v, press| {
                     v.move_light(press, Vec3::NEG_X)
@@ -186,17 +182,17 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "R",
-            "handles and arrows turn the light, or move it",
+            "turn or move by handles and arrows",
             &[(Nothing, Key::R, |v, _| v.handles.turns = !v.handles.turns)],
         ),
         (
             "G",
-            "the light on or off",
+            "switch the light on or off",
             &[(Nothing, Key::G, |v, _| v.switch_light())],
         ),
         (
             "Insert, Delete",
-            "add a light, remove the chosen one",
+            "add a light, remove the selected one",
             &[
                 (Nothing, Key::Insert, |v, _| {
                     v.settings.add_light(&v.stage.bounds)
@@ -206,17 +202,17 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "P",
-            "finds the least for this view, or cancels that",
+            "search the cheapest technique, or cancel",
             &[(Nothing, Key::P, |v, press| v.start_or_cancel_plan(press))],
         ),
         (
             "Shift P",
-            "shows what was found on the left",
+            "show the result on the left",
             &[(Shift, Key::P, |v, _| v.show_plan())],
         ),
         (
             "C, Shift C",
-            "copies the shown (or left) preset, the other",
+            "copy the shown (or left) preset, the other",
             &[
                 (Nothing, Key::C, |v, press| {
                     v.copy_preset(press.ctx, v.first_side())
@@ -228,25 +224,29 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "F4",
-            "folds the panel, or unfolds it",
+            "fold or unfold the panel",
             &[(Nothing, Key::F4, |v, press| v.fold(press.ctx))],
         ),
         (
             "M",
-            "the maps",
+            "show the maps",
             &[(Nothing, Key::M, |v, _| {
                 v.settings.shows_maps = !v.settings.shows_maps
             })],
         ),
-        ("Tab, Shift Tab", "through the panel; Enter presses", &[]),
+        (
+            "Tab, Shift Tab",
+            "move through the panel; Enter presses",
+            &[],
+        ),
         (
             "arrows in the panel",
-            "to the neighbours; sliders change",
+            "move to neighbours; change sliders",
             &[],
         ),
         (
             "Esc",
-            "leaves the panel, closes, cancels loading",
+            "leave the panel, close, cancel loading",
             &[(Any, Key::Escape, |v, _| v.leave())],
         ),
         (
@@ -260,7 +260,7 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "Ctrl 0",
-            "text as large as goes with the window",
+            "automatic size of text",
             &[(Command, Key::Num0, |v, _| v.settings.zoom = None)],
         ),
         (
@@ -272,14 +272,14 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         ),
         (
             "F1",
-            "these keys",
+            "show these keys",
             &[(Nothing, Key::F1, |v, _| {
                 v.settings.shows_help = !v.settings.shows_help
             })],
         ),
         (
             "Ctrl Q",
-            "ends the program",
+            "quit",
             &[(Command, Key::Q, |_, press| {
                 press.ctx.send_viewport_cmd(egui::ViewportCommand::Close)
             })],
@@ -294,7 +294,7 @@ impl With {
             Self::Nothing => is_plain && !modifiers.shift,
             Self::Shift => is_plain && modifiers.shift,
             Self::Any => is_plain,
-            // Plus is typed with shift on many keyboards.
+            // Plus requires shift on many keyboards.
             Self::Command => modifiers.command,
         }
     }
@@ -306,7 +306,7 @@ fn stepped(at: usize, by: isize, count: usize) -> usize {
 }
 
 impl Viewer {
-    /// Handles keys that were pressed since the last frame.
+    /// Handles key presses since the last frame.
     pub(crate) fn keys(&mut self, ctx: &egui::Context) {
         let events = ctx.input(|input| input.events.clone());
         for event in &events {
@@ -348,7 +348,7 @@ impl Viewer {
         }
     }
 
-    /// Shows what was chosen from a list.
+    /// Applies a choice from a list.
     pub(crate) fn show_chosen(&mut self, ctx: &egui::Context, chosen: Chosen) {
         match chosen {
             Chosen::Scene(name) => self.open(ctx, &name, Then::Show),
@@ -361,7 +361,7 @@ impl Viewer {
     }
 
     fn pick(&mut self, press: &Press<'_>, choice: Choice) {
-        // Enter is the list's now, not the panel's.
+        // Give Enter to the list instead of the panel.
         press.ctx.memory_mut(|memory| {
             if let Some(id) = memory.focused() {
                 memory.surrender_focus(id);
@@ -406,7 +406,7 @@ impl Viewer {
         }
     }
 
-    /// Returns the side that is shown, or the left one.
+    /// Returns the shown side, or the left one.
     fn first_side(&self) -> usize {
         match self.settings.split {
             Some(_) => 0,
@@ -415,10 +415,10 @@ impl Viewer {
     }
 
     fn zoom_by(&mut self, press: &Press<'_>, by: f32) {
-        // The window's own zoom follows with the next frame, and a key may be pressed twice before.
+        // The window's own zoom changes with the next frame, and a key may be pressed twice before.
         let chosen = self.settings.zoom;
         let before = chosen.unwrap_or_else(|| press.ctx.zoom_factor());
-        // Whole tenths, whatever the automatic zoom was.
+        // Round to tenths, in case the automatic zoom is not a multiple.
         let zoom = (10.0 * (before + by)).round() / 10.0;
         self.settings.zoom = Some(zoom.clamp(0.5, 5.0));
     }
@@ -435,7 +435,7 @@ impl Viewer {
         }
     }
 
-    /// Moves the chosen light by steps to the right, up, and away from the eye, or turns it.
+    /// Moves the selected light by steps to the right, up, and away from the eye, or turns it.
     fn move_light(&mut self, press: &Press<'_>, direction: Vec3) {
         let steps = direction * if press.has_shift { FINE } else { 1.0 };
         let settings = &mut self.settings;
@@ -443,7 +443,7 @@ impl Viewer {
         let Some(light) = settings.lights.get_mut(settings.chosen) else {
             return;
         };
-        // Level, so that the light keeps its height.
+        // Move horizontally, so that the light keeps its height.
         let ahead = (settings.view.ahead() * Vec3::new(1.0, 0.0, 1.0)).normalize_or(Vec3::NEG_Z);
         let right = ahead.cross(Vec3::Y);
         if self.handles.turns && light.can_turn() {
@@ -459,7 +459,7 @@ impl Viewer {
     /// Opens the next failure, or the previous one.
     fn open_next_failure(&mut self, press: &Press<'_>, by: isize) {
         let all = bookmarks::all();
-        // While one is being loaded, the next is the one after that.
+        // While a failure is loading, continue from that one.
         let loading = self.loading.as_ref().map(|loading| &loading.request.then);
         let name = match (loading, &self.path) {
             (Some(Then::Compare(coming)), _) => coming.name,
@@ -473,7 +473,7 @@ impl Viewer {
         }
     }
 
-    /// Closes the help or the message; if there are none, cancels loading.
+    /// Closes the help or the message, or else cancels loading.
     fn leave(&mut self) {
         if self.settings.shows_help {
             self.settings.shows_help = false;

@@ -6,16 +6,16 @@ use umbrage::{
     glam::{Quat, Vec3},
 };
 
-/// Most lights at a time: as many as the forward shader's array has.
+/// Greatest number of lights: the length of the forward shader's array.
 pub(crate) const MAX_LIGHTS: usize = 16;
 
-/// A light, and how it looks.
+/// A light and its appearance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EditLight {
     pub light: Light,
-    /// sRGB, 0 to 1.
+    /// Colour in sRGB, 0 to 1.
     pub color: [f32; 3],
-    /// Factor of the colour, 0 and more.
+    /// Factor of the colour, at least 0.
     pub brightness: f32,
     pub is_on: bool,
 }
@@ -25,7 +25,7 @@ pub(crate) struct EditLight {
 pub(crate) struct LookedAt {
     /// World space, metres.
     pub point: Vec3,
-    /// Distance of directional lights' markers from it, metres.
+    /// Distance of the markers of directional lights from it, metres.
     pub reach: f32,
 }
 
@@ -70,7 +70,7 @@ impl Kind {
 }
 
 impl EditLight {
-    /// Returns a light of a scene, as bright as goes with so many others.
+    /// Returns a light of a scene, with a brightness for this number of lights.
     pub(crate) fn of_scene(light: Light, count: usize) -> Self {
         Self {
             light,
@@ -94,16 +94,16 @@ impl EditLight {
         }
     }
 
-    /// Returns the position at which the light is drawn and dragged: its centre. Directional
-    /// lights, which have no position, are marked next to the point that the camera looks at, on
-    /// the side from which they shine.
+    /// Returns the position at which the light is drawn and dragged: its centre. Directional lights
+    /// have no position. Their marker is next to the point that the camera looks at, on the side of
+    /// the light.
     pub(crate) fn marker(&self, looked_at: &LookedAt) -> Vec3 {
         let away = direction_of(&self.light) * looked_at.reach;
         self.light.position().unwrap_or(looked_at.point - away)
     }
 
-    /// Moves the marker. A directional light shines from there to the point that the camera looks
-    /// at.
+    /// Moves the marker. A directional light points from the marker to the point that the camera
+    /// looks at.
     pub(crate) fn move_marker(&mut self, to: Vec3, looked_at: &LookedAt) {
         self.light = self.light.moved_to(to);
         if let Light::Directional { direction, .. } = &mut self.light {
@@ -129,13 +129,13 @@ impl EditLight {
         }
     }
 
-    /// Returns whether turning changes anything.
+    /// Reports whether turning has an effect.
     pub(crate) const fn can_turn(&self) -> bool {
         !matches!(self.light, Light::Point { .. })
     }
 
-    /// Makes it another kind with the same position, direction and extent, as far as the kinds have
-    /// them.
+    /// Converts the light to another kind with the same position, direction and extent, as far as
+    /// the kinds have them.
     pub(crate) fn retype(&mut self, kind: Kind, bounds: &Aabb) {
         if Kind::of(&self.light) == kind {
             return;
@@ -154,7 +154,7 @@ impl EditLight {
             Light::Disc { normal, .. } => normal.normalize() * normal.dot(to_center).signum(),
             Light::Point { .. } => to_center,
         };
-        // The extent, metres at the light's position.
+        // Compute the extent, metres at the light's position.
         let away = 0.4 * reach_of(bounds);
         let radius = match self.light {
             Light::Directional {
@@ -195,8 +195,8 @@ impl EditLight {
         };
     }
 
-    /// Makes a directional light a lamp from the same side whose map has perspective, or such a
-    /// lamp a directional light again.
+    /// Converts a directional light to a spot light with a perspective map on the same side, or
+    /// such a spot light back.
     pub(crate) fn set_perspective(&mut self, has_perspective: bool, bounds: &Aabb) {
         let kind = if has_perspective {
             Kind::Spot
@@ -215,7 +215,7 @@ impl EditLight {
         {
             let away = 1.2 * reach;
             *position = bounds.center() - *direction * away;
-            // The cone contains a ball around the scene.
+            // Let the cone contain a ball around the scene.
             *outer = (0.5 * reach / away).asin() + 0.02;
             *inner = *outer;
         }
@@ -253,7 +253,7 @@ mod tests {
         }
     }
 
-    /// One light of each kind, with an extent and without.
+    /// Returns one light of each kind, with an extent and without.
     fn lights() -> Vec<Light> {
         let position = Vec3::new(1.0, 6.0, 3.0);
         let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
@@ -338,7 +338,7 @@ mod tests {
             panic!("{:?}", edited.light);
         };
         assert!(direction.dot(normal).abs() > 0.9999);
-        // Over the sun's angle and back.
+        // Convert to the sun's angle and back.
         assert!((of_spot - 0.2).abs() < 1e-3, "{of_spot}");
     }
 
@@ -357,7 +357,7 @@ mod tests {
             panic!("{:?}", edited.light);
         };
         assert!(direction.dot(direction_of(&sun)) > 0.9999);
-        // Its cone holds all corners of the scene.
+        // Expect all corners of the scene in its cone.
         let (min, max) = (bounds().min, bounds().max);
         for i in 0..8 {
             let pick = |axis: usize, bit: u8| if i & bit == 0 { min[axis] } else { max[axis] };

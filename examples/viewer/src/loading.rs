@@ -1,8 +1,8 @@
-//! Scenes and models are loaded in the background: the scene that is shown stays until the new one
-//! has been read, placed, uploaded, and drawn once.
+//! Scenes and models are loaded in the background. The current scene stays visible until the new
+//! one has been read, placed, uploaded, and drawn once.
 //!
-//! On the desktop a thread does all of it. In browsers a worker reads and places; the page uploads
-//! and draws the first frame.
+//! On the desktop, a thread does all of it. In browsers, a worker reads and places; the page
+//! uploads and draws the first frame.
 
 use crate::{
     bookmarks::{self, Bookmark},
@@ -16,14 +16,14 @@ use anyhow::Result;
 use umbrage::glam::UVec2;
 use web_time::Instant;
 
-/// Actions once a scene is loaded.
+/// Actions after a scene is loaded.
 #[derive(Clone)]
 pub(crate) enum Then {
-    /// It is shown as it is.
+    /// Show the scene.
     Show,
-    /// It is shown as these settings left it.
+    /// Show the scene with these previous settings.
     AsLeft(Box<Settings>),
-    /// The left side has the fault, the right side its fix.
+    /// Show the artefact on the left side, and its fix on the right.
     Compare(Bookmark),
 }
 
@@ -32,7 +32,7 @@ pub(crate) enum Then {
 pub(crate) enum Source {
     /// Name of a built-in scene, or path of a file.
     Argument(String),
-    /// Files that were dropped on the page; the first is the scene.
+    /// Files dropped on the page. The first is the scene.
     #[cfg(target_arch = "wasm32")]
     Files(Vec<egui::DroppedFileHandle>),
 }
@@ -43,15 +43,15 @@ pub(crate) struct Request {
     pub name: String,
     pub source: Source,
     pub then: Then,
-    /// The window's settings at the time of the request: the first frame is drawn with them.
+    /// The window's settings at the time of the request. The first frame uses them.
     pub settings: Settings,
-    /// Size of the picture, pixels.
+    /// Size of the image, pixels.
     pub size: UVec2,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
 }
 
-/// A scene that is loaded.
+/// A loaded scene.
 pub(crate) struct Loaded {
     pub stage: Stage,
     pub renderer: Renderer,
@@ -60,7 +60,7 @@ pub(crate) struct Loaded {
     pub note: Option<String>,
 }
 
-/// A scene that is being loaded. Dropping it cancels that.
+/// A scene that is being loaded. Dropping it cancels loading.
 pub(crate) struct Loading {
     pub request: Request,
     begun: Instant,
@@ -68,7 +68,7 @@ pub(crate) struct Loading {
     job: Job<Loaded>,
     #[cfg(target_arch = "wasm32")]
     job: Job<crate::web::scenes::MadeStage>,
-    /// Outcome of the worker, until the next frame uploads it.
+    /// Result of the worker, until the next frame uploads it.
     #[cfg(target_arch = "wasm32")]
     made: Option<Result<crate::web::scenes::MadeStage>>,
 }
@@ -97,7 +97,7 @@ impl Loading {
         }
     }
 
-    /// Returns the name of the scene and the current step, in words.
+    /// Returns the name of the scene and a description of the current step.
     pub(crate) fn label(&self) -> String {
         let seconds = self.begun.elapsed().as_secs();
         format!("{}: {} ({seconds} s)", self.request.name, self.job.step())
@@ -112,14 +112,14 @@ impl Loading {
         }
     }
 
-    /// Returns the outcome once it is there.
+    /// Returns the outcome when it is available.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn take(&mut self) -> Option<Result<Loaded>> {
         self.job.take()
     }
 
-    /// Returns the outcome once it is there. The call after the worker's end uploads what it made,
-    /// so that a frame reports that before: the page stands still meanwhile.
+    /// Returns the outcome when it is available. The upload follows in the call after the worker's
+    /// end, so that a frame can report it first: the page doesn't respond meanwhile.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn take(&mut self) -> Option<Result<Loaded>> {
         if let Some(made) = self.made.take() {
@@ -148,7 +148,7 @@ impl Request {
     /// Uploads a stage, and draws it for the first time. Returns `None` if it was cancelled.
     ///
     /// # Errors
-    /// Errors if the device can't hold it.
+    /// Returns an error if the device can't hold it.
     fn prepare(&self, stage: Stage, on_step: OnStep<'_>) -> Result<Option<Loaded>> {
         if !on_step(upload_label(&stage)) {
             return Ok(None);
@@ -158,7 +158,7 @@ impl Request {
         self.then.apply(&mut settings, &stage);
         let mut renderer = Renderer::new(&self.device, &self.queue, &stage, &settings)?;
         let count = stage.geometry.triangles().len();
-        if !on_step(format!("{count} triangles are drawn for the first time")) {
+        if !on_step(format!("drawing {count} triangles for the first time")) {
             return Ok(None);
         }
         settings.split = Some(0.5);
@@ -170,8 +170,8 @@ impl Request {
             is_moving: false,
             is_coarse: false,
         };
-        // The first frame makes pipelines, maps and lists, so that the window's own first frame
-        // finds them. That one reports errors, too.
+        // Draw a frame to create pipelines, maps and lists for the window's first frame, which
+        // reports errors, too.
         if let Err(error) = renderer.frame(&frame) {
             log::warn!("{}: {error:#}", self.name);
         }
@@ -207,8 +207,8 @@ impl Then {
     }
 }
 
-/// Returns an argument that names the same scene from any folder: built-in scenes keep their names,
-/// files get absolute paths.
+/// Returns an argument that is valid in any folder. Built-in scenes keep their names, and files
+/// receive absolute paths.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn absolute(argument: &str) -> String {
     let is_built_in = umbrage::scenes::find(argument).is_some();
@@ -218,16 +218,16 @@ pub(crate) fn absolute(argument: &str) -> String {
     }
 }
 
-/// Returns the argument: browsers have no folders.
+/// Returns the argument, since browsers have no folders.
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn absolute(argument: &str) -> String {
     argument.to_owned()
 }
 
-/// Returns whether two arguments name the same scene: the same name, or the same file by any path.
+/// Reports whether two arguments have the same name, or paths of the same file.
 pub(crate) fn are_same_scene(a: &str, b: &str) -> bool {
     let [a, b] = [a, b].map(absolute);
-    // Files by their paths without links and `..`. Browsers have none.
+    // Compare paths without links and `..`. Browsers have none.
     let file = |path: &str| std::fs::canonicalize(path).ok();
     a == b || file(&a).is_some_and(|of_a| file(&b) == Some(of_a))
 }

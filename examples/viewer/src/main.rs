@@ -1,4 +1,4 @@
-//! A window to see shadows in: drag the lights, compare techniques side by side, measure them
+//! A window that displays shadows: drag lights, compare techniques side by side, and measure them
 //! against rays.
 
 mod app;

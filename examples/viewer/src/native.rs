@@ -18,27 +18,27 @@ use umbrage::{glam::UVec2, scenes, techniques};
 
 const EXAMPLES: &str = "\
 In the window:
-  right mouse button, held   looks around (or goes around, in orbit mode)
-  W A S D, E Q               fly; with shift faster
-  mouse wheel                goes ahead and back
-  left mouse button          chooses a light by its marker, drags its handles, drags the divider
-  F2                         chooses a scene or a file by a part of its name; 1 and 2 the techniques
-  N, arrows                  choose the next light, move the chosen one
-  Tab                        goes through the panel
+  right mouse button, held   look around (or orbit, in orbit mode)
+  W A S D, E Q               fly; faster with Shift
+  mouse wheel                move ahead and back
+  left mouse button          select a light by its marker, drag its handles, drag the divider
+  F2                         open a scene or a file by part of its name; 1 and 2: the techniques
+  N, arrows                  select the next light, move the selected one
+  Tab                        move through the panel
   Ctrl plus, Ctrl minus      larger and smaller text
-  F                          flips between the two sides
+  F                          switch between the two sides
   F1                         all keys
 
 Examples:
-  umbrage-viewer                    the scene of the last time, or a town
+  umbrage-viewer                    the scene of the last session, or a town
   umbrage-viewer street             a built-in scene
-  umbrage-viewer fence --failure    a fault and its cure, side by side
-  umbrage-viewer hills-pan --failure    a fault that shows while the camera moves, which it does by itself
-  umbrage-viewer model.obj          a model, put on a floor in the sun
+  umbrage-viewer fence --failure    an artefact and its fix, side by side
+  umbrage-viewer hills-pan --failure    an artefact in motion, with a moving camera
+  umbrage-viewer model.obj          a model on a floor in the sun
   umbrage-viewer scene.toml --left exact --right pcf";
 
-/// Shows a scene with its shadows: two techniques side by side, their errors against rays, and what
-/// they cost.
+/// Shows a scene with its shadows: two techniques side by side, their errors against rays, and
+/// their costs.
 #[derive(Parser)]
 #[command(name = "umbrage-viewer", after_help = EXAMPLES)]
 struct Options {
@@ -50,20 +50,20 @@ struct Options {
     /// Technique of the right side.
     #[arg(long, value_name = "NAME", value_parser = technique_names())]
     right: Option<String>,
-    /// Shows the fault of this scene on the left, and its cure on the right; also of scenes in
+    /// Shows the artefact of this scene on the left, and its fix on the right; also of scenes in
     /// motion, such as hills-pan.
     #[arg(long, requires = "scene", conflicts_with_all = ["left", "right"])]
     failure: bool,
     /// Size of the window, points.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: UVec2,
-    /// Forgets the settings of the last time.
+    /// Ignores the settings of the last session.
     #[arg(long)]
     fresh: bool,
-    /// Keeps what is shown and measured in this file, as JSON: for tests.
+    /// Writes the displayed and measured values to this file, as JSON, for tests.
     #[arg(long, value_name = "FILE")]
     report: Option<std::path::PathBuf>,
-    /// Loses the graphics device after so many seconds: for tests.
+    /// Simulates the loss of the graphics device after this number of seconds, for tests.
     #[arg(long, value_name = "SECONDS", hide = true)]
     lose_device_after: Option<f32>,
     /// Lists the built-in scenes.
@@ -76,7 +76,7 @@ fn technique_names() -> clap::builder::PossibleValuesParser {
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {
-    let help = || format!("`{text}` is no size; write it as 1280x720");
+    let help = || format!("`{text}` is not a size; write it as 1280x720");
     let (width, height) = text.split_once('x').ok_or_else(help)?;
     let width: u32 = width.parse().map_err(|_| help())?;
     let height: u32 = height.parse().map_err(|_| help())?;
@@ -105,8 +105,8 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
-        // A missing scene is reported before the window opens. An existing one may take long, and
-        // is read in the background.
+        // Report a missing scene before the window opens. An existing one may take long, and is
+        // read in the background.
         let is_there = scenes::file_of(scene).is_some_and(|file| file.is_file());
         if scenes::find(scene).is_none() && !is_there {
             scenes::by_argument(scene)?;
@@ -121,7 +121,7 @@ fn run(options: &Options) -> Result<()> {
             .map(|bookmark| bookmark.name)
             .collect();
         anyhow::bail!(
-            "`{scene}` is no place of failure; choose one of {}",
+            "`{scene}` has no failure to show; choose one of {}",
             known.join(", ")
         );
     }
@@ -138,7 +138,7 @@ fn run(options: &Options) -> Result<()> {
         let Some(Loss { why, unfinished }) = open(options, start)? else {
             return Ok(());
         };
-        // The window comes back as it was, with another device: it has kept its settings.
+        // Reopen the window with another device and its saved settings.
         start = Start {
             scene: unfinished,
             message: Some(format!("{why} It was opened again.")),
@@ -147,16 +147,16 @@ fn run(options: &Options) -> Result<()> {
     }
 }
 
-/// Why a window has to be opened again.
+/// Reason to reopen a window.
 struct Loss {
     /// Reason of the loss.
     why: String,
-    /// The scene that was being loaded.
+    /// The scene that was loading.
     unfinished: Option<String>,
 }
 
-/// Opens the window and runs until it is closed. Returns why it has to be opened again if the
-/// graphics device was lost.
+/// Opens the window and runs until it is closed. Returns the reason to reopen it if the graphics
+/// device was lost.
 fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     let size = options.size.as_vec2();
     let viewport = egui::ViewportBuilder::default()
@@ -183,15 +183,15 @@ fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     };
     let creator: eframe::AppCreator<'_> =
         Box::new(move |context| Ok(Box::new(App::new(context, start, reports_of_app)?)));
-    // The panel's painter panics if the device is lost while it paints, and leaves an event loop
-    // that can't be used again.
+    // The panel's painter panics if the device is lost while it paints, and leaves an unusable
+    // event loop.
     let run = AssertUnwindSafe(|| eframe::run_native("umbrage-viewer", native, creator));
     let outcome = panic::catch_unwind(run);
     let loss = reports.lost.take();
     match outcome {
         Ok(outcome) => outcome
             .map_err(|error| anyhow::anyhow!("{error}"))
-            .context("no window can be opened; it takes a display and a graphics driver, such as Debian's mesa-vulkan-drivers")?,
+            .context("can't open a window; it requires a display and a graphics driver, such as Debian's mesa-vulkan-drivers")?,
         Err(panicked) => match loss {
             Some(loss) => anyhow::bail!("{loss} Start the program again: its settings are kept."),
             None => panic::resume_unwind(panicked),

@@ -1,4 +1,4 @@
-//! Opens scenes: built-in ones, files, and files that are dropped on the window.
+//! Opens scenes: built-in ones, files, and files dropped on the window.
 
 use crate::{
     drops::scene_among,
@@ -8,8 +8,8 @@ use crate::{
 use umbrage::glam::UVec2;
 
 impl Viewer {
-    /// Starts to load another scene; one that is being loaded is cancelled. The present one stays
-    /// until then, and for good if the other can't be shown: a message states why.
+    /// Starts to load another scene, and cancels one that is loading. The current scene stays until
+    /// the new one is ready. If the new one can't be shown, a message states the reason.
     pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
         self.load(ctx, argument, Source::Argument(absolute(argument)), then);
     }
@@ -25,16 +25,16 @@ impl Viewer {
             device: self.render.device.clone(),
             queue: self.render.queue.clone(),
         };
-        // Cancels the old one before the new one begins.
+        // Cancel the old one before the new one starts.
         self.loading = None;
         self.loading = Some(Loading::start(ctx, request));
     }
 
-    /// Cancels loading; the present scene stays.
+    /// Cancels loading and keeps the current scene.
     pub(crate) fn cancel_loading(&mut self) {
         self.loading = None;
         if self.stage.is_nothing() {
-            self.message = Some("F2 chooses a scene or a file.".to_owned());
+            self.message = Some("Press F2 to open a scene or a file.".to_owned());
         }
     }
 
@@ -55,7 +55,7 @@ impl Viewer {
                     self.open(ctx, FIRST_SCENE, Then::Show);
                 }
                 let error = format!("{error:#}");
-                // Errors of files begin with the file.
+                // Errors of files start with the file.
                 let has_name = error.contains(&name);
                 self.message = Some(if has_name {
                     error
@@ -74,15 +74,15 @@ impl Viewer {
         self.renderer = loaded.renderer;
         self.path = loaded.path;
         self.figures.forget(&mut self.renderer);
-        // It was for the old scene.
+        // Discard the plan of the old scene.
         self.planning = None;
         self.plan = None;
         self.message = loaded.note.or_else(|| self.message.take());
         self.pace.touch();
     }
 
-    /// Opens files that were dropped on the window or the page. On the desktop, files that a scene
-    /// names are read from its folder, dropped or not.
+    /// Opens files dropped on the window or the page. On the desktop, files that a scene names are
+    /// read from its folder, dropped or not.
     pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<_> = files.iter().map(|file| file.path().to_owned()).collect();

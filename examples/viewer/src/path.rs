@@ -1,5 +1,4 @@
-//! The motion of a failure: the camera, its projection or the light goes along a path, there and
-//! back.
+//! The motion of a failure: the camera, its projection or the light follows a path, back and forth.
 
 use crate::{camera::ViewCamera, stage::Stage};
 use umbrage::{
@@ -9,35 +8,35 @@ use umbrage::{
     scenes::motion::{Motion, MotionStep, MovingScene, jitter, texel_width},
 };
 
-/// Steps of the motion, one way: more than in the stability matrix, so that there is something to
-/// watch.
+/// Number of steps of the motion in one direction. It is greater than in the stability matrix, for
+/// a longer animation.
 const STEPS: u32 = 60;
 const STEPS_A_SECOND: f32 = 20.0;
-/// Size of the picture to whose receivers the first map is fitted, pixels.
+/// Size of the image whose receivers determine the fit of the first map, pixels.
 pub(crate) const FITTED: UVec2 = UVec2::new(320, 180);
 
-/// A motion that runs while it is playing.
+/// A motion that can run or pause.
 pub(crate) struct MotionPath {
     pub moving: MovingScene,
     /// The width of a texel of the first map, metres.
     texel: f64,
     pub is_playing: bool,
-    /// Its position; `None` before it begins, and after the user moved the camera or the light.
+    /// Position of the motion. `None` before it begins, and after the user moves the camera or the light.
     pub under_way: Option<UnderWay>,
 }
 
 /// A motion that has begun.
 #[derive(Clone, Copy)]
 pub(crate) struct UnderWay {
-    /// The view at the begin.
+    /// The view at the start.
     pub view: ViewCamera,
-    /// The light at the begin.
+    /// The light at the start.
     pub light: Option<Light>,
     pub seconds: f32,
 }
 
 impl UnderWay {
-    /// Returns the step, which goes from 0 to the last and back.
+    /// Returns the index of the step, which counts up to the last step and back.
     fn index(&self) -> u32 {
         let steps = (self.seconds * STEPS_A_SECOND) as u32 % (2 * (STEPS - 1));
         steps.min(2 * (STEPS - 1) - steps)
@@ -45,11 +44,11 @@ impl UnderWay {
 }
 
 impl MotionPath {
-    /// Returns the motion of a stage seen through a camera, with maps of `map_size` texels a side.
-    /// It is playing.
+    /// Returns the running motion of a stage seen through a camera, with maps of `map_size` texels
+    /// a side.
     ///
     /// # Errors
-    /// Errors if no map can be fitted to what is seen.
+    /// Returns an error if no map can be fitted to the view.
     pub(crate) fn new(
         moving: MovingScene,
         stage: &Stage,
@@ -81,12 +80,12 @@ impl MotionPath {
         }
     }
 
-    /// Returns the current step; `None` while it is not under way.
+    /// Returns the current step. `None` if the motion has not begun.
     pub(crate) fn index(&self) -> Option<u32> {
         self.under_way.as_ref().map(UnderWay::index)
     }
 
-    /// Returns the current camera; `first` is that of the view at the begin.
+    /// Returns the current camera. `first` is that of the view at the start.
     pub(crate) fn camera(&self, first: &Camera) -> Camera {
         let Some(under_way) = &self.under_way else {
             return *first;
@@ -98,7 +97,7 @@ impl MotionPath {
         self.moving.motion.camera(first, &step)
     }
 
-    /// Returns the current light, if it is under way and has one.
+    /// Returns the current light, if the motion has begun and has one.
     pub(crate) fn light(&self) -> Option<Light> {
         let under_way = self.under_way.as_ref()?;
         let step = self.step(under_way);
@@ -106,11 +105,11 @@ impl MotionPath {
     }
 }
 
-/// Returns the camera with its projection moved within a pixel; its depth stays reversed.
+/// Returns the camera with its projection offset within a pixel. Its depth stays reversed.
 fn jittered(camera: &Camera, index: u32) -> Camera {
     let pixels = jitter(index);
     let ndc = 2.0 * pixels / camera.size.as_vec2();
-    // Left of the projection, so that w multiplies the shift.
+    // Multiply from the left, so that w scales the shift.
     let shift = Mat4::from_translation(Vec3::new(ndc.x, -ndc.y, 0.0));
     Camera {
         clip_from_view: shift * camera.clip_from_view,
@@ -144,7 +143,7 @@ mod tests {
         );
     }
 
-    /// For each moving failure, the fault changes at points that stay, and the fix changes less.
+    /// For each moving failure, the artefact changes at fixed points, and the fix changes less.
     #[test]
     fn cures_change_less_than_faults() {
         for bookmark in bookmarks::all() {

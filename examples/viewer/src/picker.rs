@@ -1,5 +1,5 @@
-//! A list from which the keyboard chooses: typing keeps the lines with these words, arrows go up
-//! and down, Enter chooses.
+//! A list for choosing with the keyboard: typing keeps the lines with these words, arrows move,
+//! Enter chooses.
 
 use crate::{
     bookmarks::{self, Bookmark},
@@ -10,7 +10,7 @@ use umbrage::{scenes, techniques};
 /// Kinds of lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// Built-in scenes, and the file whose path is typed.
+    /// Built-in scenes, and a file whose path is typed.
     Scene,
     /// Failures of shadow methods.
     Failure,
@@ -18,15 +18,15 @@ pub(crate) enum Choice {
     Technique(usize),
 }
 
-/// The list while it is open.
+/// The open list.
 pub(crate) struct Picker {
     choice: Choice,
     pub typed: String,
     /// Index of the line that Enter chooses.
     pub at: usize,
-    /// Whether arrows moved to the line, so that it must be scrolled into view.
+    /// `true` if arrows moved to the line, which must then be scrolled into view.
     pub has_moved: bool,
-    /// Whether the next letter is that of the key that opened the list.
+    /// `true` to skip the next letter, which is that of the key that opened the list.
     skips_letter: bool,
 }
 
@@ -69,12 +69,12 @@ impl Picker {
     pub(crate) fn title(&self) -> String {
         match self.choice {
             Choice::Scene => "Scene, or the path of a .toml, .obj, .glb or .gltf file".to_owned(),
-            Choice::Failure => "Place where shadow methods fail".to_owned(),
+            Choice::Failure => "Failure of shadow methods".to_owned(),
             Choice::Technique(side) => format!("Technique of the {} side", SIDES[side]),
         }
     }
 
-    /// Returns the lines with all words that are typed, in their labels or summaries.
+    /// Returns the lines whose labels or summaries contain all typed words.
     pub(crate) fn lines(&self) -> Vec<Line> {
         let line = |name: &str, summary: &str, chosen| Line {
             name: name.to_owned(),
@@ -110,7 +110,7 @@ impl Picker {
             typed.split_whitespace().all(|word| text.contains(word))
         };
         lines.retain(|line| holds(&format!("{} {}", line.label, line.summary)));
-        // The typed name, names that begin with it, and labels with the words come first. The sort
+        // Sort the typed name, names that start with it, and labels with the words first. The sort
         // is stable.
         lines.sort_by_key(|line| {
             let is_begun = line.name.starts_with(&typed) || line.label.starts_with(&typed);
@@ -125,7 +125,7 @@ impl Picker {
 }
 
 impl Picker {
-    /// Takes a key or a text. A text field would miss what is typed before it is first drawn.
+    /// Handles a key or a text. A text field would miss input before it is first drawn.
     pub(crate) fn take_event(&mut self, event: &egui::Event) -> Outcome {
         let typed = self.typed.len();
         match event {
@@ -172,7 +172,7 @@ impl Picker {
 mod tests {
     use super::*;
 
-    /// Returns the names of the lines that are left once something is typed.
+    /// Returns the names of the remaining lines for a typed text.
     fn found(choice: Choice, typed: &str) -> Vec<String> {
         let picker = Picker {
             typed: typed.to_owned(),
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn scenes_and_techniques_are_found_by_their_summaries_behind_names() {
         assert_eq!(found(Choice::Scene, "fence")[0], "fence");
-        // Its summary alone has the word.
+        // Only its summary has the word.
         assert!(found(Choice::Scene, "church").contains(&"nave".to_owned()));
         assert_eq!(found(Choice::Technique(0), "pcf")[0], "pcf");
         assert_eq!(found(Choice::Scene, "c3 ro")[0], "c3-room");

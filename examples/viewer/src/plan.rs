@@ -1,5 +1,5 @@
-//! Searches for the cheapest technique for the view. On the desktop a thread does it, in browsers a
-//! worker.
+//! Searches for the cheapest technique for the view. On the desktop it runs on a thread, in
+//! browsers on a worker.
 
 use crate::{
     job::Job,
@@ -12,16 +12,16 @@ use umbrage::plan::{
     motion::FrameMotion,
 };
 
-/// Input of a plan. A plan for another one is stale.
+/// Input of a plan. A plan of another input is stale.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PlanRequest {
     pub subject: Subject,
-    /// Greatest error, as a share of the error without shadows.
+    /// Greatest error, as a fraction of the error without shadows.
     pub error: f64,
     pub motion: FrameMotion,
 }
 
-/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and
+/// Starts a plan, excluding techniques that light sets refuse, so that its result can be shown and
 /// copied.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn start(
@@ -38,7 +38,7 @@ pub(crate) fn start(
     }))
 }
 
-/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and
+/// Starts a plan, excluding techniques that light sets refuse, so that its result can be shown and
 /// copied.
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn start(
@@ -86,14 +86,16 @@ pub(crate) fn plan(
 
 pub(crate) fn step_label(step: Step<'_>) -> String {
     match step {
-        Step::Looking => "looks for where visibility varies".to_owned(),
+        Step::Looking => "searching for varying visibility".to_owned(),
         Step::Truth(done, total) => {
             let percent = 100.0 * done as f64 / total.max(1) as f64;
-            format!("traces truth: {percent:.0} %")
+            format!("tracing the reference: {percent:.0} %")
         }
-        Step::Trying(technique, tried) => format!("tries {technique} ({tried} settings tried)"),
-        Step::Timing(count) => format!("times {count} finalists"),
-        Step::Explaining => "writes down why".to_owned(),
+        Step::Trying(technique, tried) => {
+            format!("evaluating {technique} ({tried} settings so far)")
+        }
+        Step::Timing(count) => format!("timing {count} finalists"),
+        Step::Explaining => "writing the reasons".to_owned(),
     }
 }
 
@@ -102,7 +104,7 @@ mod tests {
     use super::*;
     use crate::stage::Stage;
 
-    /// As workers of a web page do it.
+    /// Workers of a web page exchange bytes in this way.
     #[test]
     fn a_request_and_its_plan_go_over_as_bytes() {
         let scene = umbrage::scenes::by_argument("cubes").expect("built in");
@@ -128,7 +130,7 @@ mod tests {
         let (here, there) = (plan(&request, &[]), plan(&read, &[]));
         assert_eq!(here.chosen, there.chosen);
         let chosen = here.chosen.as_ref().expect("a setting");
-        // What is refused is not chosen again.
+        // A refused technique is not chosen again.
         let name = chosen.preset.technique().name();
         let other = plan(&request, &[name.to_owned()]).chosen;
         let other = other.expect("another setting");

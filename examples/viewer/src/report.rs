@@ -1,11 +1,11 @@
-//! Reports as JSON, for tests and the curious: what is shown, its errors, and positions of the
-//! panel's parts.
+//! Reports as JSON, for tests and debugging: the displayed settings, their errors, and positions of
+//! the panel's parts.
 
 use crate::{lights::EditLight, measure::agreement, viewer::Viewer};
 use serde_json::{Value, json};
 use umbrage::glam::Vec3;
 
-/// Returns what is shown, and its errors.
+/// Returns the displayed settings and their errors.
 pub(crate) fn report(viewer: &Viewer) -> Value {
     let Viewer {
         settings,
@@ -75,7 +75,7 @@ fn light(light: &EditLight) -> Value {
     })
 }
 
-/// Returns how well the device's masks agree with the CPU's.
+/// Returns the agreement of the device's masks with the CPU's.
 pub(crate) fn agreement(viewer: &Viewer) -> Value {
     let measured = viewer.subject().zip(viewer.figures.truth.as_ref());
     let side = |i: usize| {
@@ -100,15 +100,15 @@ pub(crate) fn agreement(viewer: &Viewer) -> Value {
     json!({ "sides": [side(0), side(1)] })
 }
 
-/// Positions of the panel's parts, as screen readers receive them: tests find what they click by
-/// its words.
+/// Positions of the panel's parts, as screen readers receive them. Tests find their targets by
+/// label.
 #[derive(Default)]
 struct Widgets {
     parts: Vec<Value>,
 }
 
 /// Returns the parts of the last frame: role, label, value, and the rectangle in points as left,
-/// top, right and bottom. Nothing until the frame after the first call.
+/// top, right and bottom. Empty until the frame after the first call.
 pub(crate) fn widgets(ctx: &egui::Context) -> Value {
     ctx.add_plugin(Widgets::default());
     ctx.enable_accesskit();
@@ -147,7 +147,7 @@ mod file {
     use anyhow::{Context as _, Result};
     use std::{fs, path::PathBuf};
 
-    /// A file that always holds the report of the last frame.
+    /// A file with the report of the last frame.
     pub(crate) struct ReportFile {
         path: PathBuf,
         written: String,
@@ -167,9 +167,9 @@ mod file {
         /// Writes the report if it changed.
         ///
         /// # Errors
-        /// Errors if the file can't be written.
+        /// Returns an error if the file can't be written.
         pub(crate) fn update(&mut self, viewer: &Viewer, ctx: &egui::Context) -> Result<()> {
-            // Masks that are made again are missing for a frame or more.
+            // Discard it while recomputed masks are missing, which takes a frame or more.
             if !viewer.figures.is_complete() {
                 self.agreement = None;
             } else if self.agreement.is_none() {
@@ -184,7 +184,7 @@ mod file {
             if text == self.written {
                 return Ok(());
             }
-            // Readers never see half a file.
+            // Write another file and rename it, so that readers never see a partial report.
             let unfinished = self.path.with_extension("unfinished");
             let error = || format!("{} can't be written", self.path.display());
             fs::write(&unfinished, &text).with_context(error)?;

@@ -1,4 +1,4 @@
-//! Settings of the user, most of which are saved.
+//! Settings of the user, mostly saved.
 
 use crate::{
     camera::ViewCamera,
@@ -15,16 +15,16 @@ use umbrage::{Aabb, plan::motion::FrameMotion};
 pub(crate) struct Start {
     pub scene: Option<String>,
     pub techniques: [Option<String>; 2],
-    /// Whether the scene's fault is shown on the left, and its fix on the right.
+    /// `true` to show the scene's artefact on the left, and its fix on the right.
     pub shows_failure: bool,
-    /// Whether saved settings are ignored.
+    /// `true` to ignore saved settings.
     pub is_fresh: bool,
     /// First message.
     pub message: Option<String>,
-    /// Seconds until the device is destroyed: for tests.
+    /// Seconds until the device is destroyed, for tests.
     #[cfg(not(target_arch = "wasm32"))]
     pub loses_device_after: Option<f32>,
-    /// File for reports: for tests.
+    /// File for reports, for tests.
     #[cfg(not(target_arch = "wasm32"))]
     pub report: Option<std::path::PathBuf>,
 }
@@ -48,42 +48,42 @@ impl FirstShown {
     }
 }
 
-/// Settings of the user. Files of older programs have fewer of them.
+/// Settings of the user. Files of older versions have fewer of them.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Settings {
-    /// Argument of the scene, when they are saved.
+    /// Argument of the scene at the time of saving.
     scene: String,
     #[serde(with = "list_of_two")]
     pub sides: [SideSettings; 2],
-    /// Whether `lights` are those of the scene, though there may be none.
+    /// `true` if `lights` are those of the scene, even if there are none.
     has_lights: bool,
     pub lights: Vec<EditLight>,
-    /// Index of the light that is measured and has handles.
+    /// Index of the selected light, which is measured and has handles.
     pub chosen: usize,
-    /// Position of the divider, as a share of the width; `None` if one side is shown.
+    /// Position of the divider, as a fraction of the width. `None` if one side is shown.
     pub split: Option<f32>,
-    /// The side that is shown alone.
+    /// Index of the side that is shown alone.
     pub shown_side: usize,
     pub picture: Picture,
-    /// Opacity of pictures; `None` until the user chooses it.
+    /// Opacity of overlays. `None` for the default.
     pub opacity: Option<f32>,
     pub view: ViewCamera,
     #[serde(skip)]
     pub shows_help: bool,
     pub shows_maps: bool,
-    /// Greatest error of a plan, as a share of the error without shadows; `None` until the user
-    /// chooses it.
+    /// Greatest error of a plan, as a fraction of the error without shadows. `None` for the
+    /// default.
     pub plan_error: Option<f32>,
     /// Motion from frame to frame, for costs.
     pub motion: FrameMotion,
-    /// Size of text, where 1 is usual; `None` until the user chooses it.
+    /// Size of text relative to the usual one. `None` for the default.
     pub zoom: Option<f32>,
-    /// Whether the panel is folded; `None` until the user chooses it.
+    /// State of the panel: folded or not. `None` for the default.
     pub panel_is_folded: Option<bool>,
 }
 
-/// Sides are saved as a list.
+/// Saves sides as a list.
 mod list_of_two {
     use crate::side::SideSettings;
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de::Error as _};
@@ -143,7 +143,7 @@ impl Settings {
         out
     }
 
-    /// Takes a scene's lights and camera.
+    /// Adopts a scene's lights and camera.
     pub(crate) fn show(&mut self, stage: &Stage) {
         let count = stage.lights.len();
         let lights = stage.lights.iter().take(MAX_LIGHTS);
@@ -157,14 +157,14 @@ impl Settings {
         }
     }
 
-    /// Takes view and lights from saved settings of the same scene.
+    /// Adopts view and lights from saved settings of the same scene.
     pub(crate) fn show_as_left(&mut self, saved: &Self) {
         self.view = saved.view;
         let is_valid = |light: &&EditLight| light.light.validate().is_ok();
         let valid = saved.lights.iter().filter(is_valid);
         let valid: Vec<_> = valid.take(MAX_LIGHTS).copied().collect();
-        // A scene that was left in the dark stays dark; one whose lights are all broken, or were
-        // not saved, has its own.
+        // Keep a saved scene without lights dark. Use the scene's lights if all saved ones are
+        // invalid or none were saved.
         if saved.has_lights && (!valid.is_empty() || saved.lights.is_empty()) {
             self.lights = valid;
             self.chosen = saved.chosen.min(self.lights.len().saturating_sub(1));
@@ -183,12 +183,12 @@ impl Settings {
         }
     }
 
-    /// Returns the argument of the scene that the settings were saved with.
+    /// Returns the argument of the scene in the saved settings.
     pub(crate) fn saved_scene(&self) -> &str {
         &self.scene
     }
 
-    /// Adds a light above the scene, unless there are too many, and chooses it.
+    /// Adds a light above the scene, unless there are too many, and selects it.
     pub(crate) fn add_light(&mut self, bounds: &Aabb) {
         if self.lights.len() < MAX_LIGHTS {
             self.chosen = self.lights.len();
@@ -196,7 +196,7 @@ impl Settings {
         }
     }
 
-    /// Removes the chosen light.
+    /// Removes the selected light.
     pub(crate) fn remove_light(&mut self) {
         if self.chosen < self.lights.len() {
             self.lights.remove(self.chosen);
@@ -218,7 +218,7 @@ mod tests {
     use super::*;
     use umbrage::{Light, glam::Vec3};
 
-    /// Returns a built-in scene, and settings that show it.
+    /// Returns a built-in scene, and settings for it.
     fn shown() -> (Stage, Settings) {
         let scene = umbrage::scenes::by_argument("cubes").expect("built in");
         let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");

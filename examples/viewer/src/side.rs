@@ -17,7 +17,7 @@ pub(crate) enum FitKind {
     Tight,
     /// Around the whole scene.
     Whole,
-    /// Around what the camera sees, in steps of whole texels.
+    /// Around the camera's view, in steps of whole texels.
     Stable,
     /// Around the camera, in steps of whole texels.
     AroundCamera,
@@ -43,13 +43,13 @@ pub(crate) struct SideSettings {
     #[serde(with = "preset_text")]
     pub preset: TechniquePreset,
     pub fit: FitKind,
-    /// Metres around the camera, for fits that need it.
+    /// Range around the camera, metres, for fits that need it.
     pub range: f32,
-    /// Maps of a directional light; 1 for a single one.
+    /// Number of maps of a directional light; 1 for a single one.
     pub cascades: u32,
 }
 
-/// Presets are saved as texts of preset files.
+/// Saves presets as texts of preset files.
 mod preset_text {
     use super::entry;
     use serde::{Deserialize as _, Deserializer, Serializer, ser::Error as _};
@@ -63,7 +63,7 @@ mod preset_text {
         serializer.serialize_str(&text)
     }
 
-    /// Reads a preset. One that this program doesn't know, such as that of a newer one, is `exact`.
+    /// Reads a preset. An unknown one, such as that of a newer version, becomes `exact`.
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<TechniquePreset, D::Error> {
@@ -74,7 +74,7 @@ mod preset_text {
 }
 
 impl SideSettings {
-    /// Returns a technique's default settings. `range` is how far a camera sees, metres.
+    /// Returns a technique's default settings. `range` is the camera's range of view, metres.
     pub(crate) fn new(entry: &TechniqueEntry, range: f32) -> Self {
         Self {
             preset: (entry.preset)(),
@@ -84,7 +84,7 @@ impl SideSettings {
         }
     }
 
-    /// Chooses another technique, with its default settings on maps of the same size.
+    /// Selects another technique, with its default settings on maps of the same size.
     pub(crate) fn choose(&mut self, entry: &TechniqueEntry) {
         let side = self.preset.map().map(|map| map.size);
         self.preset = (entry.preset)();
@@ -93,7 +93,7 @@ impl SideSettings {
         }
     }
 
-    /// Returns the technique for a light: cascades are for directional ones.
+    /// Returns the technique for a light. Only directional lights have cascades.
     pub(crate) fn technique(&self, light: &Light) -> Arc<dyn ShadowTechnique> {
         self.preset_for(light).technique()
     }
@@ -103,7 +103,7 @@ impl SideSettings {
         let Some(own) = self.preset.map() else {
             return self.preset.clone();
         };
-        // Cascades are for directional lights; those of a plan or a file keep their other settings.
+        // Use cascades for directional lights. Those of a plan or a file keep their other settings.
         let cascades = match own.layout {
             Layout::Cascades(cascades) => cascades,
             _ => Cascades::default(),
@@ -130,7 +130,7 @@ impl SideSettings {
         })
     }
 
-    /// Takes the settings of a preset.
+    /// Adopts the settings of a preset.
     pub(crate) fn take(&mut self, preset: &TechniquePreset) {
         self.preset = preset.clone();
         let Some(map) = preset.map() else {
@@ -164,7 +164,7 @@ impl SideSettings {
         Ok(preset.to_toml()?)
     }
 
-    /// Returns the technique and its settings in a few words.
+    /// Returns a short label of the technique and its settings.
     pub(crate) fn label(&self) -> String {
         let name = self.preset.name();
         let settings = self.preset.settings();
@@ -180,7 +180,7 @@ impl SideSettings {
 /// # Panics
 /// Panics if no technique has that name.
 pub(crate) fn entry(name: &str) -> &'static TechniqueEntry {
-    techniques::find(name).unwrap_or_else(|| panic!("`{name}` is no technique"))
+    techniques::find(name).unwrap_or_else(|| panic!("`{name}` is not a technique"))
 }
 
 #[cfg(test)]
@@ -209,7 +209,7 @@ mod tests {
             angular_diameter: 0.0,
         };
         assert_eq!(side.preset_for(&sun), preset);
-        // Lamps have no cascades.
+        // Only directional lights have cascades.
         let lamp = Light::Point {
             position: Vec3::Y,
             radius: 0.0,

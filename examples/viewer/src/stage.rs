@@ -1,4 +1,4 @@
-//! The scene that is shown.
+//! The displayed scene.
 
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
@@ -8,14 +8,14 @@ use umbrage::{
     scenes,
 };
 
-/// Reports the next step of loading. Returns false once the scene is no longer wanted.
+/// Reports the next step of loading. Returns `false` if loading was cancelled.
 pub(crate) type OnStep<'a> = &'a dyn Fn(String) -> bool;
 
-/// A scene with its triangles placed. Workers of a web page hand it over as bytes.
+/// A scene with its placed triangles. Workers of a web page transfer it as bytes.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Stage {
-    /// Name of a built-in scene, or path of a file. Empty for what was read from memory, which
-    /// can't be read again.
+    /// Name of a built-in scene, or path of a file. Empty for scenes from memory, which can't be
+    /// read again.
     pub argument: String,
     pub name: String,
     pub geometry: Geometry,
@@ -23,7 +23,7 @@ pub(crate) struct Stage {
     pub textures: Vec<Texture>,
     pub lights: Vec<Light>,
     pub camera: Camera,
-    /// Box around all triangles; never empty.
+    /// Bounding box of all triangles, which is never empty.
     pub bounds: Aabb,
 }
 
@@ -49,7 +49,7 @@ impl Stage {
         }
     }
 
-    /// Returns whether no scene has been read yet.
+    /// Reports whether no scene has been read yet.
     pub(crate) fn is_nothing(&self) -> bool {
         self.geometry.triangles().is_empty()
     }
@@ -57,22 +57,22 @@ impl Stage {
     /// Makes a built-in scene, or reads a file. Returns `None` if it was cancelled.
     ///
     /// # Errors
-    /// Errors if it can't be read.
+    /// Returns an error if it can't be read.
     pub(crate) fn of_argument(argument: &str, on_step: OnStep<'_>) -> Result<Option<Self>> {
-        on_step("is read".to_owned());
-        // Errors of scenes print their causes themselves: `anyhow` gets the text alone, else it
-        // would repeat them.
+        on_step("reading".to_owned());
+        // Pass only the text to `anyhow`: errors of scenes print their causes themselves, and
+        // `anyhow` would repeat them.
         let scene = scenes::by_argument(argument).map_err(anyhow::Error::msg)?;
-        if !on_step("its triangles are placed".to_owned()) {
+        if !on_step("placing triangles".to_owned()) {
             return Ok(None);
         }
         Self::of_scene(argument, argument, scene).map(Some)
     }
 
-    /// Reads a scene file or a model that is in memory, with what it names.
+    /// Reads a scene file or a model in memory, with the files that it names.
     ///
     /// # Errors
-    /// Errors if it can't be read.
+    /// Returns an error if it can't be read.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn read(name: &str, files: &scenes::FilesInMemory) -> Result<Self> {
         let scene = scenes::read(name, files).map_err(anyhow::Error::msg)?;
@@ -82,13 +82,13 @@ impl Stage {
     /// Places a scene's triangles.
     ///
     /// # Errors
-    /// Errors if they can't be placed, or there is nothing to see.
+    /// Returns an error if they can't be placed, or there are none.
     pub(crate) fn of_scene(argument: &str, name: &str, scene: Scene) -> Result<Self> {
         let geometry = Geometry::bake(&scene)?;
         let bounds = geometry.bounds();
         anyhow::ensure!(
             !geometry.triangles().is_empty(),
-            "`{name}` has no triangles; there is nothing to see"
+            "`{name}` has no triangles, and can't be shown"
         );
         Ok(Self {
             argument: argument.to_owned(),

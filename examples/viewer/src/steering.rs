@@ -1,5 +1,4 @@
-//! Moves the view: by keys that are held, by the mouse over the picture, and along the path of a
-//! failure.
+//! Control of the view: by held keys, by the mouse over the image, and along the path of a failure.
 
 use crate::{
     path::{FITTED, UnderWay},
@@ -9,19 +8,19 @@ use egui::{Key, PointerButton};
 use umbrage::glam::{Vec2, Vec3};
 use web_time::Duration;
 
-/// Rotation by keys in a second, in points of the mouse.
+/// Rotation by keys in a second, in points of mouse movement.
 const LOOK: f32 = 350.0;
-/// Most seconds of motion in a frame: a long frame is no long flight.
+/// Greatest motion in a frame, seconds, so that a long frame is not a long flight.
 const LONGEST: f32 = 0.2;
 
 impl Viewer {
-    /// Returns whether keys that are down move the view.
+    /// Reports whether held keys move the view.
     pub(crate) fn is_steered(&self, ctx: &egui::Context) -> bool {
         self.flight(ctx) != (Vec3::ZERO, Vec2::ZERO)
     }
 
-    /// Returns the flight by keys that are down (to the right, up and forward), and the rotation
-    /// (to the right and down).
+    /// Returns the flight by held keys (to the right, up and forward), and the rotation (to the
+    /// right and down).
     fn flight(&self, ctx: &egui::Context) -> (Vec3, Vec2) {
         let is_typing = self.picker.is_some() || ctx.text_edit_focused();
         ctx.input(|input| {
@@ -39,7 +38,7 @@ impl Viewer {
         })
     }
 
-    /// Moves the view as the user steers: from where a path is, which then ends.
+    /// Moves the view by the user's input. Input ends a path at its current position.
     pub(crate) fn steer(&mut self, ui: &egui::Ui, response: &egui::Response, passed: Duration) {
         let begun = self.settings.view;
         if let Some(path) = self.path.as_ref().filter(|path| path.under_way.is_some()) {
@@ -93,7 +92,7 @@ impl Viewer {
         }
     }
 
-    /// Goes on along the path, unless the user moved the camera or the light, which ends it.
+    /// Advances along the path. A movement of the camera or the light by the user ends it.
     pub(crate) fn follow_path(&mut self, passed: Duration) {
         let Some(path) = &self.path else {
             return;
@@ -115,7 +114,7 @@ impl Viewer {
             light,
             seconds: 0.0,
         });
-        // Settings of the camera may have changed meanwhile: orbit, speed, parallel lines.
+        // Keep changed settings of the camera: mode, speed, projection.
         under_way.view = view;
         under_way.seconds += passed.as_secs_f32().min(LONGEST);
         if let (Some(light), Some(to)) = (self.settings.lights.first_mut(), path.light()) {
@@ -124,12 +123,12 @@ impl Viewer {
         self.pace.touch();
     }
 
-    /// Plays the path, or pauses it.
+    /// Starts or pauses the path.
     pub(crate) fn play_or_pause(&mut self) {
         match &mut self.path {
             Some(path) => path.is_playing = !path.is_playing,
             None => {
-                self.message = Some("Nothing here moves by itself: F3 chooses a failure whose name states motion, such as hills-pan.".to_owned());
+                self.message = Some("This scene has no motion. Press F3 and choose a failure in motion, such as hills-pan.".to_owned());
             }
         }
     }

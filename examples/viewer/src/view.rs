@@ -1,4 +1,4 @@
-//! The picture in the window, with the divider and the lights' markers and handles.
+//! The image in the window, with the divider and the lights' markers and handles.
 
 use crate::{gizmo, render::FrameSettings, viewer::Viewer};
 use anyhow::Result;
@@ -7,10 +7,10 @@ use umbrage::{Camera, glam::UVec2};
 use web_time::{Duration, Instant};
 
 impl Viewer {
-    /// Draws the scene, and shows it in what is left of the window.
+    /// Draws the scene, and shows it in the rest of the window.
     pub(crate) fn show_picture(&mut self, ui: &mut egui::Ui, passed: Duration) -> Result<()> {
         let rect = ui.available_rect_before_wrap();
-        // Tab doesn't stop here: there is nothing to be pressed.
+        // Exclude it from Tab, since it has no action.
         let response = ui.allocate_rect(rect, Sense::CLICK | Sense::DRAG);
         self.steer(ui, &response, passed);
         self.follow_path(passed);
@@ -45,8 +45,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Draws fewer pixels while something moves and frames take long, and more again once they
-    /// don't.
+    /// Reduces the number of pixels while something moves and frames take long, and increases it
+    /// again afterwards.
     fn adapt_scale(&mut self, passed: Duration) {
         let device_type = self.render.adapter.get_info().device_type;
         if device_type == wgpu::DeviceType::Cpu || self.renderer.clock.is_none() {
@@ -95,8 +95,7 @@ impl Viewer {
     }
 }
 
-/// Returns the size of a part of the window, pixels, with the edges where the panel's painter
-/// places them.
+/// Returns the size of a part of the window, pixels, with edges as the panel's painter places them.
 fn pixels_of(rect: Rect, pixels_per_point: f32) -> UVec2 {
     let between = |from: f32, to: f32| {
         let [from, to] = [from, to].map(|edge| (edge * pixels_per_point).round());

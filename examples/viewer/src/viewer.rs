@@ -21,9 +21,9 @@ use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 use umbrage::{Camera, glam::UVec2, plan::Plan};
 
-/// The scene that is shown if the user names none.
+/// The default scene.
 pub(crate) const FIRST_SCENE: &str = "town";
-/// Windows less wide than this begin with the panel folded, since it would cover the picture:
+/// Width of windows below which the panel is initially folded, since it would cover the image:
 /// pixels divided by the display's scale factor.
 const NARROW: f32 = 700.0;
 
@@ -42,27 +42,27 @@ pub(crate) struct Viewer {
     pub path: Option<MotionPath>,
     pub figures: ViewFigures,
     pub maps: [MapPicture; 2],
-    /// The plan that is being made, and its input.
+    /// The plan in progress, and its input.
     pub planning: Option<(Job<Plan>, PlanRequest)>,
-    /// Techniques that the last plan left out.
+    /// Techniques that the last plan excluded.
     pub refused: Vec<String>,
     /// The last plan, and its input.
     pub plan: Option<(Plan, PlanRequest)>,
     pub pace: Pace,
     /// Frames since the window was opened.
     pub frames: u64,
-    /// Camera of the last frame. Its size is smaller than the picture's while something moves and
+    /// Camera of the last frame. Its size is smaller than the image's while something moves and
     /// frames take long.
     pub camera: Option<Camera>,
-    /// Size of the picture in the window, pixels.
+    /// Size of the image in the window, pixels.
     pub pixels: UVec2,
     pub handles: LightHandles,
-    /// Position of the chosen light's marker in the window, points.
+    /// Position of the selected light's marker in the window, points.
     pub marker: Option<egui::Pos2>,
-    /// Steps ahead that were requested since the last frame.
+    /// Steps ahead requested since the last frame.
     pub steps_nearer: f32,
     pub message: Option<String>,
-    /// The list from which the keyboard chooses, while it is open.
+    /// The open list for choosing with the keyboard.
     pub picker: Option<Picker>,
     pub focus: Focus,
     pub screenshot: Slot<Arc<egui::ColorImage>>,
@@ -72,7 +72,7 @@ impl Viewer {
     /// Returns the state of a window without a scene.
     ///
     /// # Errors
-    /// Errors if the device can't be used.
+    /// Returns an error if the device can't be used.
     pub(crate) fn new(render: RenderState, settings: Settings) -> Result<Self> {
         let stage = Stage::nothing();
         let renderer = Renderer::new(&render.device, &render.queue, &stage, &settings)?;
@@ -111,7 +111,7 @@ impl Viewer {
             .ok()
     }
 
-    /// Returns what a camera sees of the chosen light; `None` while that is off.
+    /// Returns a camera's view of the selected light. `None` while that is off.
     fn subject_of(&self, camera: Camera) -> Option<Subject> {
         let light = self.settings.lights.get(self.settings.chosen)?;
         light.is_on.then(|| Subject {
@@ -122,12 +122,13 @@ impl Viewer {
         })
     }
 
-    /// Returns what is measured: the last frame and the chosen light; `None` while that is off.
+    /// Returns the measured subject: the last frame and the selected light. `None` while that is
+    /// off.
     pub(crate) fn subject(&self) -> Option<Subject> {
         self.subject_of(self.camera?)
     }
 
-    /// Returns the current camera for a picture of this size, pixels. It may be on a path.
+    /// Returns the current camera for an image of this size, pixels. It may be on a path.
     pub(crate) fn camera_of_size(&self, size: UVec2) -> Camera {
         let camera = self.settings.view.camera(size);
         match &self.path {
@@ -136,7 +137,7 @@ impl Viewer {
         }
     }
 
-    /// Starts to measure once nothing moves, and takes figures.
+    /// Starts measurements at rest, and receives figures.
     pub(crate) fn measure(&mut self, ctx: &egui::Context) -> Result<()> {
         let Some(subject) = self.subject() else {
             self.figures.forget(&mut self.renderer);
@@ -149,7 +150,7 @@ impl Viewer {
             .update(ctx, renderer, settings, &subject, rests)?;
         if is_new {
             self.compare(ctx);
-            // This frame was drawn before.
+            // Draw another frame with the new figures.
             ctx.request_repaint();
         }
         if self.figures.is_waiting() || rests && self.renderer.awaits_times() {
@@ -158,19 +159,19 @@ impl Viewer {
         Ok(())
     }
 
-    /// Compares masks with truth, and lays pictures over the sides.
+    /// Compares masks with the reference, and updates the overlays of the sides.
     pub(crate) fn compare(&mut self, ctx: &egui::Context) {
         self.figures
             .compare(ctx, &mut self.renderer, &self.settings);
     }
 
-    /// Forgets a side's figures, since its technique changed.
+    /// Discards a side's figures, since its technique changed.
     pub(crate) fn forget_side(&mut self, side: usize) {
         self.figures.forget_side(side, &mut self.renderer);
         self.pace.touch();
     }
 
-    /// Copies a side's settings for the chosen light, as a preset file has them.
+    /// Copies a side's settings for the selected light in the format of preset files.
     pub(crate) fn copy_preset(&mut self, ctx: &egui::Context, side: usize) {
         let Some(light) = self.settings.lights.get(self.settings.chosen) else {
             return;
@@ -182,11 +183,11 @@ impl Viewer {
         }
     }
 
-    /// Returns the input of a plan for the whole picture and the chosen light; `None` while that is
+    /// Returns the input of a plan for the whole image and the selected light. `None` while that is
     /// off.
     pub(crate) fn plan_request(&self) -> Option<PlanRequest> {
         Some(PlanRequest {
-            // While something moves, the last frame may have fewer pixels.
+            // Use the full size, since the last frame may have fewer pixels during motion.
             subject: self.subject_of(self.camera_of_size(self.pixels))?,
             error: f64::from(self.settings.plan_error()),
             motion: self.settings.motion,
@@ -201,13 +202,13 @@ impl Viewer {
 
     fn try_to_plan(&mut self, ctx: &egui::Context) -> Result<(Job<Plan>, PlanRequest)> {
         let request = self.plan_request();
-        let request = request.context("Choose a light that is on: plans are made for one.")?;
+        let request = request.context("Select a light that is on: a plan is for one light.")?;
         let kind = Kind::of(&request.subject.light);
         self.refused = self.renderer.sides[0].refused_techniques(kind)?;
         Ok((plan::start(ctx, &request, &self.refused)?, request))
     }
 
-    /// Takes a plan that is finished.
+    /// Receives a finished plan.
     pub(crate) fn take_plan(&mut self) {
         let Some((job, _)) = &mut self.planning else {
             return;
@@ -216,11 +217,11 @@ impl Viewer {
             return;
         };
         let request = self.planning.take().map(|(_, request)| request);
-        let plan = self.check(outcome.context("No plan was made"));
+        let plan = self.check(outcome.context("The plan failed"));
         self.plan = plan.zip(request).or_else(|| self.plan.take());
     }
 
-    /// Shows the setting of the plan on the left.
+    /// Shows the settings of the plan on the left.
     pub(crate) fn show_plan(&mut self) {
         let plan = self.plan.as_ref();
         match plan.and_then(|(plan, _)| plan.chosen.as_ref()) {
@@ -229,13 +230,12 @@ impl Viewer {
                 self.forget_side(0);
             }
             None => {
-                self.message = Some("No setting was found yet: P looks for one.".to_owned());
+                self.message = Some("There is no plan yet. Press P to search for one.".to_owned());
             }
         }
     }
 
-    /// Returns whether the panel is folded. Until the user chooses, that depends on the window's
-    /// width.
+    /// Reports whether the panel is folded. By default, that depends on the window's width.
     pub(crate) fn is_folded(&self, ctx: &egui::Context) -> bool {
         let chosen = self.settings.panel_is_folded;
         chosen.unwrap_or_else(|| is_narrow(ctx))
@@ -246,7 +246,7 @@ impl Viewer {
         self.settings.panel_is_folded = Some(!self.is_folded(ctx));
     }
 
-    /// Requests a picture of the window, which comes with one of the next frames.
+    /// Requests an image of the window, which arrives with one of the next frames.
     pub(crate) fn request_screenshot(&self, ctx: &egui::Context) {
         let slot = self.screenshot.clone();
         let wake = ctx.clone();
@@ -256,7 +256,7 @@ impl Viewer {
         });
     }
 
-    /// Saves a screenshot that was requested.
+    /// Saves a requested screenshot.
     pub(crate) fn save_screenshot(&mut self) {
         let Some(image) = self.screenshot.take() else {
             return;
@@ -268,12 +268,12 @@ impl Viewer {
     }
 }
 
-/// Returns whether the window is narrow.
+/// Reports whether the window is narrow.
 pub(crate) fn is_narrow(ctx: &egui::Context) -> bool {
     ctx.viewport_rect().width() * ctx.zoom_factor() < NARROW
 }
 
-/// Writes an image. Returns the file.
+/// Writes an image. Returns the file's name.
 #[cfg(not(target_arch = "wasm32"))]
 fn save_image(image: &egui::ColorImage) -> Result<String> {
     let seconds = std::time::SystemTime::now()
@@ -288,7 +288,7 @@ fn save_image(image: &egui::ColorImage) -> Result<String> {
     Ok(file.display().to_string())
 }
 
-/// Browsers have no folders.
+/// Returns an error, since browsers have no folders.
 #[cfg(target_arch = "wasm32")]
 fn save_image(_: &egui::ColorImage) -> Result<String> {
     anyhow::bail!("take the browser's own screenshot")

@@ -1,5 +1,5 @@
-//! The program in a browser: its canvas, the page's status line while it starts or when it ends,
-//! and functions for the console.
+//! The program in a browser: its canvas, the page's status line at start and end, and functions for
+//! the console.
 
 mod console;
 mod in_worker;
@@ -44,8 +44,8 @@ fn say_nothing() {
     }
 }
 
-/// Starts the program in the page's canvas. In a worker, which has no window, it only offers to do
-/// tasks.
+/// Starts the program in the page's canvas. In a worker, which has no window, it only registers the
+/// function for tasks.
 pub(crate) fn main() {
     if web_sys::window().is_none() {
         in_worker::offer();
@@ -96,8 +96,8 @@ async fn run() -> Result<(), String> {
         .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))
 }
 
-/// Hides the status line with the first frame, and reports there that the device is lost: no window
-/// can be opened again.
+/// Hides the status line after the first frame, and reports the loss of the device there: a page
+/// can't reopen its window.
 fn watch(ctx: &egui::Context, lost: Slot<String>) {
     let first = Once::new();
     let at_end = move |_: &mut egui::Ui| {

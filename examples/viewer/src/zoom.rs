@@ -1,23 +1,23 @@
-//! Size of text and buttons, on top of the display's scale factor.
+//! Size of text and buttons, in addition to the display's scale factor.
 
 use egui::Vec2;
 
-/// A window of this size has text of the usual size, pixels.
+/// Window size with the usual text size, pixels.
 const USUAL: Vec2 = Vec2::new(1600.0, 1080.0);
-/// Steps of the automatic zoom: parts of 1.
+/// Steps of the automatic zoom in 1.
 const STEPS: f32 = 4.0;
-/// The greatest automatic zoom: enough for 8K displays.
+/// Greatest automatic zoom, sufficient for 8K displays.
 const MOST: f32 = 4.0;
 
 /// Returns the zoom for a window of this size, in pixels divided by the display's scale factor.
-/// Displays of many pixels that tell a scale factor of 1 would have tiny text; small windows keep
-/// the usual size, below which text can't be read.
+/// Displays of many pixels with a scale factor of 1 would have tiny text. Small windows keep the
+/// usual size, since smaller text is illegible.
 pub(crate) fn automatic(size: Vec2) -> f32 {
     let times = (size / USUAL).min_elem();
     ((times * STEPS).floor() / STEPS).clamp(1.0, MOST)
 }
 
-/// Brings the window to the zoom that the user chose, or else to the automatic one.
+/// Sets the window's zoom to the user's choice, or else to the automatic one.
 pub(crate) fn update(ctx: &egui::Context, chosen: Option<f32>) {
     let wanted = chosen.unwrap_or_else(|| {
         let points = ctx.viewport_rect().size();

@@ -448,7 +448,7 @@ def dropped_together(viewer):
     viewer.drop({"scene.toml": WITH_MODEL, "sign.obj": MODEL})
     report = viewer.wait(lambda r: "texture" in (r["message"] or ""), "a message")
     print(f"a scene without its texture: {report['message']}")
-    assert "scene.toml:" in report["message"] and "checks.png" in report["message"] and "give it" in report["message"], report
+    assert "scene.toml:" in report["message"] and "checks.png" in report["message"] and "provide it" in report["message"], report
     assert report["scene"] == "sign", "the present scene did not stay"
     viewer.drop({"a.obj": MODEL, "b.obj": MODEL, "looks.mtl": LOOKS, "checks.png": checks()})
     report = viewer.wait(lambda r: r["scene"] == "a", "one of two models")

@@ -1,5 +1,4 @@
-//! A box filter along one axis. Two of them, one after the other, make the mean of a square of
-//! texels.
+//! Box filter along one axis. Two passes compute the mean of a square of texels.
 
 use crate::filtering::moments::stored::{Encoding, Load, Store};
 use glam::{IVec2, UVec2};
@@ -11,28 +10,28 @@ use umbrage_core::{
 uniforms! {
     /// Uniforms of [`BoxBlurKernel`].
     pub struct BoxBlurUniforms {
-        /// Texels to each side.
+        /// Number of texels on each side.
         pub radius: i32,
         /// (1, 0) along rows, (0, 1) along columns.
         pub step: IVec2,
-        /// What each texel weighs: one over their number.
+        /// Weight of each texel: one over their number.
         pub share: f32,
     }
 }
 
-/// The filter from an image to one of the same size and format: each texel becomes the mean of its
-/// row's or column's texels up to `radius` away. The image's edge repeats. Sums run from left to
-/// right, or from top to bottom.
+/// Filter to an image of the same size and format. Each texel becomes the mean of the texels up to
+/// `radius` away in its row or column. The image's edge repeats. Sums run from left to right, or
+/// from top to bottom.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxBlurKernel {
-    /// How channels are averaged.
+    /// Encoding in which channels are averaged.
     encoding: Encoding,
     /// Uniforms.
     pub uniforms: BoxBlurUniforms,
 }
 
 impl BoxBlurKernel {
-    /// Returns the filter along rows, of moments in this encoding.
+    /// Returns the filter along rows for moments in this encoding.
     pub(crate) fn along_rows(radius: u32, encoding: Encoding) -> Self {
         Self::along(IVec2::X, radius, encoding)
     }
@@ -77,6 +76,7 @@ impl FilterKernel for BoxBlurKernel {
         let image = &inputs.images[0];
         let y = start.y as i32;
         out.fill(0.0);
+        // Sum the texels along a row, or the rows of a column.
         if step == IVec2::X {
             let row = loaded_row(inputs, self.encoding, y, layer);
             let padded = padded_row(&row, image.desc.format.channels(), radius);
@@ -97,6 +97,7 @@ impl FilterKernel for BoxBlurKernel {
                 });
             }
         }
+        // Turn sums into means, and encode them.
         inputs.simd.run_task(Scale {
             values: &mut *out,
             factor: share,
@@ -108,7 +109,7 @@ impl FilterKernel for BoxBlurKernel {
     }
 }
 
-/// Returns a row of the first input as what is averaged.
+/// Returns a row of the first input, decoded for averaging.
 pub(super) fn loaded_row<'a>(
     inputs: &Inputs<'a>,
     encoding: Encoding,
@@ -127,20 +128,20 @@ pub(super) fn loaded_row<'a>(
     Cow::Owned(texels)
 }
 
-/// Returns a row of a layer, channels interleaved.
+/// Returns a row of a layer, with interleaved channels.
 fn row<'a>(image: &ImageView<'a>, y: i32, layer: u32) -> &'a [f32] {
     let first = image.index(0, y, layer);
     &image.texels[first..first + image.desc.size.x as usize * image.desc.format.channels()]
 }
 
-/// Returns a row with its first and its last texel repeated `radius` times more.
+/// Returns a row with `radius` additional copies of its first and last texel on either side.
 fn padded_row(row: &[f32], channels: usize, radius: i32) -> Vec<f32> {
     let radius = radius as usize;
     let (first, last) = (&row[..channels], &row[row.len() - channels..]);
     [&first.repeat(radius), row, &last.repeat(radius)].concat()
 }
 
-/// Adds numbers to sums.
+/// Elementwise addition of `values` to `sum`.
 pub(super) struct Add<'a> {
     pub(super) sum: &'a mut [f32],
     pub(super) values: &'a [f32],
@@ -157,7 +158,7 @@ impl SimdTask for Add<'_> {
     }
 }
 
-/// Multiplies numbers.
+/// Elementwise multiplication by `factor`.
 pub(super) struct Scale<'a> {
     pub(super) values: &'a mut [f32],
     pub(super) factor: f32,
@@ -179,7 +180,7 @@ mod tests {
     use super::*;
     use umbrage_core::{Format, Image, ImageDesc, Simd};
 
-    /// Both passes together are the mean of a square of texels, with the edge repeated.
+    /// Both passes together compute the mean of a square of texels, with a repeated edge.
     #[test]
     fn two_passes_are_the_mean_of_a_square() {
         let desc = ImageDesc {

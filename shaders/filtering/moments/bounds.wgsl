@@ -1,4 +1,4 @@
-// Twin of bounds.rs: how much light the moments of a neighbourhood's depths allow.
+// Twin of bounds.rs: upper bounds of light from the moments of a neighbourhood's depths.
 
 fn chebyshev(distance: f32, variance: f32) -> f32 {
     return variance / (variance + distance * distance);

@@ -1,4 +1,4 @@
-//! The bounds against distributions that are known.
+//! Tests the bounds with known distributions.
 
 use super::*;
 use crate::filtering::moments::of_depth::{power_moments, variance_moments};
@@ -6,7 +6,7 @@ use crate::filtering::moments::{hamburger::hamburger, hausdorff::hausdorff};
 use glam::Vec4;
 use umbrage_core::light_sample::hash;
 
-/// Clip depths, each with its share; shares add up to 1.
+/// Clip depths, each with its fraction; fractions add up to 1.
 type Distribution = Vec<(f32, f32)>;
 
 /// Returns the mean of the four moments.
@@ -24,8 +24,8 @@ fn mean_pair(distribution: &Distribution) -> Vec2 {
     weighed.sum()
 }
 
-/// Returns how much of a distribution is at a clip depth or beyond: what filtering comparisons
-/// would give.
+/// Returns the fraction of a distribution at a clip depth or beyond: the result of filtering
+/// comparisons.
 fn lit_share(distribution: &Distribution, depth: f32) -> f32 {
     let lit = distribution.iter().filter(|&&(d, _)| d >= depth);
     lit.map(|&(_, share)| share).sum()
@@ -35,7 +35,7 @@ fn random(i: u32) -> f32 {
     hash(i) as f32 / u32::MAX as f32
 }
 
-/// Returns `count` random depths with random shares.
+/// Returns `count` random depths with random fractions.
 fn random_distribution(seed: u32, count: u32) -> Distribution {
     let mut out: Distribution = (0..count)
         .map(|i| {
@@ -52,14 +52,14 @@ fn random_distribution(seed: u32, count: u32) -> Distribution {
     out
 }
 
-/// None is darker than filtered comparisons are. More moments leak less, and so does knowing where
-/// depths end.
+/// No bound is darker than filtered comparisons. Four moments leak less than two, and less again
+/// with a bounded depth range.
 #[test]
 fn bounds_are_bounds_and_better_ones_leak_less() {
     let mut leaks = [0.0_f64; 3];
     for seed in 0..4000 {
         let distribution = random_distribution(seed, 2 + seed % 7);
-        // Not at one of the depths, where shares jump.
+        // Skip depths of the distribution, where fractions are discontinuous.
         let depth = random(1_000_000 + seed);
         if distribution.iter().any(|&(d, _)| (d - depth).abs() < 0.01) {
             continue;
@@ -90,25 +90,25 @@ fn bounds_are_bounds_and_better_ones_leak_less() {
     );
 }
 
-/// Shares of the technique's own biases, of 32 and of 16 bits.
+/// Mixing weights of the technique's own biases, for 32 and 16 bits.
 const MOMENT_BIASES: [f32; 2] = [3e-6, 6e-5];
 
-/// Returns the moments with as much of the fixed distribution mixed in as the kernel does.
+/// Returns the moments mixed with the fixed distribution, as in the kernel.
 fn biased(moments: Vec4, bias: f32) -> Vec4 {
     moments + (Vec4::new(0.0, 0.375, 0.0, 0.375) - moments) * bias
 }
 
-/// Maps of one depth, and empty ones (whose depth is 1), darken what is nearer and light what is
-/// behind by no more than the bias allows, at any depth, and so at those where the answer is ill
-/// conditioned: those around the depth of all that isn't at the map's ends, which is the bias'
-/// depth 0 in an empty map and in one whose depth is -1.
+/// Tests maps of one depth, and empty ones (whose depth is 1). They may darken nearer receivers and
+/// light those behind only as far as the bias allows, at any depth. This includes depths where the
+/// result is ill-conditioned: those around the depth of everything that isn't at the map's ends. In
+/// an empty map, and in one whose depth is -1, this is the bias' depth 0.
 ///
-/// The share of a distribution that lies d or more from a depth c is no more than the mean of (z -
-/// c)² over d² (Markov). Of a map of depth c that mean is the bias times (c² + 3/8). Rounding adds
-/// 5/4 of a float's epsilon: of the mean of squares, the power and the sum with the bias are
-/// rounded to half of 2^-24 each, of the mean's square the mean to that and the square once, which
-/// is five times 2^-25. Answers are 1 less a quotient, whose six operations round by half an
-/// epsilon each.
+/// The fraction of a distribution that is d or more from a depth c is at most the mean of (z - c)²
+/// over d² (Markov). For a map of depth c, that mean is the bias times (c² + 3/8). Rounding adds
+/// 5/4 of a float's epsilon. In the mean of squares, the power and the sum with the bias are
+/// rounded to half of 2^-24 each. In the mean's square, the mean is rounded likewise and the square
+/// once, so the total is five times 2^-25. Results are 1 minus a quotient, whose six operations
+/// round by half an epsilon each.
 #[test]
 fn maps_of_one_depth_err_by_their_bias_alone() {
     let epsilon = f64::from(f32::EPSILON);
@@ -128,8 +128,8 @@ fn maps_of_one_depth_err_by_their_bias_alone() {
                     worst = worst.max(error / most);
                 };
                 check(hamburger, most(distance));
-                // Nothing lies behind the depth of an empty map, so its neighbours are dark by no
-                // more than what is half as far as the bias' depths are.
+                // Nothing is behind the depth of an empty map. So the darkness of its neighbours is
+                // bounded by the distribution at half the distance of the bias' depths.
                 let is_empty = depth == 1.0;
                 check(
                     hausdorff,
@@ -140,24 +140,25 @@ fn maps_of_one_depth_err_by_their_bias_alone() {
                     }),
                 );
             };
-            // All over, and every multiple of 2^-25 around 0 up to 2^-6.
+            // Test the whole range, and every multiple of 2^-25 around 0 up to 2^-6.
             (-(1 << 18)..=1 << 18).for_each(|i| check(i as f32 / (1 << 18) as f32));
             (-(1 << 19)..1 << 19).for_each(|i| check(i as f32 / (1 << 25) as f32));
-            // And every float next to the far plane.
+            // Test every float next to the far plane.
             (0..1 << 16).for_each(|i| check(1.0 - i as f32 / (1 << 24) as f32));
             assert!(worst <= 1.0, "{worst} with bias {bias} at depth {depth}");
         }
     }
 }
 
-/// What is nearer than two depths is lit, and what is behind both is dark, but for the bias: up to
-/// the map's planes, where one of the four depths of the bound meets the receiver's.
+/// Receivers nearer than two depths are lit, and those behind both are dark, except for the bias.
+/// This holds up to the map's planes, where one of the four depths of the bound meets the
+/// receiver's.
 ///
-/// With q(z) = ((z - a) (z - b))², the share that lies no nearer to a and b than z does is at most
-/// the mean of q over q(z) (Markov). The bias has a part of that mean; and rounding moves it by as
-/// much as the moments, times q's coefficients, whose sizes add up to ((1 + |a|) (1 + |b|))². A
-/// moment is rounded six times (power, share, sum and bias), and as often again on the way to the
-/// variances, each time by no more than half of 2^-24: three epsilons.
+/// Let q(z) = ((z - a) (z - b))². The fraction that is no nearer to a and b than z is at most the
+/// mean of q over q(z) (Markov). The bias contributes to that mean. Rounding changes it by the
+/// moments' error times q's coefficients, whose absolute values add up to ((1 + |a|) (1 + |b|))². A
+/// moment is rounded six times (power, fraction, sum and bias), and six times again in the
+/// variances. Each rounding is at most half of 2^-24: three epsilons.
 #[test]
 fn maps_of_two_depths_err_by_their_bias_alone() {
     let epsilon = f64::from(f32::EPSILON);
@@ -202,7 +203,7 @@ fn maps_of_two_depths_err_by_their_bias_alone() {
     }
 }
 
-/// Two depths are what four moments know without doubt; two moments don't.
+/// Four moments determine two depths exactly; two moments don't.
 #[test]
 fn four_moments_tell_two_depths_exactly() {
     for (near, far, share) in [(0.2, 0.7, 0.3), (0.4, 0.5, 0.9), (0.05, 0.95, 0.5)] {
@@ -220,7 +221,7 @@ fn four_moments_tell_two_depths_exactly() {
     }
 }
 
-/// Whatever the moments are, possible or not, the answer is a share.
+/// The result is a fraction for any moments, even impossible ones.
 #[test]
 fn impossible_moments_have_an_answer() {
     for i in 0..20_000 {
@@ -252,8 +253,8 @@ fn bleeding_is_cut_off_and_the_rest_stretched() {
     assert_eq!(without_bleeding(0.3, 0.0, 1.0), 0.3);
 }
 
-/// A plane's depths, around their mean, are in shadow by half where the mean is asked about, and
-/// not at all a standard deviation nearer.
+/// Half of a plane's depths, distributed around their mean, are in shadow at the mean. None are a
+/// standard deviation nearer.
 #[test]
 fn a_plane_is_lit_from_a_standard_deviation_before_its_mean() {
     for half_width in [0.02_f32, 0.1] {

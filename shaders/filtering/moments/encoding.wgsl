@@ -1,7 +1,7 @@
-// Moments as this map's images hold them. Apart from stored.wgsl, which the twin tests use without
-// an encoding.
+// Encoding of moments in this map's images. Separate from stored.wgsl, which the twin tests use
+// without an encoding.
 
-// What `ENCODING` may be: see stored.rs.
+// Values of `ENCODING`: see stored.rs.
 const FLOATS = 0u;
 const VARIANCE_16 = 1u;
 const POWERS_16 = 2u;

@@ -1,20 +1,20 @@
-//! Two to a power, with the same bits in both halves and on every driver that rounds sums and
-//! products as IEEE 754 says: shading languages leave several units in the last place of `exp` and
-//! `exp2` to the driver.
+//! Power of two, with the same bits in both halves and on every driver that rounds sums and
+//! products according to IEEE 754. Shading languages allow drivers an error of several units in the
+//! last place for `exp` and `exp2`.
 
 use umbrage_core::{Module, module};
 
 /// The WGSL half.
 pub(crate) const EXP2: Module = module!("exp2");
 
-/// The greatest exponent by size: powers beyond are no normal numbers.
+/// Greatest absolute exponent; powers beyond are not normal numbers.
 const GREATEST_POWER: f32 = 126.0;
 
-/// Returns 2 to the power `exponent`, with a relative error below 1.3e-7; exponents beyond
-/// -126..=126 count as these.
+/// Returns 2 to the power `exponent`, with a relative error below 1.3e-7. The exponent is clamped
+/// to -126..=126.
 ///
-/// The whole part goes into the bits of the result's exponent. The rest, -0.5 to 0.5, goes into a
-/// polynomial whose greatest relative error was made as small as degree 6 allows (2e-9, before
+/// The integer part becomes the exponent bits of the result. The remainder, -0.5 to 0.5, is the
+/// argument of a polynomial of degree 6 with the least maximum relative error (2e-9 before
 /// rounding).
 #[inline(always)]
 #[expect(
@@ -25,7 +25,7 @@ pub(crate) fn power_of_two(exponent: f32) -> f32 {
     let t = exponent.max(-GREATEST_POWER).min(GREATEST_POWER);
     let whole = (t + 0.5).floor();
     let rest = t - whole;
-    // By Horner's scheme, each product rounded before the sum.
+    // Use Horner's scheme; each product is rounded before the sum.
     let mut sum = 1.535_336_2e-4;
     sum = sum * rest + 1.339_887_5e-3;
     sum = sum * rest + 9.618_437e-3;

@@ -1,4 +1,4 @@
-// Twin of exp2.rs: two to a power, in a fixed order of operations.
+// Twin of exp2.rs: power of two, in a fixed order of operations.
 
 fn power_of_two(exponent: f32) -> f32 {
     let t = min(max(exponent, -126.0), 126.0);

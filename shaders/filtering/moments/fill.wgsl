@@ -1,6 +1,6 @@
 // Twin of `MomentsKernel` in of_depth.rs.
 
-// What `MOMENTS` may be: see of_depth.rs.
+// Values of `MOMENTS`: see of_depth.rs.
 const VARIANCE = 0u;
 const EXPONENTIALS = 1u;
 const POWERS = 2u;

@@ -1,6 +1,6 @@
-//! The levels of a mipmapped moment map. All are means of the first one, made in two filters as the
-//! blur is: along rows, then along columns. One image holds all levels from 1 on, so that a kernel
-//! reads two images however many there are.
+//! Levels of a mipmapped moment map. All are means of the first level, computed in two filters like
+//! the blur: along rows, then along columns. One image holds all levels from 1 on, so that a kernel
+//! reads two images for any number of levels.
 
 use crate::filtering::moments::{
     blur::{Add, Scale, loaded_row},
@@ -15,29 +15,29 @@ use umbrage_core::{
 uniforms! {
     /// Uniforms of the halving filter.
     pub struct HalveUniforms {
-        /// Levels beyond the first.
+        /// Number of levels beyond the first.
         pub levels: i32,
         /// 0 along rows, 1 along columns.
         pub along_columns: u32,
     }
 }
 
-/// The filter that averages runs of 2, 4, 8 and so on texels.
+/// Filter that averages runs of 2, 4, 8 and so on texels.
 ///
-/// Along rows it makes, of a square image, rows of all levels side by side, the finest first. Along
-/// columns it makes of those the levels, one below the other. A level's side is the map's, halved
-/// and rounded down; where it is odd, a last row and column stand in no texel of the level. Sums
-/// run from left to right, or from top to bottom; what no level fills is 0.
+/// Along rows it converts a square image to rows of all levels, next to each other, finest first.
+/// Along columns it converts those to the levels, one below the other. A level's side is that of
+/// the map, halved and rounded down. If it is odd, the last row and column are not in any texel of
+/// the level. Sums run from left to right, or from top to bottom. Texels outside all levels are 0.
 #[derive(Clone, Copy, Debug)]
 pub struct HalveKernel {
-    /// How channels are averaged.
+    /// Encoding in which channels are averaged.
     encoding: Encoding,
     /// Uniforms.
     pub uniforms: HalveUniforms,
 }
 
 impl HalveKernel {
-    /// Returns the filter along rows, of moments in this encoding.
+    /// Returns the filter along rows for moments in this encoding.
     pub(crate) fn along_rows(levels: u32, encoding: Encoding) -> Self {
         Self {
             encoding: encoding.of_means(),
@@ -129,7 +129,7 @@ impl FilterKernel for HalveKernel {
     }
 }
 
-/// Averages runs of `count` texels of a row.
+/// Means of runs of `count` texels of a row.
 struct MeansOfRuns<'a> {
     row: &'a [f32],
     channels: usize,
@@ -179,8 +179,8 @@ mod tests {
         out
     }
 
-    /// Every texel of every level is the mean of its square of texels, of its own layer, for sides
-    /// that are odd, too.
+    /// Every texel of every level is the mean of its square of texels, in its own layer. Odd sides
+    /// are included.
     #[test]
     fn levels_are_means_of_squares() {
         for size in [32, 43] {

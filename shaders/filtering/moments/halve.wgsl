@@ -1,4 +1,5 @@
-// Twin of halve.rs: the means of runs of 2, 4, 8 and so on texels, side by side along one axis.
+// Twin of halve.rs: the means of runs of 2, 4, 8 and so on texels, next to each other along one
+// axis.
 
 struct HalveUniforms {
     levels: i32,
@@ -7,7 +8,7 @@ struct HalveUniforms {
 
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
     let is_along_columns = kernel.along_columns != 0u;
-    // The input is as high as the map, and along columns its rows lie side by side for each level.
+    // The input is as high as the map. Along columns, its rows hold all levels next to each other.
     let size = size_0().y;
     let place = select(texel.x, texel.y, is_along_columns);
     var start = 0;

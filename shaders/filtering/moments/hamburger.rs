@@ -1,5 +1,5 @@
-//! Hamburger's moment problem: the greatest share that may lie at a depth or beyond, by four
-//! moments, whatever depths there may be.
+//! Hamburger's moment problem: the greatest fraction at a depth or beyond, from four moments, for
+//! unbounded depths.
 //!
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
@@ -9,11 +9,11 @@ use umbrage_core::{Module, module};
 /// The WGSL half.
 pub(crate) const HAMBURGER: Module = module!("hamburger");
 
-/// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
+/// Least variance of depth, and of its square around the fitted line. Both are divisors.
 const LEAST_VARIANCE: f32 = 1e-9;
 
-/// Returns the number, or the nearest from -1 to 1. It takes one number and not four, so that loops
-/// over receivers become vector instructions.
+/// Clamps a number to -1..1. It takes one number and not four, so that loops over receivers are
+/// vectorised.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -23,16 +23,16 @@ pub(crate) fn bounded(x: f32) -> f32 {
     x.max(-1.0).min(1.0)
 }
 
-/// Returns what four moments say of depths z: x is their mean, y their variance, z the slope of the
+/// Returns central moments of depths z. x is their mean and y their variance. z is the slope of the
 /// line that is closest to z², and w the variance of z² around that line.
 ///
 /// This is the Cholesky decomposition of the matrix of moments (Peters and Klein 2015, "Moment
-/// shadow mapping", algorithm 1). With depths counted from the mean, m, three polynomials are
-/// orthogonal: 1, m, and m² + t m - y, where t, the tilt, is twice the mean less the slope; their
-/// mean squares are 1, y and w.
+/// shadow mapping", algorithm 1). Let m be depth relative to the mean, and t, the tilt, twice the
+/// mean minus the slope. The polynomials 1, m, and m² + t m - y are orthogonal. Their mean squares
+/// are 1, y and w.
 #[inline(always)]
 pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
-    // Means of numbers from -1 to 1 are such numbers; so nothing overflows, whatever is asked.
+    // Clamp means to -1..1, the range of valid input, so that nothing overflows for any input.
     let [mean, mean2, mean3, mean4] = moments.to_array().map(bounded);
     let variance = (mean2 - mean * mean).max(LEAST_VARIANCE);
     let covariance = mean3 - mean * mean2;
@@ -41,18 +41,18 @@ pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     Vec4::new(mean, variance, slope, residual)
 }
 
-/// Returns a number that can be divided by.
+/// Returns the number, or a small one if it is too close to zero for division.
 #[inline(always)]
 pub(crate) fn not_zero(x: f32) -> f32 {
     if x.abs() < 1e-12 { 1e-12 } else { x }
 }
 
-/// Returns the other two depths of the only distribution of three depths that has these moments and
-/// one of them at `own`: nearer first, counted from the mean like `own`.
+/// Returns the other two depths of the unique distribution of three depths with these moments, one
+/// of which is at `own`. The nearer is first; like `own`, they are relative to the mean.
 ///
 /// They are the zeros m of the kernel polynomial 1 + own m / y + (own² + t own - y)(m² + t m - y) /
-/// w, with the letters of [`central_moments`]. Each is computed by the formula in which nothing
-/// cancels.
+/// w, with the symbols of [`central_moments`]. Each is computed by the formula without
+/// cancellation.
 #[inline(always)]
 pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     let tilt = 2.0 * central.x - central.z;
@@ -62,8 +62,7 @@ pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     let c = central.w - square * central.y;
     let root = (b * b - 4.0 * square * c).max(0.0).sqrt();
     let size = (0.5 * (b.abs() + root)).max(1e-20);
-    // With the sign that b doesn't have, by its bit: so -0 and 0 are told apart alike in both
-    // halves.
+    // Use the opposite sign of b, from its sign bit, so that both halves distinguish -0 and 0.
     let opposite = !b.to_bits() & 0x8000_0000;
     let q = f32::from_bits(size.to_bits() | opposite);
     let first = q / a;
@@ -71,7 +70,7 @@ pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     Vec2::new(first.min(second), first.max(second))
 }
 
-/// Returns what of that distribution lies at `own`: one over the kernel polynomial there.
+/// Returns the fraction of that distribution at `own`: one over the kernel polynomial there.
 #[inline(always)]
 pub(crate) fn share_at(central: Vec4, own: f32) -> f32 {
     let tilt = 2.0 * central.x - central.z;
@@ -79,19 +78,20 @@ pub(crate) fn share_at(central: Vec4, own: f32) -> f32 {
     1.0 / (1.0 + own * own / central.y + square * square / central.w)
 }
 
-/// Returns what of that distribution isn't nearer than `own`, where it has `share`.
+/// Returns the fraction of that distribution that isn't nearer than `own`; `share` is the fraction
+/// at `own`.
 #[inline(always)]
 pub(crate) fn lit_by_three(central: Vec4, own: f32, share: f32, others: Vec2) -> f32 {
     let span = ((own - others.x) * (others.y - others.x)).max(1e-20);
-    // What lies at the nearest depth: the mean of Lagrange's polynomial that is 1 there and 0 at
-    // the other two.
+    // Compute the fraction at the nearest depth: the mean of Lagrange's polynomial that is 1 there
+    // and 0 at the other two.
     let nearer = (central.y + own * others.y) / span;
     let between = if others.x < own { 1.0 - nearer } else { 1.0 };
     if others.y < own { share } else { between }
 }
 
-/// Returns the share of light at a centred depth by the first four moments of depth, whatever
-/// depths there may be: Hamburger's moment problem (Peters and Klein 2015, algorithm 2).
+/// Returns the fraction of light at a centred depth from the first four moments, for unbounded
+/// depths: Hamburger's moment problem (Peters and Klein 2015, algorithm 2).
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -105,7 +105,7 @@ pub(crate) fn hamburger(moments: Vec4, depth: f32) -> f32 {
     lit.max(0.0).min(1.0)
 }
 
-/// All twins of this module, for the tests that compare them. What it calls is part of it.
+/// All twins of this module, for the tests that compare them. They include the called functions.
 #[cfg(feature = "testing")]
 pub(crate) const TWINS: &[umbrage_core::Twin] =
     &[umbrage_core::twin!(HAMBURGER, hamburger(moments: Vec4, depth: f32) -> f32, needs [])];

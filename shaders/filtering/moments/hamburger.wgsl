@@ -1,4 +1,4 @@
-// Twin of hamburger.rs: the bound of four moments, whatever depths there may be.
+// Twin of hamburger.rs: the bound of four moments, for unbounded depths.
 
 fn central_moments(moments: vec4f) -> vec4f {
     let b = min(max(moments, vec4f(-1.0)), vec4f(1.0));

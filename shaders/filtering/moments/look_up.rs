@@ -1,5 +1,5 @@
-//! The lookup in a map of moments. The blend of four texels is written out: samplers round as they
-//! like, and those of core WebGPU don't filter 32-bit floats.
+//! Lookup in a map of moments. The blend of four texels is written out, because the rounding of
+//! samplers varies and those of core WebGPU don't filter 32-bit floats.
 
 use crate::{
     filtering::moments::{
@@ -31,17 +31,19 @@ use umbrage_core::{
 
 /// The WGSL half of the lookup. It reads the kernel's first image.
 const LOOK_UP: Module = module!("look_up");
-/// Of maps without mipmaps.
+/// WGSL for maps without mipmaps.
 const ONE_LEVEL: Module = module!("look_up_one_level");
-/// Of those with some. It reads the kernel's second image, too.
+/// WGSL for maps with mipmaps. It reads the kernel's second image, too.
 const MIPMAPPED: Module = module!("look_up_mipmapped");
 
 /// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and
-/// `own`, which declares the uniforms and `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`,
-/// the share of light at a centred depth, and
-/// `fn compared_depth(l: ShadowCoord, spread: f32) -> f32`, the clip depth that is asked about; a
-/// coarser level spreads the places that are averaged by `spread` texels squared. The map's
-/// uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
+/// `own`.
+///
+/// `own` declares the uniforms and two functions:
+/// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32` returns the fraction of light at a
+/// centred depth. `fn compared_depth(l: ShadowCoord, spread: f32) -> f32` returns the clip depth to
+/// compare. A coarser level increases the variance of the averaged positions by `spread` texels
+/// squared. The map's uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
 pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
     let mut modules = map.lookup.modules(&[EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
     modules.extend(map.images.encoding().modules());
@@ -52,32 +54,32 @@ pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
     modules
 }
 
-/// The share of light that `CHANNELS` moments allow at a depth. A trait and not a closure, as
-/// [`Taps`] is.
+/// Bound of light at a depth from `CHANNELS` moments. This is a trait and not a closure for the
+/// same reason as [`Taps`].
 pub(crate) trait LightBound<const CHANNELS: usize> {
-    /// Returns the share of light, 0..=1, at a centred depth. WGSL's `lit_by_moments`.
+    /// Returns the fraction of light, 0..=1, at a centred depth. `lit_by_moments` in WGSL.
     fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
 
-    /// Returns the clip depth that is asked about. WGSL's `compared_depth`.
+    /// Returns the clip depth to compare. `compared_depth` in WGSL.
     #[inline(always)]
     fn compared_depth(&self, l: &ShadowCoord, _spread: f32) -> f32 {
         l.depth
     }
 }
 
-/// The map of moments that a kernel reads.
+/// Map of moments that a kernel reads.
 #[derive(Clone, Copy)]
 pub(crate) struct MomentMap<'a> {
-    /// What it holds.
+    /// Kind of the stored moments.
     pub(crate) images: MomentImages,
-    /// Where it lies.
+    /// Layers of the map.
     pub(crate) lookup: &'a ShadowMapUniforms,
-    /// Its levels, and what chooses them.
+    /// Levels, and the data for selecting them.
     pub(crate) mipmaps: &'a MipmapUniforms,
 }
 
 impl MomentMap<'_> {
-    /// Returns the levels that answer a receiver: the finer one, and the share of the coarser.
+    /// Returns the level of a receiver (x, the finer of two) and the weight of the coarser one (y).
     #[inline(always)]
     fn level(&self, layer: i32, position: Vec3, normal: Vec3) -> Vec2 {
         let MipmapUniforms { levels, eye, axis } = *self.mipmaps;
@@ -88,7 +90,7 @@ impl MomentMap<'_> {
         mipmap_level(spanned, levels)
     }
 
-    /// Returns how far the lookup of a receiver reaches, texels; `None` if it is the same for all.
+    /// Returns the reach of a receiver's lookup, texels; `None` if it is the same for all.
     pub(crate) fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         if self.mipmaps.levels == 0 {
             return None;
@@ -100,8 +102,8 @@ impl MomentMap<'_> {
     }
 }
 
-/// Looks up a span of receivers in the map of moments that is the kernel's first image; its second
-/// one has the levels from 1 on, if there are any.
+/// Looks up a span of receivers in the map of moments. It is the kernel's first image; the second
+/// image holds the levels from 1 on, if there are any.
 pub(crate) fn look_up<const CHANNELS: usize>(
     inputs: &Inputs<'_>,
     map: MomentMap<'_>,
@@ -142,7 +144,7 @@ fn texels_of<'a, const CHANNELS: usize>(inputs: &Inputs<'a>, image: usize) -> Te
     }
 }
 
-/// An image of moments: all layers, row by row.
+/// Image of moments: all layers, row by row.
 #[derive(Clone, Copy)]
 struct Texels<'a, const CHANNELS: usize> {
     texels: &'a [[f32; CHANNELS]],
@@ -150,22 +152,22 @@ struct Texels<'a, const CHANNELS: usize> {
     height: usize,
 }
 
-/// A map of moments, and what is asked of it.
+/// Lookups in a map of moments.
 struct MomentLookups<'a, const CHANNELS: usize, B> {
     finest: Texels<'a, CHANNELS>,
     encoding: Encoding,
     /// Side of each layer, texels.
     size: i32,
-    /// Whether the map's edge repeats; else all beside it is lit.
+    /// True if the map's edge repeats; otherwise receivers outside it are lit.
     clamped: bool,
     bound: &'a B,
     bleeding: BleedingReduction,
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups<'_, CHANNELS, B> {
-    /// In vector lanes, 1.9 to 2.9 times as fast as one receiver after the other (1280x720,
-    /// `street`, a map of 2048, AVX2). It goes over the receivers three times: for places, then for
-    /// loads alone, so that many are under way at once, then for the bounds.
+    /// Runs in vector lanes, 1.9 to 2.9 times as fast as one receiver after the other (1280x720,
+    /// `street`, a map of 2048, AVX2). There are three passes. The first finds texel indices; the
+    /// second only loads, so that many loads are in flight; the third computes the bounds.
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         let places = Places::new(self.finest, self.size, batch);
@@ -173,8 +175,8 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
         for (numbers, texels) in places.texels.iter().zip(&mut texels) {
             for (i, &number) in numbers.iter().enumerate() {
                 let texel = self.finest.texels.get(number as usize);
-                debug_assert!(texel.is_some(), "texel {number} lies beyond the map");
-                // No panic, so that loads need not keep their order.
+                debug_assert!(texel.is_some(), "texel {number} is outside the map");
+                // Avoid a panic, so that loads need not keep their order.
                 let Some(texel) = texel else {
                     continue;
                 };
@@ -183,7 +185,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
                 }
             }
         }
-        // Two loops, so that the one of most maps holds no branch.
+        // Use two loops, so that the one for most maps has no branch.
         let lit = if self.encoding == Encoding::Floats {
             self.lit_at::<true>(batch, &places, &texels)
         } else {
@@ -193,19 +195,19 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
     }
 }
 
-/// The four texels between which each receiver of a batch lies.
+/// Four texels around each receiver of a batch.
 struct Places {
-    /// Their numbers among all texels: top left, top right, bottom left, bottom right. 0 where a
-    /// receiver is not covered.
+    /// Indices among all texels: top left, top right, bottom left, bottom right. 0 if a receiver is
+    /// not covered.
     texels: [Lanes<u32>; 4],
-    /// The share of the right ones.
+    /// Weight of the right texels.
     right: Lanes<f32>,
-    /// The share of the lower ones.
+    /// Weight of the lower texels.
     down: Lanes<f32>,
 }
 
 impl Places {
-    /// Returns the places in an image with layers of this side.
+    /// Returns the texels in an image with layers of this side.
     #[inline(always)]
     fn new<const CHANNELS: usize>(image: Texels<'_, CHANNELS>, side: i32, batch: &Batch) -> Self {
         let [width, height] = [image.width as u32, image.height as u32];
@@ -246,13 +248,13 @@ impl Places {
     }
 }
 
-/// Returns the whole number, or the nearest from 0 to `last`.
+/// Clamps an integer value to 0..=`last` and converts it.
 #[inline(always)]
 fn on_map(whole: f32, last: f32) -> u32 {
     whole_to_u32(greater(lesser(whole, last), 0.0))
 }
 
-/// Returns moments between those of four texels: top left, top right, bottom left, bottom right.
+/// Returns the blended moments of four texels: top left, top right, bottom left, bottom right.
 #[inline(always)]
 fn blend<const CHANNELS: usize>(texels: &[[f32; CHANNELS]; 4], share: Vec2) -> [f32; CHANNELS] {
     let [top_left, top_right, bottom_left, bottom_right] = texels;
@@ -266,8 +268,8 @@ fn blend<const CHANNELS: usize>(texels: &[[f32; CHANNELS]; 4], share: Vec2) -> [
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS, B> {
-    /// Returns the shares of light that the moments allow between the texels of each receiver of a
-    /// batch; `FLOATS` if these hold moments as they are.
+    /// Returns the fractions of light from the moments between the texels of each receiver of a
+    /// batch. `FLOATS` means that the texels hold moments without an encoding.
     #[inline(always)]
     fn lit_at<const FLOATS: bool>(
         &self,
@@ -292,7 +294,8 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
         out
     }
 
-    /// Returns what needs no moments.
+    /// Returns the visibility of receivers outside the map or beyond the far plane, which need no
+    /// moments.
     #[inline(always)]
     fn known(&self, l: &ShadowCoord) -> Option<f32> {
         let size = self.size as f32;
@@ -301,12 +304,12 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
         if !is_inside && !self.clamped {
             return Some(1.0);
         }
-        // Beyond the far plane, where nothing is stored.
+        // Nothing is stored beyond the far plane.
         (l.depth > 1.0).then_some(0.0)
     }
 
-    /// Returns the share of light that moments allow at a receiver; a coarser level spreads the
-    /// places that are averaged by `spread` texels squared.
+    /// Returns the fraction of light from moments at a receiver. A coarser level increases the
+    /// variance of the averaged positions by `spread` texels squared.
     #[inline(always)]
     fn lit(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
         let depth = centred(self.bound.compared_depth(l, spread));
@@ -314,14 +317,14 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
         without_bleeding(lit, self.bleeding.amount, self.bleeding.scale)
     }
 
-    /// Returns the moments at a receiver's place, blended between four texels.
+    /// Returns the moments at a receiver, blended between four texels.
     #[inline(always)]
     fn blended(&self, l: &ShadowCoord) -> [f32; CHANNELS] {
         self.between_texels(self.finest, l.texel, self.size, 0, l.layer)
     }
 
-    /// Returns the moments at a place, texels, of a level of this side that begins in a row of an
-    /// image.
+    /// Returns the moments at a position, texels, in a level of this side that starts at row
+    /// `start` of an image.
     #[inline(always)]
     fn between_texels(
         &self,
@@ -355,10 +358,10 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
     }
 }
 
-/// A map of moments with mipmaps, and what is asked of it.
+/// Lookups in a map of moments with mipmaps.
 struct MipmappedLookups<'a, const CHANNELS: usize, B> {
     finest: MomentLookups<'a, CHANNELS, B>,
-    /// The levels from 1 on, below each other.
+    /// Levels from 1 on, one below the other.
     coarser: Texels<'a, CHANNELS>,
     map: MomentMap<'a>,
     span: &'a Span<'a>,
@@ -387,7 +390,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MipmappedLookups<'
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MipmappedLookups<'_, CHANNELS, B> {
-    /// Returns the moments at a receiver's place in a level.
+    /// Returns the moments at a receiver in a level.
     #[inline(always)]
     fn blended(&self, l: &ShadowCoord, level: u32) -> [f32; CHANNELS] {
         if level == 0 {
@@ -407,7 +410,7 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{LAYERS, SIZE, batch};
 
-    /// An answer that tells all moments and the depth apart.
+    /// Test bound whose result differs for all moments and depths.
     struct Told;
 
     impl<const CHANNELS: usize> LightBound<CHANNELS> for Told {
@@ -420,7 +423,7 @@ mod tests {
         }
     }
 
-    /// Numbers 0..1, in no order: all encodings read them.
+    /// Returns numbers 0..1 in pseudo-random order, valid in all encodings.
     fn texels<const CHANNELS: usize>() -> Vec<[f32; CHANNELS]> {
         let value = |i: i32| (i.wrapping_mul(7919) % 1009) as f32 / 1009.0;
         let texel = |i: i32| std::array::from_fn(|k| value(i * CHANNELS as i32 + k as i32));
@@ -449,8 +452,8 @@ mod tests {
         }
     }
 
-    /// Returns how many answers of batches differ from those of single receivers in `judged`, and
-    /// how many were compared.
+    /// Returns how many results of batches differ from those of single receivers in `judged`. The
+    /// second number counts the comparisons.
     fn differing<const CHANNELS: usize>(
         judged: &[[f32; CHANNELS]],
         encoding: Encoding,
@@ -486,7 +489,7 @@ mod tests {
             for &encoding in encodings {
                 let [other, all] = differing(&texels::<CHANNELS>(), encoding, clamped);
                 assert!(other == 0 && all > 2000, "{encoding:?}: {other} of {all}");
-                // The control: one channel is greater by a little.
+                // Negative control: one channel is slightly greater.
                 let mut spoilt = texels::<CHANNELS>();
                 spoilt
                     .iter_mut()

@@ -1,13 +1,14 @@
-// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth`
-// are the technique's; `filtered_moments` is in look_up_one_level.wgsl or look_up_mipmapped.wgsl.
+// Twin of look_up.rs: the common part of every kernel with moments. The technique defines
+// `lit_by_moments` and `compared_depth`; `filtered_moments` is in look_up_one_level.wgsl or
+// look_up_mipmapped.wgsl.
 
 struct FilteredMoments {
     moments: vec4f,
-    // By how much a coarser level spreads the places that are averaged, texels squared.
+    // Increase of the averaged positions' variance in a coarser level, texels squared.
     spread: f32,
 }
 
-// The kernel's first image between its texels.
+// Returns the kernel's first image, blended between its texels.
 fn blended_moments(at: vec2f, layer: i32) -> vec4f {
     let last = size_0() - 1;
     let place = at - 0.5;

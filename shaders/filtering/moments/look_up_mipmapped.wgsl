@@ -1,5 +1,5 @@
 // Twin of `MipmappedLookups` in look_up.rs: moments between texels and between levels. Levels from
-// 1 on lie below each other in the kernel's second image.
+// 1 on are one below the other in the kernel's second image.
 
 fn blended_moments_of(at: vec2f, layer: i32, level: u32) -> vec4f {
     if level == 0u {

@@ -1,4 +1,4 @@
-//! The settings that all maps of moments share, and the images and filters that make one.
+//! Common settings of all moment maps, and the images and filters of one.
 
 use crate::{
     filtering::moments::{
@@ -14,19 +14,18 @@ use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{ImageDesc, Invalid, ReceiveKernel, Recipe, RecipeError, View};
 
-/// Greatest blur accepted, texels to each side: sums of 65 squares of the steepest exponential are
-/// still finite.
+/// Greatest blur radius, texels. Sums of 65 squares of the steepest exponential are still finite.
 pub const MAX_BLUR: u32 = 32;
 
-/// Greatest light-bleeding reduction: beyond, nothing is left of penumbrae.
+/// Greatest light-bleeding reduction; beyond it, penumbrae vanish.
 pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
 
-/// How much of the light is taken for bleeding.
+/// Light-bleeding reduction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BleedingReduction {
-    /// What counts as dark, 0..1.
+    /// Fraction of light that counts as dark, 0..1.
     pub(crate) amount: f32,
-    /// What the rest is stretched by: 1 / (1 - amount).
+    /// Stretch factor of the rest: 1 / (1 - amount).
     pub(crate) scale: f32,
 }
 
@@ -67,14 +66,14 @@ pub(crate) fn check_deviation(least: f32) -> Result<(), Invalid> {
     check("least deviation", least, 0.0, 0.5)
 }
 
-/// Which moments a map holds, and how.
+/// Kind and format of a map's moments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MomentImages {
     pub(crate) kind: MomentKind,
     pub(crate) precision: MomentPrecision,
-    /// Texels to each side that are averaged.
+    /// Number of texels on each side that are averaged.
     pub(crate) blur: u32,
-    /// Levels beyond the first, as far as the map is large enough for them.
+    /// Number of levels beyond the first, limited by the map's size.
     pub(crate) mipmaps: u32,
 }
 
@@ -94,13 +93,13 @@ impl MomentImages {
         words
     }
 
-    /// Returns what the channels of the images are.
+    /// Returns the encoding of the images' channels.
     pub(crate) fn encoding(&self) -> Encoding {
         self.kind.encoding(self.precision)
     }
 
-    /// Returns the recipe of a technique that looks up such moments of the depths in `map`, with
-    /// the kernel that `kernel` makes of the map's uniforms.
+    /// Returns the recipe of a technique that looks up these moments of the depths in `map`.
+    /// `kernel` builds its kernel from the map's uniforms.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does, or the blur is too wide.
@@ -116,6 +115,7 @@ impl MomentImages {
             blur,
             mipmaps,
         } = self;
+        // Check the settings.
         if blur > MAX_BLUR {
             let why = format!("is {blur} texels");
             return Err(Invalid::new("blur", why, format!("use 0 to {MAX_BLUR}")).into());
@@ -123,8 +123,8 @@ impl MomentImages {
         mipmaps::check_count(mipmaps)?;
         let levels = mipmaps::levels(mipmaps, map.size);
         let spaces = map.spaces(view, blur as f32 + level_reach(levels))?;
-        // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur
-        // asks for no more room than one texel.
+        // Reserve one texel only: blending blurred depths of a plane gives the plane's depth at the
+        // receiver, so the blur needs no additional margin.
         let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
         let desc = |label| ImageDesc {
             label,
@@ -133,10 +133,11 @@ impl MomentImages {
             format: kind.format(precision),
         };
         let packed = map.format == MapFormat::Rgba8;
+        // Convert depths to moments.
         let moments = maps.image(desc("moments"));
         let of_depth = MomentsKernel::new(kind, precision, packed);
         maps.filter(Arc::new(of_depth), vec![maps.map], moments);
-        // What is averaged along rows, for the blur and then for the levels.
+        // The average along rows is used by the blur and then by the levels.
         let mut rows = None;
         if blur > 0 {
             let rows = *rows.insert(maps.image(desc("moments blurred along rows")));
@@ -146,6 +147,7 @@ impl MomentImages {
             maps.filter(Arc::new(along_columns), vec![rows], moments);
         }
         maps.map = moments;
+        // Add the mipmap levels.
         let mut coarser = None;
         if levels > 0 {
             let rows = rows.unwrap_or_else(|| maps.image(desc("moments averaged along rows")));
@@ -160,6 +162,7 @@ impl MomentImages {
             maps.filter(Arc::new(along_columns), vec![rows], image);
             coarser = Some(image);
         }
+        // Add the lookup.
         let lookup = ShadowMapUniforms::new(map, view, &spaces);
         let mut recipe = maps.recipe(kernel(lookup, MipmapUniforms::new(levels, view.camera)));
         recipe.receive.inputs.extend(coarser);

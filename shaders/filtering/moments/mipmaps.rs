@@ -1,9 +1,9 @@
-//! Which level of a mipmapped moment map answers a receiver: the one whose texels are as large as
-//! what a pixel spans on the map.
+//! Level selection in a mipmapped moment map: the level whose texels are as large as a pixel's
+//! footprint on the map.
 //!
-//! Williams 1983, "Pyramidal parametrics", for maps of moments: a mean of moments may be averaged
-//! further. What a pixel spans follows from the camera as uniforms and from the receiver's plane.
-//! Levels are found by comparisons and products alone, without logarithms.
+//! Williams 1983, "Pyramidal parametrics", applied to moment maps: means of moments can be averaged
+//! further. A pixel's footprint follows from the camera's uniforms and the receiver's plane. Levels
+//! are selected with comparisons and products only, without logarithms.
 
 use glam::{Vec2, Vec3, Vec4};
 use umbrage_core::{Camera, Invalid, Module, math::dot3, module, uniforms};
@@ -11,12 +11,12 @@ use umbrage_core::{Camera, Invalid, Module, math::dot3, module, uniforms};
 /// The WGSL half.
 pub(crate) const MIPMAPS: Module = module!("mipmaps");
 
-/// Most levels of a moment map beyond its first: texels of the last one are means of 64 x 64, and
-/// sums of 64 squares of the steepest exponential are still finite.
+/// Maximum number of levels of a moment map beyond its first. Texels of the last one are means of
+/// 64 x 64, and sums of 64 squares of the steepest exponential are still finite.
 pub const MAX_MIPMAPS: u32 = 6;
 
-/// Levels end at this side, texels: a lookup in the last one reaches little more than a tenth of
-/// the map.
+/// Least side of a level, texels, as a power of two. A lookup in the last level reaches little more
+/// than a tenth of the map.
 const LEAST_SIDE_LOG2: u32 = 4;
 
 /// Checks a number of levels.
@@ -35,7 +35,7 @@ pub(crate) fn check_count(mipmaps: u32) -> Result<(), Invalid> {
     ))
 }
 
-/// Returns how many levels beyond the first a map of this side has where `mipmaps` are asked for.
+/// Returns the number of levels beyond the first of a map of this side, at most `mipmaps`.
 pub(crate) fn levels(mipmaps: u32, size: u32) -> u32 {
     let halvings = size.checked_ilog2().unwrap_or(0);
     let most = halvings.saturating_sub(LEAST_SIDE_LOG2);
@@ -48,35 +48,36 @@ pub(crate) fn level_side(size: u32, level: u32) -> u32 {
     size >> level
 }
 
-/// Returns at which row a level from 1 on begins in the image that holds them one below the other,
-/// texels.
+/// Returns the first row, texels, of a level from 1 on in the image that holds them one below the
+/// other.
 #[inline(always)]
 pub(crate) fn level_start(size: u32, level: u32) -> u32 {
     (1..level).map(|finer| level_side(size, finer)).sum()
 }
 
-/// Returns how far a lookup in a level reaches beyond the receiver's own texel, texels of the map:
-/// to the end of the next texel of the level.
+/// Returns the reach of a lookup in a level beyond the receiver's own texel, texels of the map. It
+/// ends with the next texel of the level.
 pub(crate) fn level_reach(level: u32) -> f32 {
     let side = (1_u32 << level) as f32;
     (1.5 * side - 1.0).max(1.0)
 }
 
 uniforms! {
-    /// What the choice of a level follows from. All zeros for maps without mipmaps.
+    /// Data for the selection of a level. All zeros for maps without mipmaps.
     pub struct MipmapUniforms {
-        /// Levels beyond the first.
+        /// Number of levels beyond the first.
         pub levels: u32,
-        /// The eye (w = 1), or without perspective the unit direction to it (w = 0), world space.
+        /// Eye position (w = 1), or the unit direction to the eye without perspective (w = 0),
+        /// world space.
         pub eye: Vec4,
-        /// xyz: unit direction from what is seen towards the image, at right angles to it. w: side
-        /// of a pixel, metres: at one metre's depth, or without perspective at any.
+        /// xyz: unit direction from the scene towards the image, perpendicular to it. w: side of a
+        /// pixel, metres, at a depth of one metre; at any depth without perspective.
         pub axis: Vec4,
     }
 }
 
 impl MipmapUniforms {
-    /// Returns those of a map with so many levels beyond its first.
+    /// Returns the uniforms of a map with this number of levels beyond its first.
     pub(crate) fn new(levels: u32, camera: &Camera) -> Self {
         if levels == 0 {
             return Self {
@@ -88,7 +89,7 @@ impl MipmapUniforms {
         let camera = camera.standard();
         let backwards = Vec3::from(camera.world_from_view.matrix3.z_axis).normalize_or_zero();
         let rays = camera.rays();
-        // Rays start at one place with perspective, and else have one direction.
+        // Rays start at one point with perspective, and otherwise have one direction.
         let right = (rays.origin_dx + rays.dir_dx).truncate();
         let down = (rays.origin_dy + rays.dir_dy).truncate();
         let pixel = right.cross(down).length().sqrt();
@@ -106,11 +107,11 @@ impl MipmapUniforms {
     }
 }
 
-/// Returns the side of a square as large as what a pixel covers of the map, texels.
+/// Returns the side, texels, of a square with the area of a pixel's footprint on the map.
 ///
-/// A pixel spans the same area on all planes at its depth that lie as the image does; a surface
-/// that is slanted to the ray has that area over the cosine of the slant, which counts against the
-/// ray and not against the image's axis. The light sees that of it which faces the light.
+/// A pixel spans the same area on all planes at its depth that are parallel to the image. A surface
+/// slanted to the ray has that area over the cosine of the slant, relative to the ray and not to
+/// the image's axis. Multiplying by n.l projects this area to the light.
 #[inline(always)]
 pub(crate) fn texels_spanned(
     eye: Vec4,
@@ -132,8 +133,8 @@ pub(crate) fn texels_spanned(
     area.sqrt() / texel
 }
 
-/// Returns the finer one of the two levels between which a receiver lies, and how much the coarser
-/// one weighs, 0..1. Weights rise linearly between powers of two.
+/// Returns the finer of the two levels around a receiver (x) and the weight of the coarser one (y),
+/// 0..1. Weights rise linearly between powers of two.
 #[inline(always)]
 pub(crate) fn mipmap_level(footprint: f32, levels: u32) -> Vec2 {
     let mut level = 0.0;
@@ -144,16 +145,17 @@ pub(crate) fn mipmap_level(footprint: f32, levels: u32) -> Vec2 {
             side *= 2.0;
         }
     }
-    // Not for NaN either.
+    // This is also false for NaN.
     if footprint > side && level < levels as f32 {
         return Vec2::new(level, footprint / side - 1.0);
     }
     Vec2::new(level, 0.0)
 }
 
-/// Returns by how much a level spreads the places that it averages beyond those of the first level,
-/// texels²: the variance of places within a texel of s, and of the blend of two, grows by (s² - 1)
-/// / 12 and by up to (s² - 1) / 4; the next level's by four times as much.
+/// Returns the increase of the variance of the averaged positions over the first level, texels².
+///
+/// The variance of positions within a texel of s grows by (s² - 1) / 12. That of the blend of two
+/// texels grows by up to (s² - 1) / 4. The next level's grows by four times as much.
 #[inline(always)]
 pub(crate) fn added_variance(level: Vec2) -> f32 {
     let side = (1_u32 << level.x as u32) as f32;
@@ -190,7 +192,7 @@ mod tests {
         [perspective.expect("valid"), orthographic.expect("valid")]
     }
 
-    /// Returns where the ray through a place of the image meets a plane.
+    /// Returns the intersection of the ray through a point of the image with a plane.
     fn on_plane(camera: &Camera, x: f32, y: f32, origin: Vec3, normal: Vec3) -> Vec3 {
         let rays = camera.rays();
         let start = (rays.origin + rays.origin_dx * x + rays.origin_dy * y).truncate();
@@ -198,8 +200,8 @@ mod tests {
         start + direction * ((origin - start).dot(normal) / direction.dot(normal))
     }
 
-    /// What a pixel spans is the area that its corners' rays cut out of the receiver's plane, as
-    /// the light sees it.
+    /// A pixel's footprint is the area that its corners' rays cut from the receiver's plane, as
+    /// projected to the light.
     #[test]
     fn a_footprint_is_the_area_between_a_pixels_corners() {
         let texel = 0.01;
@@ -228,7 +230,7 @@ mod tests {
         assert_eq!(compared, 12);
     }
 
-    /// Levels follow footprints without jumps, from the first to the last.
+    /// Levels follow footprints continuously, from the first to the last.
     #[test]
     fn levels_follow_footprints() {
         let cases = [
@@ -253,8 +255,8 @@ mod tests {
         }
     }
 
-    /// Places that a level averages have the variance that is said: counted for a receiver between
-    /// two texels, where it is greatest.
+    /// Averaged positions of a level have the computed variance. It is counted for a receiver
+    /// between two texels, where it is greatest.
     #[test]
     fn coarser_levels_spread_places_as_said() {
         let variance = |level: u32| {

@@ -1,5 +1,5 @@
-// Twin of mipmaps.rs: how many texels a pixel spans on the map, and which levels of a moment map
-// answer it.
+// Twin of mipmaps.rs: a pixel's footprint on the map, texels, and the levels of a moment map for
+// it.
 
 struct MipmapUniforms {
     levels: u32,

@@ -1,14 +1,20 @@
-//! Maps of moments: means of functions of depth, which can be blurred and blended as depth itself
-//! can't, and what they say of how much of a neighbourhood lies beyond a receiver.
+//! Moment maps: means of functions of depth, which can be blurred and blended, unlike depth itself.
+//! They bound the fraction of a neighbourhood that is beyond a receiver.
 //!
-//! In the order of a recipe: `of_depth.rs` (which moments a texel holds), `stored.rs` (moments as
-//! channels of 16 bits), `blur.rs` (one axis of the box), `halve.rs` (the levels of mipmaps, all in
-//! one image, so that a kernel reads two images at most), `map.rs` (the images and filters of a
-//! recipe), `mipmaps.rs` (which levels answer a pixel), `look_up.rs` (the blend of four texels);
-//! then how much light moments allow: `bounds.rs` (Chebyshev), `hamburger.rs`, `hausdorff.rs`.
-//! `exp2.rs` is there since drivers round `exp2` as they like. Drivers also simplify sums that have
-//! a term in common: where bits must be equal, differences are put in ready-made (see
-//! `hausdorff.rs`).
+//! Modules in the order of a recipe:
+//!
+//! - `of_depth.rs`: the moments of a texel
+//! - `stored.rs`: moments as channels of 16 bits
+//! - `blur.rs`: one axis of the box
+//! - `halve.rs`: the levels of mipmaps, all in one image, so that a kernel reads at most two images
+//! - `map.rs`: the images and filters of a recipe
+//! - `mipmaps.rs`: the levels for a pixel
+//! - `look_up.rs`: the blend of four texels
+//! - `bounds.rs` (Chebyshev), `hamburger.rs`, `hausdorff.rs`: the bound of light from moments
+//! - `exp2.rs`: a power of two with the same rounding on all drivers
+//!
+//! Drivers also simplify sums with a common term. If bits must be equal, differences are
+//! precomputed (see `hausdorff.rs`).
 
 pub(crate) mod blur;
 pub(crate) mod bounds;

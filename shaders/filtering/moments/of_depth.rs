@@ -1,4 +1,4 @@
-//! From depths to their moments: what a map holds that is averaged before it is looked up.
+//! Moments of depth, which a map stores and averages before it is looked up.
 
 use crate::{
     filtering::moments::{
@@ -15,12 +15,11 @@ use umbrage_core::{
     FilterKernel, Format, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
 };
 
-/// The WGSL half of the functions that read nothing.
+/// WGSL half of the functions that read no image.
 pub(crate) const MOMENTS_OF_DEPTH: Module = module!("of_depth");
 
-/// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane.
-/// Around 0 the squares of floats are finest, which is where variances are small differences of
-/// large squares.
+/// Maps clip depth to centred depth, -1 at the near plane to 1 at the far plane. The squares of
+/// floats are finest around 0, and variances are small differences of large squares.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -57,21 +56,21 @@ pub(crate) fn power_moments(depth: f32) -> Vec4 {
     Vec4::new(z, square, square * z, square * square)
 }
 
-/// Which moments of depth a map holds.
+/// Kind of the moments of depth in a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MomentKind {
     /// Depth and its square.
     Variance,
-    /// A rising exponential of depth, and its square: powers of two per unit of centred depth.
+    /// Rising exponential of depth, and its square: powers of two per unit of centred depth.
     OneExponential {
-        /// Of the nearer side.
+        /// Exponent of the rising exponential.
         rising: f32,
     },
-    /// That, and a falling one with its square.
+    /// Rising and falling exponential of depth, each with its square.
     TwoExponentials {
-        /// As above.
+        /// Exponent of the rising exponential.
         rising: f32,
-        /// Likewise.
+        /// Exponent of the falling exponential.
         falling: f32,
     },
     /// The first four powers of depth.
@@ -79,7 +78,7 @@ pub(crate) enum MomentKind {
 }
 
 impl MomentKind {
-    /// Returns the format of the image that holds them.
+    /// Returns the image format of these moments.
     pub(crate) fn format(self, precision: MomentPrecision) -> Format {
         match (self, precision) {
             (Self::Variance | Self::OneExponential { .. }, MomentPrecision::Bits32) => Format::Rg32,
@@ -93,7 +92,7 @@ impl MomentKind {
         }
     }
 
-    /// Returns what the channels of that image are.
+    /// Returns the encoding of the channels.
     pub(crate) fn encoding(self, precision: MomentPrecision) -> Encoding {
         match (self, precision) {
             (_, MomentPrecision::Bits32) => Encoding::Floats,
@@ -112,26 +111,26 @@ uniforms! {
     pub struct MomentsUniforms {
         /// Powers of two per unit of centred depth, of the exponential that rises with depth.
         pub rising: f32,
-        /// Of the one that falls.
+        /// Powers of two per unit of centred depth, of the exponential that falls with depth.
         pub falling: f32,
     }
 }
 
-/// The filter from a map of depth to one of moments.
+/// Filter from a depth map to a moment map.
 #[derive(Clone, Copy, Debug)]
 pub struct MomentsKernel {
     kind: MomentKind,
     encoding: Encoding,
     uniforms: MomentsUniforms,
-    /// Moments a texel.
+    /// Number of moments per texel.
     channels: usize,
-    /// Whether each depth of the input takes four channels.
+    /// True if each depth of the input occupies four channels.
     packed: bool,
 }
 
 impl MomentsKernel {
-    /// Returns the filter that makes these moments, in that precision, of depths that take four
-    /// channels each if they are `packed`.
+    /// Returns the filter for these moments and this precision. `packed` is whether each depth
+    /// occupies four channels.
     pub(crate) fn new(kind: MomentKind, precision: MomentPrecision, packed: bool) -> Self {
         let (rising, falling) = match kind {
             MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),
@@ -199,7 +198,7 @@ impl FilterKernel for MomentsKernel {
     }
 }
 
-/// A row of depths, which may be longer than the row of moments.
+/// Moments of a row of depths, which may be longer than the row of moments.
 struct MomentsOfRow<'a> {
     kernel: &'a MomentsKernel,
     depths: &'a [f32],

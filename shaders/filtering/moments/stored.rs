@@ -1,5 +1,4 @@
-//! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the
-//! memory.
+//! Storage of moments: 32-bit floats, or channels of 16 bits, which use half of the memory.
 
 use crate::shadow_map::variants::constant;
 use glam::{Vec2, Vec4};
@@ -8,7 +7,7 @@ use umbrage_core::{Module, SimdTask, module};
 /// The WGSL half.
 const STORED: Module = module!("stored");
 
-/// Bits of each moment in a map.
+/// Bits per moment in a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
@@ -19,19 +18,19 @@ pub enum MomentPrecision {
     /// 32-bit floats.
     #[default]
     Bits32,
-    /// Half of that. Rounding hides what is nearer to its blocker than some thousandths of the
-    /// map's depth.
+    /// 16 bits. Rounding hides receivers that are nearer to their blocker than some thousandths of
+    /// the map's depth.
     Bits16,
 }
 
-/// What the channels of a texel are.
+/// Encoding of the channels of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
-    /// The moments.
+    /// Moments without an encoding.
     Floats,
     /// Depth and its square in 65536 steps each.
     Variance16,
-    /// Four powers of depth, turned so that each channel has its full range, in 65536 steps each.
+    /// Four powers of depth, rotated so that each channel uses its full range, in 65536 steps each.
     Powers16,
     /// Floats without a sign: eight bits of exponent, eight of fraction.
     Exponentials16,
@@ -39,16 +38,16 @@ pub(crate) enum Encoding {
 
 /// Returns the channels, 0..=1, of centred depth and its square.
 ///
-/// Its square has half the range of a depth from -1 to 1, and so the same steps show twice as much
-/// of it; which makes of depth z the channels that Peters and Klein 2015 have for depths from 0 to
-/// 1 ("Moment shadow mapping", section 3.4).
+/// The square has half the range of a depth from -1 to 1, so the same steps resolve it twice as
+/// finely. The channels of depth z equal those of Peters and Klein 2015 for depths from 0 to 1
+/// ("Moment shadow mapping", section 3.4).
 #[inline(always)]
 pub(crate) fn store_variance(moments: Vec2) -> Vec2 {
     Vec2::new(moments.x * 0.5 + 0.5, moments.y)
 }
 
-/// Returns what [`store_variance`] was given. The bounds change nothing, but keep drivers from
-/// taking the 1 out of differences of such depths.
+/// Inverts [`store_variance`]. The bounds have no effect, but keep drivers from factoring the 1 out
+/// of differences of such depths.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -61,17 +60,17 @@ pub(crate) fn load_variance(channels: Vec2) -> Vec2 {
 
 /// Half of the square root of 3.
 const HALF_ROOT_3: f32 = 0.866_025_4;
-/// Two ninths of it.
+/// Two ninths of the square root of 3.
 const ROOT_3_BY_4_5: f32 = 0.384_900_18;
 
 /// Returns the channels, 0..=1, of four powers of centred depth.
 ///
-/// Moments of depth are close to each other, so that most of the range of four channels would never
-/// be used. An affine map gives each channel its full range over all depths: odd powers and even
-/// ones apart (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment shadow maps for
+/// Moments of depth are close to each other, so most of the range of four channels would be unused.
+/// An affine map gives each channel its full range over all depths, with odd and even powers
+/// separated (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment shadow maps for
 /// translucent occluders, soft shadows and single scattering").
 ///
-/// The bounds change nothing, but keep drivers from adding the half to one of the two products
+/// The bounds have no effect, but keep drivers from adding the half to one of the two products
 /// first.
 #[inline(always)]
 #[expect(
@@ -89,13 +88,13 @@ pub(crate) fn store_powers(b: Vec4) -> Vec4 {
     )
 }
 
-/// The square root of 3.
+/// Square root of 3.
 const ROOT_3: f32 = 1.732_050_8;
-/// Three quarters of it.
+/// Three quarters of the square root of 3.
 const ROOT_3_BY_4_THIRDS: f32 = 1.299_038;
 const THIRD: f32 = 0.333_333_34;
 
-/// Returns what [`store_powers`] was given, bounded likewise.
+/// Inverts [`store_powers`], bounded likewise.
 #[inline(always)]
 pub(crate) fn load_powers(channels: Vec4) -> Vec4 {
     let first = channels.x - 0.5;
@@ -109,29 +108,29 @@ pub(crate) fn load_powers(channels: Vec4) -> Vec4 {
     moments.max(Vec4::NEG_ONE).min(Vec4::ONE)
 }
 
-/// Returns the channel, 0..=1, of a positive number: its exponent and the first eight bits of its
-/// fraction, rounded to the nearest, halves upwards, as a whole number of 65535.
+/// Returns the channel, 0..=1, of a positive number. It holds the exponent and the first eight bits
+/// of the fraction, rounded to nearest, halves upwards, as an integer out of 65535.
 ///
-/// Half floats of hardware end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool
-/// 2008), and the error of a depth is the relative error over the exponent. Three bits of fraction
-/// less for an exponent of 40 make that error smaller.
+/// Hardware half floats end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool
+/// 2008). The error of a depth is the relative error over the exponent. With an exponent of 40,
+/// that error is smaller despite three bits of fraction less.
 #[inline(always)]
 pub(crate) fn store_exponential(value: f32) -> f32 {
     let rounded = value.to_bits().wrapping_add(0x4000) >> 15;
     rounded as f32 * (1.0 / 65_535.0)
 }
 
-/// The greatest channel, times 65535, of a number that is finite.
+/// Greatest channel, times 65535, of a finite number.
 const GREATEST_FINITE: u32 = 0xfeff;
 
-/// Returns the number whose channel that is.
+/// Inverts [`store_exponential`].
 #[inline(always)]
 pub(crate) fn load_exponential(channel: f32) -> f32 {
     let rounded = (channel.max(0.0) * 65_535.0 + 0.5) as u32;
     f32::from_bits(rounded.min(GREATEST_FINITE) << 15)
 }
 
-/// The WGSL of `stored_moments` and `loaded_moments`.
+/// WGSL of `stored_moments` and `loaded_moments`.
 const ENCODING: Module = module!("encoding");
 const FLOATS: Module = constant!("ENCODING = FLOATS");
 const VARIANCE_16: Module = constant!("ENCODING = VARIANCE_16");
@@ -139,8 +138,8 @@ const POWERS_16: Module = constant!("ENCODING = POWERS_16");
 const EXPONENTIALS_16: Module = constant!("ENCODING = EXPONENTIALS_16");
 
 impl Encoding {
-    /// Returns the modules of `fn stored_moments(moments: vec4f) -> vec4f`, the channels, and of
-    /// `fn loaded_moments(channels: vec4f) -> vec4f`, the moments.
+    /// Returns the modules of two functions: `fn stored_moments(moments: vec4f) -> vec4f` returns
+    /// the channels, `fn loaded_moments(channels: vec4f) -> vec4f` the moments.
     pub(crate) fn modules(self) -> Vec<Module> {
         let encoding = match self {
             Self::Floats => FLOATS,
@@ -151,9 +150,8 @@ impl Encoding {
         vec![encoding, STORED, ENCODING]
     }
 
-    /// Returns how channels are to be read and written where they are averaged. Means of what
-    /// affine maps make are what they make of means, so that such channels are averaged as they
-    /// are.
+    /// Returns the encoding for averaging channels. Affine maps commute with means, so their
+    /// channels are averaged without decoding.
     pub(crate) fn of_means(self) -> Self {
         match self {
             Self::Floats | Self::Variance16 | Self::Powers16 => Self::Floats,
@@ -161,7 +159,7 @@ impl Encoding {
         }
     }
 
-    /// Turns the moments of some texels into their channels.
+    /// Converts the moments of some texels to channels, in place.
     #[inline(always)]
     pub(crate) fn store(self, texels: &mut [f32]) {
         match self {
@@ -184,7 +182,7 @@ impl Encoding {
         }
     }
 
-    /// Turns the channels of some texels into their moments.
+    /// Converts the channels of some texels to moments, in place.
     #[inline(always)]
     pub(crate) fn load(self, texels: &mut [f32]) {
         match self {
@@ -208,7 +206,7 @@ impl Encoding {
     }
 }
 
-/// Turns moments into channels, in vector lanes.
+/// Conversion of moments to channels, in vector lanes.
 pub(crate) struct Store<'a> {
     pub(crate) encoding: Encoding,
     pub(crate) texels: &'a mut [f32],
@@ -223,7 +221,7 @@ impl SimdTask for Store<'_> {
     }
 }
 
-/// Turns channels into moments, in vector lanes.
+/// Conversion of channels to moments, in vector lanes.
 pub(crate) struct Load<'a> {
     pub(crate) encoding: Encoding,
     pub(crate) texels: &'a mut [f32],
@@ -256,7 +254,7 @@ mod tests {
         exponential_moments, power_moments, variance_moments,
     };
 
-    /// The step that an image of 16 bits holds.
+    /// Returns the nearest step of a 16-bit image.
     fn nearest_step(channel: f32) -> f32 {
         assert!((-1e-6..=1.000_001).contains(&channel), "{channel}");
         (channel.clamp(0.0, 1.0) * 65_535.0 + 0.5).floor() * (1.0 / 65_535.0)
@@ -272,8 +270,8 @@ mod tests {
         texels
     }
 
-    /// Channels of all depths lie within 0 to 1, reach both ends, and bring moments back, but for
-    /// what half a step makes.
+    /// Channels of all depths are within 0 to 1 and reach both ends. Moments survive a round trip
+    /// except for the effect of half a step.
     #[test]
     fn moments_come_back_but_for_half_a_step() {
         let half = 0.5 / 65_535.0;
@@ -291,7 +289,7 @@ mod tests {
             least = least.min(channels);
             most = most.max(channels);
             let got = through(Encoding::Powers16, &powers.to_array());
-            // The sums of the factors in `load_powers`.
+            // The factors are the row sums of `load_powers`.
             for (i, factors) in [2.07, 1.13, 2.05, 1.13].into_iter().enumerate() {
                 let off = (got[i] - powers[i]).abs();
                 assert!(off <= factors * half + 4e-7, "{depth}: {off}");
@@ -308,7 +306,7 @@ mod tests {
         assert!(most.min_element() > 0.999_999, "{most}");
     }
 
-    /// Every number of 16 bits is its own channel's.
+    /// Every 16-bit number survives decoding and encoding.
     #[test]
     fn numbers_of_16_bits_are_kept() {
         for bits in 0..=GREATEST_FINITE {

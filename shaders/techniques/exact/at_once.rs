@@ -1,13 +1,13 @@
-//! The CPU's way to answer all receivers of a picture: casters ask receivers, and no list is made.
+//! CPU method for all receivers of an image without lists: casters are tested against receivers.
 //!
-//! The transpose of [`lookup`](super::lookup), after Johnson, Lee, Burns and Mark 2005, "The
-//! Irregular Z-Buffer", with a hierarchy over receivers as in Sintorn, Kämpe, Olsson and Assarsson
-//! 2014, "Per-Triangle Shadow Volumes Using a View-Sample Cluster Hierarchy". Each run of casters
-//! goes down boxes around receivers as the light sees them, with those of its casters that may hide
-//! the light there; the triangle test hides it from those that a caster meets. Boxes are widened by
-//! the margins of [`light_frame`](super::light_frame), so nothing that a ray meets is left out, and
-//! any caster that a ray meets hides the light: so the answer is that of `traced`, in whatever
-//! order casters come, on however many threads.
+//! This is the transpose of [`lookup`](super::lookup), after Johnson, Lee, Burns and Mark 2005,
+//! "The Irregular Z-Buffer". The hierarchy over receivers is that of Sintorn, Kämpe, Olsson and
+//! Assarsson 2014, "Per-Triangle Shadow Volumes Using a View-Sample Cluster Hierarchy". Each run of
+//! casters traverses boxes around receivers as projected to the light. It keeps those of its
+//! casters that may hide the light there. The triangle test then finds the blocked receivers. Boxes
+//! are widened by the margins of [`light_frame`](super::light_frame), so no hit is lost, and any
+//! hit blocks the light. So the result equals that of `traced`, for any order of casters and any
+//! number of threads.
 
 mod boxes;
 mod caster_run;
@@ -24,18 +24,18 @@ use std::ops::Range;
 use umbrage_core::parallel::prelude::*;
 use umbrage_core::{Aabb, Geometry, Receivers, Simd, SimdTask};
 
-/// Runs of casters that a thread takes at a time.
+/// Number of runs of casters per task of a thread.
 const RUNS_A_TASK: usize = 16;
 
-/// Casters that are tested one by one with eight boxes at a time; more are tested together, with
-/// one box after the other.
+/// Greatest number of casters that are tested one by one with eight boxes at a time. More are
+/// tested together, with one box after the other.
 const MANY: u32 = 16;
 
-/// Nodes that wait at most: seven a level and one more, and there are no more than eleven levels
-/// over 2^32 pixels.
+/// Capacity of the stack of nodes: seven per level and one more. There are at most eleven levels
+/// for 2^32 pixels.
 const MOST_WAITING: usize = 80;
 
-/// Returns the light's visibility for each receiver; 1 where none is.
+/// Returns the light's visibility for each receiver; 1 for pixels without one.
 pub(super) fn answer_all(
     simd: Simd,
     uniforms: &ExactUniforms,
@@ -68,21 +68,21 @@ pub(super) fn answer_all(
     mask.into_numbers()
 }
 
-/// Hides the light from receivers.
+/// Data for blocking receivers.
 struct Hide<'a> {
     frame: &'a LightFrame,
     geometry: &'a Geometry,
-    /// Holes of casters; none if none has any.
+    /// Alpha test of the casters; `None` if none is alpha-tested.
     holes: Option<CasterHoles<'a>>,
     faces: &'a [FaceRays],
     rays: Rays,
 }
 
-/// Hides the light from what some runs of casters cover.
+/// Task that blocks receivers with some runs of casters.
 struct HideFromRuns<'a> {
     hide: &'a Hide<'a>,
     first_run: usize,
-    /// Around each run.
+    /// Bounds of each run.
     boxes: &'a [Aabb],
 }
 
@@ -103,7 +103,7 @@ impl SimdTask for HideFromRuns<'_> {
     }
 }
 
-/// Eight boxes to visit, and a bit for each caster of a run that may hide the light there.
+/// Eight boxes to visit, with a bit for each caster of a run that may hide the light there.
 #[derive(Clone, Copy, Default)]
 struct Visit {
     level: usize,
@@ -112,7 +112,7 @@ struct Visit {
 }
 
 impl Hide<'_> {
-    /// Hides the light from what a run of casters covers on a face. `casters` is room to work in.
+    /// Blocks receivers on a face with a run of casters. `casters` is scratch memory.
     #[inline(always)]
     fn hide_from_run(
         &self,
@@ -121,6 +121,7 @@ impl Hide<'_> {
         bounds: &Aabb,
         casters: &mut CasterRun,
     ) {
+        // Reject runs outside the face or in blocked parts.
         let Some(reach) = Reach::of_box(self.frame, face.face, bounds) else {
             return;
         };
@@ -128,6 +129,7 @@ impl Hide<'_> {
         if face.levels[top][0].met_by(&reach) & face.open.parts(top, 0) == 0 {
             return;
         }
+        // Traverse the boxes from the top.
         casters.read(self.frame, self.geometry, face.face, run);
         let mut waiting = [Visit::default(); MOST_WAITING];
         waiting[0] = Visit {
@@ -191,7 +193,7 @@ impl Hide<'_> {
         out
     }
 
-    /// Hides the light from what casters cover in eight blocks.
+    /// Blocks receivers in eight blocks with casters.
     #[inline(always)]
     fn hide_in_blocks(&self, face: &FaceRays, casters: &mut CasterRun, visit: Visit) {
         let boxes = &face.levels[0][visit.number];

@@ -1,5 +1,5 @@
-// The same where casters have holes: the fourth word of a caster's second row is the row of its
-// record in the cut-outs (table_4), 0 if it has none.
+// Returns whether a segment hits a caster, with alpha-tested casters. The fourth word of a caster's
+// second row is the row of its record in table_4, 0 if it is opaque.
 
 fn cut_out_row(i: u32) -> vec4u {
     return table_4[i];

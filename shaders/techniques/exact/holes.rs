@@ -1,4 +1,4 @@
-//! Holes of casters: a ray that meets a caster in one goes on.
+//! Alpha test of casters: a ray that hits a transparent texel continues.
 
 use umbrage_core::{
     CutOuts,
@@ -6,18 +6,18 @@ use umbrage_core::{
     light_sample::{LightSampler, segment},
 };
 
-/// What tells which rays pass through holes.
+/// Data for the alpha test of rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CasterHoles<'a> {
     pub(super) cut_outs: &'a CutOuts,
-    /// The light's middle.
+    /// Centre of the light.
     pub(super) light: &'a LightSampler,
     /// Length of rays towards directional lights, metres.
     pub(super) far: f32,
 }
 
 impl CasterHoles<'_> {
-    /// Returns whether the ray from `o`, which meets a caster, meets it in a hole.
+    /// Returns whether the ray from `o`, which hits a caster, hits it at a transparent texel.
     #[inline(never)]
     pub(super) fn are_met(&self, caster: u32, corners: [Vec3; 3], o: Vec3) -> bool {
         let d = segment(self.light, o, Vec2::ZERO, self.far);

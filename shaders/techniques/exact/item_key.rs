@@ -1,32 +1,32 @@
-//! What a list item says of its caster beside its name, in one word: its box in the cell and its
-//! least depth, each in 32 steps. One subtraction compares all of them with a receiver's.
+//! Key of a list item: the caster's box in the cell and its least depth in one word, each in 32
+//! steps. One subtraction compares all of them with a receiver's.
 //!
-//! A word has five fields of six bits: least across, least down, 31 less greatest across, 31 less
-//! greatest down, and depth, from the lowest bits on. An item's are 0 to 31, and a receiver's
-//! likewise with 32 more. A field of the difference is 32 or more where the receiver's number is at
-//! least the item's, and always above 0, so no field borrows from the next (Lamport 1975, "Multiple
-//! Byte Processing with Full-Word Instructions"). A caster may be in a receiver's way only where
-//! all fields are.
+//! A word has five fields of six bits, from the lowest bits on: least across, least down, 31 minus
+//! greatest across, 31 minus greatest down, and depth. An item's values are 0 to 31. A receiver's
+//! are likewise, plus 32. A field of the difference is 32 or more if the receiver's value is at
+//! least the item's. It is always above 0, so no field borrows from the next (Lamport 1975,
+//! "Multiple Byte Processing with Full-Word Instructions"). A caster may block a receiver only if
+//! this holds for all fields.
 
-/// Steps of each number, as a power of two.
+/// Number of steps of each value, as a power of two.
 pub(super) const KEY_STEPS_LOG2: u32 = 5;
 
-/// Steps of each number.
+/// Number of steps of each value.
 pub(super) const KEY_STEPS: f32 = (1 << KEY_STEPS_LOG2) as f32;
 
-/// Bits of a field.
+/// Number of bits of a field.
 const FIELD: u32 = 6;
 
-/// The greatest number of a field.
+/// Greatest value of a field.
 const LAST: u32 = 31;
 
-/// The bit of each field that says 32.
+/// Bit of value 32 in each field.
 const GUARDS: u32 = 1 << 5 | 1 << 11 | 1 << 17 | 1 << 23 | 1 << 29;
 
-/// That of depth.
+/// Bit of value 32 in the depth field.
 const DEPTH_GUARD: u32 = 1 << 29;
 
-/// A box in a cell, in steps.
+/// Box in a cell, in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct CellBox {
     /// Least step across, and down.
@@ -46,7 +46,7 @@ pub(super) fn item_word(bounds: CellBox, depth: u32) -> u32 {
         | depth << (4 * FIELD)
 }
 
-/// Returns the word with which receivers in this box, and as deep as this, ask items: all below 32.
+/// Returns the query word of receivers in this box with this greatest depth, all below 32.
 #[inline(always)]
 pub(super) fn asking_word(bounds: CellBox, depth: u32) -> u32 {
     let [x0, y0] = bounds.low;
@@ -59,13 +59,14 @@ pub(super) fn asking_word(bounds: CellBox, depth: u32) -> u32 {
     fields | GUARDS
 }
 
-/// Returns whether an item's caster is deeper than receivers, and so are all after it in its list.
+/// Returns whether an item's caster, and so all after it in its list, are deeper than the
+/// receivers.
 #[inline(always)]
 pub(super) fn ends_list(item: u32, asking: u32) -> bool {
     (asking - item) & DEPTH_GUARD == 0
 }
 
-/// Returns whether an item's caster may be in the way of receivers.
+/// Returns whether an item's caster may block receivers.
 #[inline(always)]
 pub(super) fn may_hide(item: u32, asking: u32) -> bool {
     (asking - item) & GUARDS == GUARDS
@@ -76,7 +77,7 @@ mod tests {
     use super::*;
     use umbrage_core::light_sample::hash;
 
-    /// The word says what its numbers say one by one.
+    /// The comparison of words equals that of their fields.
     #[test]
     fn one_subtraction_compares_all_fields() {
         let mut hidden = 0;
@@ -105,7 +106,7 @@ mod tests {
         }
         assert!(
             (5_000..60_000).contains(&hidden),
-            "the test tells little: {hidden}"
+            "too few hidden cases: {hidden}"
         );
     }
 }

@@ -1,4 +1,4 @@
-// Twin of item_key.rs: the word beside an item's caster.
+// Twin of item_key.rs: the key word of an item.
 
 const FIELD = 6u;
 const LAST = 31u;

@@ -1,18 +1,20 @@
-//! Where points lie as seen from an ideal light: on which face of a grid of cells, where on it, and
-//! how deep.
+//! Coordinates relative to an ideal light: the face of a grid of cells, the position on it, and the
+//! depth.
 //!
-//! **Frame space** has the light's rays as verticals. For a sun a point is (u, v, w): two
-//! coordinates across the rays and one along them, over half the width of all casters, so that u
-//! and v are within -1 to 1. For a lamp it is the world's axes around the light, in metres.
+//! **Frame space** has the light's rays as verticals. For a directional light, a point is (u, v,
+//! w): two coordinates across the rays and one along them. They are divided by half the width of
+//! all casters, so that u and v are within -1 to 1. For a point light, frame space is the world's
+//! axes around the light, in metres.
 //!
-//! A point's **direction** is (u, v, 1) for a sun, and for a lamp the point over its greatest
-//! coordinate, which is a point of the cube around the light. Its **depth** is w less that of the
-//! nearest caster, or for a lamp that greatest coordinate's size: both grow away from the light.
+//! The **direction** of a point is (u, v, 1) for a directional light. For a point light it is the
+//! point divided by its greatest coordinate, which is on the cube around the light. The **depth**
+//! of a point is w minus that of the nearest caster, or the size of the greatest coordinate for a
+//! point light. Both grow away from the light.
 //!
-//! **Margins.** A list may hold too many casters, but must hold all that a ray through its cell may
-//! be found to meet. What the triangle test finds is off by some roundings of the distances in it
-//! (`ray_triangle.rs` of `umbrage-core`), and so is where coordinates are rounded to: boxes and
-//! depths are widened by more than that.
+//! **Margins.** A list may contain too many casters, but must contain all that a ray through its
+//! cell may be found to hit. The triangle test has an error of some roundings of its distances
+//! (`ray_triangle.rs` of `umbrage-core`), as does the rounding of coordinates. Boxes and depths are
+//! widened by more than that.
 
 use umbrage_core::{
     Aabb, Geometry, Light,
@@ -20,54 +22,57 @@ use umbrage_core::{
     math::dot3,
 };
 
-/// Least margin, in units of frame space across the rays: 64 roundings of 1, the most that
-/// coordinates and the functions of outlines are wrong by (some eight of them).
+/// Least margin, in units of frame space across the rays: 64 roundings of 1. Coordinates and
+/// outline functions have an error of some eight of them.
 pub(super) const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
 
-/// What the triangle test of rays is wrong by at most, as a fraction of the farthest distance in
-/// the scene: 32 roundings of 2^-24, four times what `ray_triangle.rs` shows.
+/// Greatest error of the ray-triangle test, as a fraction of the farthest distance in the scene: 32
+/// roundings of 2^-24, four times the bound in `ray_triangle.rs`.
 const ROUNDING: f32 = 1.0 / 524_288.0;
 
-/// A sun's margin in depth over the margin across: outlines up to half as steep know their depth.
+/// Depth margin of a directional light over its margin across: outlines up to half as steep have a
+/// valid depth.
 const DEPTH_OVER_WIDTH: f32 = 16.0;
 
-/// A lamp's margin in depth, as a fraction of depth.
+/// Depth margin of a point light, as a fraction of depth.
 const LAMP_DEPTH_MARGIN: f32 = 1.0 / 4096.0;
 
-/// Casters nearer to a lamp than this fraction of the farthest distance in the scene may lie before
-/// the end of a ray, which stops short of the lamp by half of this.
+/// Distance from a point light, as a fraction of the farthest distance in the scene, within which
+/// casters may be before the end of a ray. Rays end at half of this distance from the light.
 const AT_LAMP: f32 = 1.0 / 8192.0;
 
-/// Tiles along the longer side of a face: a power of two, at least and at most.
+/// Minimum and maximum number of tiles along the longer side of a face, powers of two.
 const TILES: [f32; 2] = [8.0, 128.0];
 
-/// Triangles of a tile, if they were spread evenly over the longest side's square.
+/// Number of triangles per tile, if they were evenly distributed over the square of the longest
+/// side.
 const TRIANGLES_A_TILE: f32 = 64.0;
 
-/// A frame around an ideal light, or around the middle of one with an extent.
+/// Frame around an ideal light, or around the centre of an area light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LightFrame {
-    /// Whether the light has a place, so that its rays meet there.
+    /// True if the light has a position, where its rays meet.
     pub(super) is_lamp: bool,
-    /// World position that is the origin of frame space: the lamp, or the middle of the casters.
+    /// World position of the origin of frame space: the point light, or the centre of the casters.
     pub(super) origin: Vec3,
-    /// Rows of the matrix from the world (less the origin) to frame space.
+    /// Rows of the matrix from the world (relative to the origin) to frame space.
     pub(super) rows: [Vec3; 3],
-    /// What is subtracted from a sun's w: the depth of the nearest caster.
+    /// Value subtracted from a directional light's w: the depth of the nearest caster.
     pub(super) nearest: f32,
     /// Half the size of a face, in units of a direction.
     pub(super) half: Vec2,
-    /// Tiles a unit of a direction.
+    /// Number of tiles per unit of a direction.
     pub(super) tiles_a_unit: f32,
-    /// Tiles of a face, across and down.
+    /// Number of tiles of a face, across and down.
     pub(super) tiles: UVec2,
-    /// What the triangle test is wrong by at most, in units of frame space.
+    /// Greatest error of the triangle test, in units of frame space.
     pub(super) rounding: f32,
-    /// The farthest distance between two points of the scene and the lamp, in units of frame space.
+    /// Farthest distance between any points of the scene and the point light, in units of frame
+    /// space.
     pub(super) reach: f32,
 }
 
-/// A point in a frame.
+/// Point in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FramePoint {
     pub(super) face: u32,
@@ -77,7 +82,7 @@ pub(super) struct FramePoint {
 }
 
 impl LightFrame {
-    /// Returns the frame of a light around the casters of a geometry, at least one.
+    /// Returns the frame of a light around the casters of a geometry. It contains at least one.
     pub(super) fn new(light: &Light, geometry: &Geometry) -> Self {
         let mut casters = geometry.caster_bounds();
         if casters.is_empty() {
@@ -87,8 +92,8 @@ impl LightFrame {
         Self::around(light, &casters, &geometry.bounds(), tiles)
     }
 
-    /// Returns the frame of a light around casters in a box. `everything` is the box around all
-    /// that rays start from, too; `tiles` are those along a sun's longer side.
+    /// Returns the frame of a light around casters in a box. `everything` is the box around the
+    /// casters and all ray origins. `tiles` are those along the longer side of a directional light.
     pub(super) fn around(light: &Light, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, everything, tiles),
@@ -96,7 +101,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns the distance from a lamp within which casters may be anywhere.
+    /// Returns the distance from a point light within which casters may be anywhere; otherwise 0.
     pub(super) fn at_lamp(&self) -> f32 {
         if self.is_lamp {
             self.reach * AT_LAMP
@@ -124,6 +129,7 @@ impl LightFrame {
     }
 
     fn along_sun(to_light: Vec3, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
+        // Measure the casters along the light's axes.
         let away = -to_light.as_dvec3();
         let (across, down) = away.any_orthonormal_pair();
         let origin = casters.center();
@@ -135,14 +141,15 @@ impl LightFrame {
                 .fold(0.0, f64::max)
         };
         let [wide, high, deep] = [extent(across), extent(down), extent(away)];
-        // A line or a point has no width: then any does, and the depth has one.
+        // A line or a point has no width: use any width, but keep the depth.
         let unit = wide
             .max(high)
             .max(deep * 1e-3)
             .max(f64::from(f32::MIN_POSITIVE));
-        // Room for rounding at the rim.
+        // Add a margin for rounding at the edge.
         let room = 1.0 + 1.0 / 1024.0;
         let half = Vec2::new((wide / unit) as f32, (high / unit) as f32) * room + LEAST_MARGIN;
+        // Divide the face into tiles.
         let tiles_a_unit = 0.5 * tiles as f32;
         let count = (half * 2.0 * tiles_a_unit)
             .ceil()
@@ -162,7 +169,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns a world position in frame space.
+    /// Transforms a world position to frame space.
     #[inline(always)]
     pub(super) fn place(&self, p: Vec3) -> Vec3 {
         if self.is_lamp {
@@ -172,7 +179,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns a world position in frame space, of a lamp or of a sun.
+    /// Transforms a world position to frame space, of a point light or a directional light.
     #[inline(always)]
     pub(super) fn place_as<const LAMP: bool>(&self, p: Vec3) -> Vec3 {
         let v = p - self.origin;
@@ -186,8 +193,8 @@ impl LightFrame {
         )
     }
 
-    /// Returns where a point of frame space is looked up, in the frame of a sun, or in that of a
-    /// lamp on the face across `axis`.
+    /// Returns the lookup coordinates of a point of frame space. For a point light, the face is
+    /// that across `axis`.
     #[inline(always)]
     pub(super) fn look_up_as<const LAMP: bool>(&self, v: Vec3, axis: u32) -> FramePoint {
         if !LAMP {
@@ -197,8 +204,7 @@ impl LightFrame {
                 depth: v.z,
             };
         }
-        // Selections instead of branches, so that a loop over receivers becomes one of vector
-        // instructions.
+        // Use selections instead of branches, so that loops over receivers are vectorised.
         let pick = |x: f32, y: f32, z: f32| {
             if axis == 0 {
                 x
@@ -229,26 +235,26 @@ impl LightFrame {
         (self.faces() * self.tiles.x * self.tiles.y) as usize
     }
 
-    /// Returns how far, in units of a direction, a ray may pass an outline whose nearest point is
-    /// `distance` from the lamp, metres (a sun's outlines are all alike), and still be found to
-    /// meet it, or to miss it.
+    /// Returns the greatest distance, in units of a direction, at which the triangle test may be
+    /// wrong near an outline. `distance` is that of the outline's nearest point from the point
+    /// light, metres. It is unused for directional lights.
     pub(super) fn margin(&self, distance: f32) -> f32 {
         if !self.is_lamp {
             return LEAST_MARGIN + self.rounding;
         }
-        // The greatest coordinate is at least this much of the distance.
+        // The greatest coordinate is at least this fraction of the distance.
         const COORDINATE: f32 = 0.577;
         LEAST_MARGIN + self.rounding / (distance * COORDINATE)
     }
 
-    /// Returns whether a ray may end before it meets a caster at this distance from the lamp,
+    /// Returns whether a ray may end before it hits a caster at this distance from the point light,
     /// metres.
     pub(super) fn is_at_lamp(&self, distance: f32) -> bool {
         distance < self.at_lamp()
     }
 
-    /// Returns the margin in depth: in units of frame space for a sun, as a fraction of the depth
-    /// for a lamp.
+    /// Returns the margin in depth: in units of frame space for a directional light, as a fraction
+    /// of the depth for a point light.
     pub(super) fn depth_margin(&self) -> f32 {
         if self.is_lamp {
             LAMP_DEPTH_MARGIN
@@ -257,7 +263,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns a depth that is surely less, by the margin.
+    /// Returns the depth minus the margin.
     pub(super) fn before(&self, depth: f32) -> f32 {
         if self.is_lamp {
             depth * (1.0 - self.depth_margin()) - self.rounding
@@ -266,13 +272,14 @@ impl LightFrame {
         }
     }
 
-    /// Returns the same of a sun, without asking what the light is.
+    /// Returns the depth minus the margin for a directional light, without testing the light's
+    /// kind.
     #[inline(always)]
     pub(super) fn before_under_sun(&self, depth: f32) -> f32 {
         depth - DEPTH_OVER_WIDTH * (LEAST_MARGIN + self.rounding)
     }
 
-    /// Returns a depth that is surely greater, by the margin.
+    /// Returns the depth plus the margin.
     pub(super) fn behind(&self, depth: f32) -> f32 {
         if self.is_lamp {
             depth * (1.0 + self.depth_margin()) + self.rounding
@@ -281,7 +288,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns the least depth of a plane, less the margin, from the least and the greatest value
+    /// Returns the least depth of a plane, minus the margin, from the least and the greatest value
     /// of its function.
     #[inline(always)]
     pub(super) fn nearest_of_plane(&self, least: f32, greatest: f32) -> f32 {
@@ -293,7 +300,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns what [`nearest_of_plane`](Self::nearest_of_plane) does, of four planes.
+    /// Returns [`nearest_of_plane`](Self::nearest_of_plane) for four planes.
     #[inline(always)]
     pub(super) fn four_nearest_of_plane(&self, least: Vec4, greatest: Vec4) -> Vec4 {
         if self.is_lamp {
@@ -304,7 +311,7 @@ impl LightFrame {
         }
     }
 
-    /// Returns what [`farthest_of_plane`](Self::farthest_of_plane) does, of four planes.
+    /// Returns [`farthest_of_plane`](Self::farthest_of_plane) for four planes.
     #[inline(always)]
     pub(super) fn four_farthest_of_plane(&self, least: Vec4, greatest: Vec4) -> Vec4 {
         if !self.is_lamp {
@@ -314,8 +321,8 @@ impl LightFrame {
         Vec4::select(least.cmpgt(Vec4::ZERO), farthest, Vec4::INFINITY)
     }
 
-    /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value
-    /// of its function.
+    /// Returns the greatest depth of a plane, plus the margin, from the least and the greatest
+    /// value of its function.
     #[inline(always)]
     pub(super) fn farthest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if !self.is_lamp {
@@ -328,7 +335,7 @@ impl LightFrame {
     }
 }
 
-/// Returns how many tiles a face has along its longer side.
+/// Returns the number of tiles along the longer side of a face.
 fn tiles_along(casters: usize) -> u32 {
     let even = (casters as f32 / TRIANGLES_A_TILE).sqrt();
     let side = even.clamp(TILES[0], TILES[1]);

@@ -1,4 +1,4 @@
-//! All lists of a light, as the tables that both halves of the kernel read.
+//! All lists of a light, as tables that both halves of the kernel read.
 
 use super::{
     light_frame::LightFrame,
@@ -15,49 +15,50 @@ use umbrage_core::{Geometry, Light};
 /// Rows of four words.
 pub(super) type Rows = Arc<[[u32; 4]]>;
 
-/// What making and asking cost on two threads of a Xeon, nanoseconds, about: of six choices that
-/// were tried, these gave the least time of both together.
+/// Approximate build and query costs on two threads of a Xeon, nanoseconds. Of six candidates,
+/// these values gave the least total time.
 const ITEM_NANOSECONDS: f32 = 12.0;
 const CELL_NANOSECONDS: f32 = 8.0;
 const TEST_NANOSECONDS: f32 = 2.0;
-/// Receivers of a picture, about.
+/// Approximate number of receivers of an image.
 const RECEIVERS: f32 = 1e6;
 
-/// The share of a face's tiles on which receivers lie, about.
+/// Approximate fraction of a face's tiles that contain receivers.
 const SEEN_TILES: f32 = 0.5;
 
-/// Lights whose lists a geometry keeps: those that were asked for last.
+/// Number of lights whose lists a geometry caches, latest first.
 const KEPT_LIGHTS: usize = 4;
 
-/// Pictures of the same casters under the same light that are answered before their lists are made.
+/// Number of images of the same casters under the same light that are computed before lists are
+/// built.
 const PICTURES_WITHOUT: u32 = 8;
-/// Fewer casters are listed and looked up about as soon as they ask receivers, or sooner:
-/// `docs/measured.md` has the frames that were timed.
+/// Least number of casters for which images are computed without lists. With fewer casters, lists
+/// take about the same time or less: `docs/measured.md` has the measured frames.
 const CASTERS_WITHOUT: usize = 60_000;
 
-/// Tiles of a row.
+/// Number of tiles per row.
 const TILES_A_ROW: usize = 2;
 
-/// Items of a row.
+/// Number of items per row.
 const ITEMS_A_ROW: usize = 2;
 
-/// The lists of one light.
+/// Lists of one light.
 #[derive(Clone, Debug)]
 pub(super) struct Lists {
     pub(super) frame: LightFrame,
-    /// Two tiles a row: the first cell, and the cells along a side as a power of two.
+    /// Two tiles per row: the first cell, and the number of cells along a side as a power of two.
     pub(super) tiles: Rows,
-    /// A row a cell, and one at the end: first item, what is deeper than this is in shadow, where
-    /// steps of depth begin, and one over their width (bits of floats).
+    /// One row per cell, and one at the end: first item, depth beyond which everything is in
+    /// shadow, first depth of the steps, and one over the width of a step (bits of floats).
     pub(super) cells: Rows,
-    /// Two items a row: caster, and its box and depth in one word.
+    /// Two items per row: the caster, and its box and depth in one word.
     pub(super) items: Rows,
-    /// Three rows a caster: its corners. The fourth word of the second is the row of its record
-    /// among the cut-outs, 0 if it has no holes.
+    /// Three rows per caster: its corners. The fourth word of the second is the row of its record
+    /// in the alpha test table, or 0 if the caster is opaque.
     pub(super) corners: Rows,
 }
 
-/// The casters' corners, three rows a caster, once they were asked for.
+/// Corners of the casters, three rows per caster, computed on first use.
 #[derive(Default)]
 struct CornerRows(OnceLock<Rows>);
 
@@ -80,34 +81,34 @@ impl CornerRows {
         if let Some(rows) = kept.0.get() {
             return rows.clone();
         }
-        // Without a lock, as `TableRows` says.
+        // Compute without a lock, as described at `TableRows`.
         let rows = make();
         kept.0.get_or_init(|| rows).clone()
     }
 }
 
-/// The lists of the lights that were asked for last, kept with the triangles.
+/// Cached lists of the latest lights, stored with the triangles.
 #[derive(Default)]
 struct Kept(Mutex<Vec<Arc<KeptLists>>>);
 
-/// The lists of one light, made when somebody reads them.
+/// Lists of one light, built when they are first read.
 #[derive(Debug)]
 pub(super) struct KeptLists {
     pub(super) frame: LightFrame,
     made: OnceLock<Lists>,
-    /// Pictures that were answered without them.
+    /// Number of images that were computed without the lists.
     answered_without: AtomicU32,
 }
 
 impl KeptLists {
-    /// Returns the lists of a light over a geometry's casters: if they were asked for lately, the
-    /// same.
+    /// Returns the lists of a light over a geometry's casters, from the cache if possible.
     pub(super) fn of(light: &Light, geometry: &Geometry) -> Arc<Self> {
         let frame = LightFrame::new(light, geometry);
-        // Copies of the geometry share what was made before they were, so the place for corners is.
+        // Create the slot for corners early: copies of the geometry share only what was created
+        // before.
         geometry.derived(|_| CornerRows::default());
         let kept = geometry.derived(|_| Kept::default());
-        // The lists follow from the frame and the triangles alone.
+        // The lists follow from the frame and the triangles.
         let is_same = |lists: &Arc<Self>| lists.frame == frame;
         let lock = || kept.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = lock().iter().find(|lists| is_same(lists)) {
@@ -126,7 +127,7 @@ impl KeptLists {
         new
     }
 
-    /// Returns the lists of no casters: for what knows them elsewhere.
+    /// Returns the lists of no casters, for kernels that get the casters elsewhere.
     pub(super) fn without_casters(frame: LightFrame) -> Self {
         Self {
             frame,
@@ -135,20 +136,19 @@ impl KeptLists {
         }
     }
 
-    /// Returns the lists; they are made now if nobody asked before. `geometry` is that of
-    /// [`of`](Self::of), or none if it was not called.
+    /// Returns the lists, which are built on first use. `geometry` is that of [`of`](Self::of), or
+    /// empty if it was not called.
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
         if let Some(lists) = self.made.get() {
             return lists;
         }
-        // Without a lock, as `TableRows` says.
+        // Build without a lock, as described at `TableRows`.
         let lists = Lists::make(self.frame, geometry);
         self.made.get_or_init(|| lists)
     }
 
-    /// Counts one more picture of so many casters that have not moved. Returns whether it is to be
-    /// answered without lists: they take as long to make as some pictures without them, and only
-    /// then are the quicker way.
+    /// Counts another image of this number of casters that have not moved. Returns whether to
+    /// compute it without lists: building lists costs as much as several images without them.
     pub(super) fn is_answered_without(&self, casters: usize) -> bool {
         casters >= CASTERS_WITHOUT
             && self.made.get().is_none()
@@ -170,7 +170,7 @@ impl Lists {
         }
     }
 
-    /// Returns how many triangles were placed on the grid and in lists, each as often as it was.
+    /// Returns how many triangles were placed on the grid and in lists, counting repetitions.
     pub(super) fn triangles_listed(&self) -> u64 {
         let items = self.items.len() * ITEMS_A_ROW;
         (items + self.casters()) as u64
@@ -182,6 +182,7 @@ impl Lists {
     }
 
     fn make(frame: LightFrame, geometry: &Geometry) -> Self {
+        // Find the touches of all casters, in parallel chunks.
         let casters = geometry.casters();
         let chunk = casters
             .len()
@@ -195,6 +196,7 @@ impl Lists {
                 TouchesByTile::find(&frame, geometry, first..end)
             })
             .collect();
+        // Build the lists of each row of tiles.
         let weights = Weights {
             item: ITEM_NANOSECONDS,
             cell: CELL_NANOSECONDS,
@@ -221,7 +223,7 @@ impl Lists {
     }
 }
 
-/// Makes the lists of a line of tiles across a face; lines are counted through all faces.
+/// Builds the lists of a row of tiles across a face; rows are counted through all faces.
 fn line_of_tiles(
     frame: &LightFrame,
     geometry: &Geometry,
@@ -245,11 +247,12 @@ fn line_of_tiles(
     out
 }
 
-/// Returns the tables of all tiles, cells and items.
+/// Returns the joined tables of all tiles, cells and items.
 fn joined(lists: &[TileLists]) -> [Rows; 3] {
     let mut tiles = Vec::new();
     let mut starts = Vec::new();
     let mut end = PartStart::default();
+    // Compute where each part starts.
     for part in lists {
         starts.push(end);
         for tile in &part.tiles {
@@ -259,6 +262,7 @@ fn joined(lists: &[TileLists]) -> [Rows; 3] {
         // Each part begins a row.
         end.item_row += part.items.len().div_ceil(ITEMS_A_ROW);
     }
+    // Store two tiles per row.
     let tile_rows = tiles.chunks(TILES_A_ROW).map(|pair| {
         let last = pair[pair.len() - 1];
         [pair[0][0], pair[0][1], last[0], last[1]]
@@ -266,6 +270,7 @@ fn joined(lists: &[TileLists]) -> [Rows; 3] {
     let tiles: Rows = tile_rows.collect();
     let mut cells = zeros(end.cell + 1);
     let mut items = zeros(end.item_row.max(1));
+    // Copy the parts in parallel.
     let mut jobs = Vec::new();
     let mut cells_left = writable(&mut cells);
     let mut items_left = writable(&mut items);
@@ -278,20 +283,20 @@ fn joined(lists: &[TileLists]) -> [Rows; 3] {
             items: split_front(&mut items_left, item_rows),
         });
     }
-    // Where the last list ends.
+    // Write the end of the last list.
     cells_left[0][0] = (end.item_row * ITEMS_A_ROW) as u32;
     jobs.into_par_iter().for_each(PartCopy::run);
     [tiles, cells, items]
 }
 
-/// Where a part begins in the tables of all.
+/// Start of a part in the joined tables.
 #[derive(Clone, Copy, Default)]
 struct PartStart {
     cell: usize,
     item_row: usize,
 }
 
-/// A part, and its rows of the tables of all.
+/// Copy of a part into its rows of the joined tables.
 struct PartCopy<'a> {
     part: &'a TileLists,
     start: PartStart,
@@ -317,26 +322,26 @@ impl PartCopy<'_> {
             .iter_mut()
             .zip(self.part.items.chunks(ITEMS_A_ROW))
         {
-            // A part with an odd number of items has its last one twice.
+            // A part with an odd number of items repeats its last one.
             let last = pair[pair.len() - 1];
             *out = [pair[0][0], pair[0][1], last[0], last[1]];
         }
     }
 }
 
-/// Takes the first `count` rows off.
+/// Splits off the first `count` rows.
 fn split_front<'a>(rows: &mut &'a mut [[u32; 4]], count: usize) -> &'a mut [[u32; 4]] {
     let (front, rest) = std::mem::take(rows).split_at_mut(count);
     *rows = rest;
     front
 }
 
-/// Returns rows of zeros, to be written once.
+/// Returns rows of zeros, to be overwritten once.
 fn zeros(count: usize) -> Rows {
     std::iter::repeat_n([0; 4], count).collect()
 }
 
-/// Returns the rows of a table that nobody else has yet.
+/// Returns the mutable rows of a table that is not shared yet.
 fn writable(rows: &mut Rows) -> &mut [[u32; 4]] {
-    Arc::get_mut(rows).expect("made here, and not shared yet")
+    Arc::get_mut(rows).expect("created here and not shared yet")
 }

@@ -1,5 +1,5 @@
-//! The CPU half of the kernel: rays are placed on the grid, and their cells found, in vector lanes;
-//! neighbours in one cell walk its list together.
+//! CPU half of the kernel. Rays are placed on the grid, and their cells found, in vector lanes.
+//! Neighbours in one cell walk its list together.
 
 use super::{
     AskedCell, ExactUniforms,
@@ -21,16 +21,16 @@ use umbrage_core::{
     math::{dot3, greater, lesser},
 };
 
-/// What receivers ask.
+/// Data that receivers query.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
     pub(super) uniforms: &'a ExactUniforms,
     pub(super) lists: &'a Lists,
-    /// Holes of casters; none if none has any.
+    /// Alpha test of the casters; `None` if none is alpha-tested.
     pub(super) holes: Option<CasterHoles<'a>>,
 }
 
-/// Fills `out`, as long as the span, with the light's visibility.
+/// Fills `out`, which is as long as the span, with the light's visibility.
 pub(super) fn look_up_span(simd: Simd, asked: Asked<'_>, span: &Span<'_>, out: &mut [f32]) {
     let Asked {
         uniforms,
@@ -52,8 +52,8 @@ pub(super) fn look_up_span(simd: Simd, asked: Asked<'_>, span: &Span<'_>, out: &
     }
 }
 
-/// Fills `out`, as long as the span, with the cells that are asked for its receivers: none where a
-/// receiver faces away from the light, or where nothing can be in its way.
+/// Fills `out`, which is as long as the span, with the cells that its receivers query. An entry is
+/// `None` if a receiver faces away from the light or nothing can block it.
 pub(super) fn cells_of_span(
     uniforms: &ExactUniforms,
     lists: &Lists,
@@ -89,7 +89,7 @@ pub(super) fn cells_of_span(
     }
 }
 
-/// Places a batch of receivers.
+/// Places a batch of receivers on the grid.
 fn place(
     simd: Simd,
     uniforms: &ExactUniforms,
@@ -111,37 +111,37 @@ fn place(
     }
 }
 
-/// How many receivers ask a list at once: neighbours in one cell are seldom more.
+/// Number of receivers that query a list at once; more neighbours are seldom in one cell.
 const LANES: usize = SEGMENT_LANES;
 
-/// The length of arrays with a number of each receiver of a batch: a last run that is not full
-/// reaches beyond the end.
+/// Length of arrays with a value for each receiver of a batch. A last partial run extends beyond
+/// the batch.
 const PADDED: usize = BATCH + LANES;
 
-/// Such an array.
+/// Array with a value for each receiver of a batch.
 type Numbers = [f32; PADDED];
 
-/// The rays of a batch of receivers, and where they fall on the grid.
+/// Rays of a batch of receivers, and their positions on the grid.
 struct Rays {
     segments: SegmentArrays<PADDED>,
     depth: Numbers,
-    /// The number of the tile; [`NO_TILE`] outside of the grid.
+    /// Number of the tile; [`NO_TILE`] outside the grid.
     tile: Lanes<i32>,
-    /// Across and down the tile, 0 to 1.
+    /// Position across and down the tile, 0 to 1.
     within: [Numbers; 2],
 }
 
-/// The greatest number below 1: times a small whole number, it is still less than that.
+/// Greatest number below 1. Its product with a small integer is still less than that integer.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// Numbers from here to twice this are whole.
+/// Least float from which, up to twice its value, all floats are integers.
 const WHOLE: f32 = 8_388_608.0;
 const WHOLE_BITS: u32 = 1 << 23;
 
-/// [`Rays::tile`] of receivers that face away from the light.
+/// Value of [`Rays::tile`] for receivers that face away from the light.
 const FACES_AWAY: i32 = -1;
 
-/// [`Rays::tile`] of receivers outside of the grid.
+/// Value of [`Rays::tile`] for receivers outside the grid.
 const NO_TILE: i32 = -2;
 
 impl Rays {
@@ -155,7 +155,7 @@ impl Rays {
     }
 }
 
-/// Places a batch of receivers.
+/// Task that places a batch of receivers on the grid.
 struct Place<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
@@ -171,8 +171,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
         let u = self.uniforms;
         let frame = *self.frame;
         let eye = u.eye.truncate();
-        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what
-        // it reads.
+        // Copy the inputs, so that the loop is vectorised: its outputs can't alias them.
         let receivers = *self.receivers;
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
@@ -181,19 +180,20 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
             let p = receivers.position(i);
             let n = receivers.normal(i);
             let o = ray_origin(p, n, eye, u.grid.w);
-            // As `segment` has it of a point.
+            // Compute the segment to a point as in `segment`.
             let d = if LAMP { (lamp - o) * SHORT } else { sun };
             // Receivers of a cell share the longest axis of their rays.
             let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
             let at = (point.on_face + frame.half) * frame.tiles_a_unit;
-            // A lamp's faces end where others begin. Written so that what is not a number is
-            // outside.
+            // Faces of a point light are adjacent, so every position is inside one. The comparison
+            // puts NaN outside.
             let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
             let x = lesser(greater(at.x, 0.0), wide * BELOW_ONE);
             let y = lesser(greater(at.y, 0.0), high * BELOW_ONE);
             let [tile_x, tile_y] = [x.floor(), y.floor()];
             let line = point.face as f32 * high + tile_y;
-            // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
+            // Adding 2^23 moves the integer into the lowest bits: a conversion without range
+            // checks.
             let tile = ((line * wide + tile_x + WHOLE).to_bits() & (WHOLE_BITS - 1)) as i32;
             out.segments.set(i, o, d);
             out.depth[i] = point.depth;
@@ -207,7 +207,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
     }
 }
 
-/// Answers for a batch.
+/// Task that computes the visibilities of a batch.
 struct Answer<'a> {
     lists: &'a Lists,
     holes: Option<CasterHoles<'a>>,
@@ -229,16 +229,18 @@ impl SimdTask for Answer<'_> {
             own: self.own,
         };
         let count = self.out.len();
+        // Start from the surfaces that face away.
         for (out, tile) in self.out.iter_mut().zip(&rays.tile) {
             *out = if *tile == FACES_AWAY { 0.0 } else { 1.0 };
         }
+        // Group neighbours in the same cell.
         let places = walk.find_cells();
         let mut runs = [Run::default(); BATCH];
         let run_count = find_runs(&places, count, &mut runs);
         let runs = &mut runs[..run_count];
-        // Memory is slow, and what is asked of it at once comes at once: so all heads are read
-        // before the first list, the first items of all lists before the rest of any, and the
-        // corners of many casters before the first test.
+        // Batch independent memory reads, which overlap. Read all heads before the first list, the
+        // first items of all lists before the rest of any, and the corners of many casters before
+        // the first test.
         for run in runs.iter_mut() {
             walk.read_head(run);
         }
@@ -246,6 +248,7 @@ impl SimdTask for Answer<'_> {
             walk.read_first_item(run);
         }
         walk.ask(runs, &places);
+        // Store the blocked receivers.
         for run in runs.iter() {
             let mut hidden = run.all & !run.open;
             while hidden != 0 {
@@ -257,20 +260,20 @@ impl SimdTask for Answer<'_> {
     }
 }
 
-/// Neighbours in the same cell, which ask its list together.
+/// Run of neighbours in the same cell, which query its list together.
 #[derive(Clone, Copy, Default)]
 struct Run {
-    /// The batch's number of the first, and how many they are.
+    /// Index of the first receiver in the batch, and their number.
     first: u8,
     count: u8,
-    /// A bit for each.
+    /// Bits of all receivers of the run.
     all: u32,
-    /// The bits of those that see the light, as far as is known.
+    /// Bits of the receivers that are not known to be blocked.
     open: u32,
     cell: u32,
     first_item: u32,
     end_item: u32,
-    /// The first item's word.
+    /// Word of the first item.
     first_word: u32,
     depth_base: f32,
     steps_a_depth: f32,
@@ -299,18 +302,17 @@ fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize
     found
 }
 
-/// A caster that may hide the light from some of a run.
+/// Caster that may hide the light from some receivers of a run.
 #[derive(Clone, Copy, Default)]
 struct Candidate {
     run: u32,
     caster: u32,
 }
 
-/// Most candidates that wait at a time.
+/// Maximum number of pending candidates.
 const WAITING: usize = 64;
 
-/// The cells of a batch of receivers, and where in them the receivers lie, as a part of their
-/// sides.
+/// Cells of a batch of receivers, and the receivers' positions in them as fractions of their sides.
 struct CellPlaces {
     cell: Lanes<u32>,
     across: Numbers,
@@ -327,10 +329,10 @@ impl CellPlaces {
     }
 }
 
-/// No cell: the receiver faces away, or lies outside of the grid.
+/// Value for receivers that face away or are outside the grid.
 const NO_CELL: u32 = u32::MAX;
 
-/// Returns the least and the greatest of the numbers of some receivers.
+/// Returns the least and the greatest of the receivers' values.
 #[inline(always)]
 fn range_of(numbers: &[f32]) -> [f32; 2] {
     let mut out = [numbers[0]; 2];
@@ -340,7 +342,7 @@ fn range_of(numbers: &[f32]) -> [f32; 2] {
     out
 }
 
-/// Returns the least and the greatest step of places in a cell, which are parts of its side.
+/// Returns the least and the greatest step of positions in a cell, which are fractions of its side.
 #[inline(always)]
 fn step_range(places: &[f32]) -> [u32; 2] {
     let [least, greatest] = range_of(places);
@@ -350,7 +352,7 @@ fn step_range(places: &[f32]) -> [u32; 2] {
     ]
 }
 
-/// Walks lists.
+/// Data for walking lists.
 struct Walk<'a> {
     lists: &'a Lists,
     holes: Option<CasterHoles<'a>>,
@@ -366,7 +368,7 @@ impl Walk<'_> {
         let mut first_cells = [0; BATCH];
         let mut sides_log2 = [0; BATCH];
         for i in 0..BATCH {
-            // Any tile, where a receiver has none.
+            // Use any tile for receivers without one.
             let tile = rays.tile[i].max(0) as usize;
             [first_cells[i], sides_log2[i]] = pair_at(&self.lists.tiles, tile);
         }
@@ -384,7 +386,7 @@ impl Walk<'_> {
         out
     }
 
-    /// Reads where a run's list is, and hides the light from those behind its cover.
+    /// Reads the location of a run's list, and blocks the receivers behind its cover.
     #[inline(always)]
     fn read_head(&self, run: &mut Run) {
         let cell = run.cell as usize;
@@ -407,7 +409,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Asks the lists of runs.
+    /// Queries the lists of runs.
     #[inline(always)]
     fn ask(&self, runs: &mut [Run], places: &CellPlaces) {
         let mut waiting = [Candidate::default(); WAITING];
@@ -420,10 +422,11 @@ impl Walk<'_> {
             let first = usize::from(run.first);
             let lanes = first..first + usize::from(run.count);
             let [_, deepest] = range_of(&self.rays.depth[lanes.clone()]);
-            // In front of all casters.
+            // Skip receivers in front of all casters.
             if deepest < run.depth_base {
                 continue;
             }
+            // Compute the query word of the run.
             let depth_step = (deepest - run.depth_base) * run.steps_a_depth;
             let depth_step = lesser(depth_step, KEY_STEPS - 1.0) as i32 as u32;
             let across = step_range(&places.across[lanes.clone()]);
@@ -437,6 +440,7 @@ impl Walk<'_> {
                 continue;
             }
             let own = self.own_of_all(&lanes);
+            // Walk the list, and collect candidates.
             for item in run.first_item..run.end_item {
                 let [caster, word] = pair_at(&self.lists.items, item as usize);
                 if ends_list(word, asking) {
@@ -456,8 +460,8 @@ impl Walk<'_> {
         self.ask_candidates(&waiting[..count], runs);
     }
 
-    /// Returns the triangle on which all of some receivers lie; none of the casters if they lie on
-    /// several.
+    /// Returns the triangle that contains all of some receivers. Returns no caster's id if they are
+    /// on several triangles.
     #[inline(always)]
     fn own_of_all(&self, lanes: &Range<usize>) -> u32 {
         let own = &self.own[lanes.clone()];
@@ -465,7 +469,7 @@ impl Walk<'_> {
         if is_one { own[0] } else { NO_TRIANGLE }
     }
 
-    /// Returns whether a ray, which meets a caster, meets it in a hole.
+    /// Returns whether a ray, which hits a caster, hits it at a transparent texel.
     #[inline(always)]
     fn is_hole_met(&self, ray: usize, caster: u32, corners: [Vec3; 3]) -> bool {
         let o = || self.rays.segments.origin(ray);
@@ -473,12 +477,11 @@ impl Walk<'_> {
             .is_some_and(|holes| holes.are_met(caster, corners, o()))
     }
 
-    /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle
-    /// apart.
+    /// Blocks those receivers of runs whose rays hit a candidate, except their own triangle.
     #[inline(always)]
     fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
-        // Corners lie all over memory. Reads that wait for nothing else come at once, so all are
-        // read before the first test.
+        // Corners are scattered over memory. Independent reads overlap, so read all before the
+        // first test.
         let mut corners = [[Vec3A::ZERO; 3]; WAITING];
         for (corners, candidate) in corners.iter_mut().zip(candidates) {
             let rows = &self.lists.corners[3 * candidate.caster as usize..][..3];
@@ -493,7 +496,7 @@ impl Walk<'_> {
                 continue;
             }
             let first = usize::from(run.first);
-            // Candidates of one run follow each other.
+            // Candidates of one run are consecutive.
             if asking != Some(candidate.run) {
                 asking = Some(candidate.run);
                 segments = self.rays.segments.four(first);
@@ -516,7 +519,7 @@ impl Walk<'_> {
     }
 }
 
-/// Returns the corner that a row of [`Lists::corners`] holds.
+/// Returns the corner in a row of [`Lists::corners`].
 #[inline(always)]
 fn corner(row: &[u32; 4]) -> Vec3A {
     Vec3A::from_vec4(Vec4::new(
@@ -527,14 +530,14 @@ fn corner(row: &[u32; 4]) -> Vec3A {
     ))
 }
 
-/// Returns 2 to the power of a small whole number, by a float's exponent.
+/// Returns 2 to the power of a small integer, by setting a float's exponent.
 #[inline(always)]
 fn two_to_the(power: u32) -> f32 {
     const EXPONENT_OF_ONE: u32 = 127;
     f32::from_bits((power + EXPONENT_OF_ONE) << 23)
 }
 
-/// Returns entry `i` of a table with two a row.
+/// Returns entry `i` of a table with two entries per row.
 #[inline(always)]
 fn pair_at(rows: &[[u32; 4]], i: usize) -> [u32; 2] {
     let row = &rows[i / 2];

@@ -1,10 +1,11 @@
-//! Lists that a device makes itself, from vertices that only it holds: by the passes in
-//! `on_device/`.
+//! Lists that a device builds from vertices that only it has, by the passes in `on_device/`.
 //!
-//! The same tables, for the same shader. What differs: every tile has as many cells, and as many as
-//! have room; receivers are not known beforehand, so that rays are lifted off them, and margins
-//! widened, for all within a few times the casters' distance; and a caster's edges are in 32 bits,
-//! with wider margins.
+//! The tables have the same layout, for the same shader. There are three differences:
+//!
+//! - Every tile has the same number of cells, which is limited by capacity.
+//! - Receivers are not known beforehand. Rays are lifted off them, and margins widened, for all
+//!   receivers within a few times the casters' distance.
+//! - Edges of casters use 32 bits, with wider margins.
 
 use super::{
     ExactKernel, ITEM_KEY,
@@ -19,40 +20,40 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Tiles along a sun's longer side; a lamp has half as many on each of its six faces. They are all
-/// alike, so that few will do.
+/// Number of tiles along a directional light's longer side; a point light has half as many on each
+/// of its six faces. All tiles have the same cells, so few are enough.
 const TILES: u32 = 8;
 
-/// How far receivers are taken to be from the camera at most: this many times the farthest casters.
+/// Greatest distance of receivers from the camera, as a multiple of that of the farthest casters.
 const RECEIVERS_REACH: f32 = 4.0;
 
-/// Cells along a tile's side, as a power of two: 256 along a sun's longer side, and 128 on each
-/// face of a lamp. On lavapipe, in four frames, making and asking lists takes .7 to .9 of what it
-/// does with twice as many, where all casters move.
+/// Number of cells along a tile's side, as a power of two. A directional light has 256 cells along
+/// its longer side, and a point light 128 on each face. On lavapipe, in four frames with all
+/// casters moving, building and querying lists takes .7 to .9 of the time with twice as many.
 const SIDE_LOG2: u32 = 5;
 
 uniforms! {
-    /// Where the grid of a device's lists lies. Twin of `ListsGrid` in touch.wgsl.
+    /// Grid of a device's lists. Twin of `ListsGrid` in touch.wgsl.
     pub struct ListsGrid {
-        /// World position of frame space's origin; w: what the triangle test is wrong by.
+        /// World position of frame space's origin; w: error of the triangle test.
         pub origin: Vec4,
-        /// First row of the matrix from the world, less the origin, to frame space; w: the least
-        /// margin.
+        /// First row of the matrix from the world, relative to the origin, to frame space; w: the
+        /// least margin.
         pub across: Vec4,
-        /// The second row; w: the margin in depth.
+        /// Second row; w: the margin in depth.
         pub down: Vec4,
-        /// The third row; w: what is subtracted from a sun's depth.
+        /// Third row; w: value subtracted from a directional light's depth.
         pub away: Vec4,
-        /// Half the size of a face, across and down; tiles a unit of a direction; distance from a
-        /// lamp within which casters may be anywhere.
+        /// Half the size of a face, across and down; tiles per unit of a direction; distance from a
+        /// point light within which casters may be anywhere.
         pub face: Vec4,
-        /// Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side
-        /// as a power of two.
+        /// Number of tiles of a face, across and down; 1 if the light has a position; number of
+        /// cells along a tile's side as a power of two.
         pub tiles: UVec4,
     }
 }
 
-/// Returns the recipe for casters of which only the box is known.
+/// Returns the recipe for casters of which only the bounding box is known.
 pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError> {
     view.validate()?;
     let reach = reach_around(view);
@@ -61,7 +62,7 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
     } else {
         view.casters.center()
     };
-    // A cube whose diagonal is the reach.
+    // Use a cube whose diagonal is the reach.
     let half = Vec3::splat(0.5 * reach / 3.0_f32.sqrt());
     let everything = Aabb {
         min: center - half,
@@ -86,7 +87,7 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
     })
 }
 
-/// Returns a distance that two points of the scene are surely apart at most, metres: a power of
+/// Returns an upper bound of the distance between two points of the scene, metres. It is a power of
 /// two, so that it stays the same while camera and casters move a little.
 fn reach_around(view: &View<'_>) -> f32 {
     let around = view.casters.union(&Aabb::around([view.camera.eye()]));

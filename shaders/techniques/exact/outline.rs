@@ -1,12 +1,12 @@
-//! A triangle's outline as seen from the light: three edges, as functions that are all above 1
-//! where a ray surely passes within the triangle, and one of them below -1 where it surely misses
-//! it; and the plane's depth. For triangles that are larger than a cell.
+//! Outline of a triangle as projected to the light, for triangles that are larger than a cell. The
+//! three edge functions are all above 1 where a ray surely passes within the triangle. One of them
+//! is below -1 where it surely misses it. The outline also has the plane's depth.
 //!
-//! Edge functions in homogeneous form (Olano and Greer 1997, "Triangle Scan Conversion using 2D
-//! Homogeneous Coordinates"): linear in a direction, whatever face of a cube it falls on, and right
-//! for triangles that reach behind the light. With h the corners' directions, the edge opposite to
-//! corner a is `h_b x h_c`; the plane is the combination of the three edges that has the corners'
-//! depths (for lamps: one over them, which is linear where depth isn't).
+//! Edge functions are in homogeneous form (Olano and Greer 1997, "Triangle Scan Conversion using 2D
+//! Homogeneous Coordinates"). They are linear in a direction on any face of a cube, and correct for
+//! triangles that extend behind the light. With the corners' directions h, the edge opposite to
+//! corner a is `h_b x h_c`. The plane is the combination of the three edges that has the corners'
+//! depths. For point lights it has one over the depths, which is linear where depth isn't.
 
 use super::light_frame::LightFrame;
 use umbrage_core::{
@@ -14,8 +14,8 @@ use umbrage_core::{
     glam::{DVec3, Vec3, Vec4},
 };
 
-/// The factors of a direction's coordinates: `x q.x + y q.y + z q.z`, lane by lane: three edges,
-/// then the depth of the plane, or one over it around a lamp.
+/// Factors of a direction's coordinates: `x q.x + y q.y + z q.z`, lane by lane. The lanes are three
+/// edges, then the depth of the plane, or one over it for a point light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outline {
     pub(super) x: Vec4,
@@ -23,18 +23,18 @@ pub(super) struct Outline {
     pub(super) z: Vec4,
 }
 
-/// An outline, and whether it knows its depth.
+/// Outline with the validity of its depth.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Traits {
     pub(super) outline: Outline,
-    /// Whether the plane says where the triangle lies in depth; else, as where it is steep or thin,
-    /// only the triangle test does.
+    /// True if the plane's depth is valid. If the plane is steep or the triangle thin, only the
+    /// triangle test is valid.
     pub(super) knows_depth: bool,
 }
 
 impl Outline {
-    /// Returns the same functions on a face of the cube around a lamp: factors of the coordinate
-    /// across, of that down, and a summand.
+    /// Returns the same functions on a face of the cube around a point light: factors of the
+    /// coordinates across and down, and a summand.
     #[inline(always)]
     pub(super) fn on_face(&self, is_lamp: bool, face: u32) -> [Vec4; 3] {
         let axes = [self.x, self.y, self.z];
@@ -56,9 +56,9 @@ pub(super) fn outline_of(frame: &LightFrame, geometry: &Geometry, triangle: u32)
     outline(frame, geometry.corners(triangle).map(|p| frame.place(p)))
 }
 
-/// Returns a triangle's outline, its corners in frame space.
+/// Returns a triangle's outline from its corners in frame space.
 pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
-    // Homogeneous directions, and what is linear in them: a sun's depth, or one over a lamp's.
+    // Compute homogeneous directions, and the depth that is linear in them.
     let mut directions = [DVec3::ZERO; 3];
     let mut depths = [0.0; 3];
     for (i, corner) in corners.iter().map(|c| c.as_dvec3()).enumerate() {
@@ -75,7 +75,7 @@ pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     let margin = frame.margin(nearest);
     let [a, b, c] = directions;
     let edges = [b.cross(c), c.cross(a), a.cross(b)];
-    // How long the edges are, across the rays.
+    // Measure the edges' lengths across the rays.
     let lengths = edges.map(|e| {
         if frame.is_lamp {
             e.length()
@@ -86,12 +86,11 @@ pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     let longest = lengths.iter().copied().fold(1e-300, f64::max);
     let whole = a.dot(edges[0]);
     let sign = if whole < 0.0 { -1.0 } else { 1.0 };
-    // Along a short edge the direction is known only roughly: at its far end the error is longest /
-    // length as large.
+    // Scale the edges by their error. A short edge has an uncertain direction; the error at its far
+    // end is longest / length as large.
     let scaled =
         [0, 1, 2].map(|i| edges[i] * (sign / (f64::from(margin) * (lengths[i] + longest))));
-    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of
-    // their shares.
+    // Fit the plane through the corners' depths. Its error is the sum of the edges' contributions.
     let shares = [0, 1, 2].map(|i| (depths[i] - depths[0]).abs() * lengths[i]);
     let slope = shares.iter().sum::<f64>() / whole.abs();
     let relative_slope = if frame.is_lamp {
@@ -99,6 +98,7 @@ pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     } else {
         slope
     };
+    // Use the plane's depth only if it is accurate.
     let is_anywhere = frame.is_at_lamp(nearest);
     let depth_margin = f64::from(frame.depth_margin());
     let knows_depth = !is_anywhere && relative_slope * f64::from(margin) <= 0.5 * depth_margin;
@@ -126,7 +126,7 @@ pub(super) fn distance_to_origin(corners: [Vec3; 3]) -> f32 {
     let [a, b, c] = corners;
     let low = a.min(b).min(c);
     let high = a.max(b).max(c);
-    // Of the box around it.
+    // Use the triangle's bounding box.
     let nearest = low.max(Vec3::ZERO) + high.min(Vec3::ZERO);
     nearest.length()
 }

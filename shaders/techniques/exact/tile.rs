@@ -1,4 +1,4 @@
-//! The lists of one tile's cells.
+//! Lists of the cells of one tile.
 
 use super::{
     item_key::{CellBox, KEY_STEPS, KEY_STEPS_LOG2, item_word},
@@ -11,47 +11,47 @@ use umbrage_core::{
     glam::{Vec2, Vec3, Vec4},
 };
 
-/// The most cells along a tile's side, as a power of two.
+/// Maximum number of cells along a tile's side, as a power of two.
 const FINEST: u32 = 7;
 
-/// Mean length of lists from which on finer cells are made, if they take fewer than so many times
-/// the items ([`WORTHWHILE`]).
+/// Mean list length from which finer cells are considered. They are used if the number of items
+/// grows by a factor below [`WORTHWHILE`].
 const LONG: f32 = 48.0;
 const WORTHWHILE: f32 = 2.0;
 
 /// One triangle of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Item {
-    /// Its place in the list of triangles.
+    /// Index in the list of triangles.
     pub(super) caster: u32,
-    /// Least depth that it has in the cell, less the margin.
+    /// Least depth in the cell, minus the margin.
     pub(super) nearest: f32,
-    /// The box around it in the cell, in [`KEY_STEPS`] of its side.
+    /// Bounding box in the cell, in [`KEY_STEPS`] of its side.
     pub(super) bounds: CellBox,
 }
 
-/// A cell's list.
+/// List of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
-    /// Its first item; its last one is before the next cell's first.
+    /// First item; the last one is before the next cell's first.
     pub(super) first: u32,
-    /// What is deeper is in shadow: the greatest depth, with the margin, of the nearest triangle
-    /// that covers the whole cell.
+    /// Depth beyond which everything is in shadow: the greatest depth, plus the margin, of the
+    /// nearest triangle that covers the whole cell.
     pub(super) covered_behind: f32,
-    /// Where the steps of depth begin, and one over their width.
+    /// Start of the depth steps, and one over their width.
     pub(super) depth_base: f32,
     pub(super) steps_a_depth: f32,
 }
 
-/// Where a tile's cells are.
+/// Cells of a tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tile {
     pub(super) first_cell: u32,
-    /// Cells along a side, as a power of two.
+    /// Number of cells along a side, as a power of two.
     pub(super) side_log2: u32,
 }
 
-/// Which tile.
+/// Position of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TilePlace {
     pub(super) face: u32,
@@ -59,33 +59,33 @@ pub(super) struct TilePlace {
     pub(super) y: u32,
 }
 
-/// The lists of some tiles.
+/// Lists of some tiles.
 #[derive(Debug, Default)]
 pub(super) struct TileLists {
     pub(super) tiles: Vec<Tile>,
     pub(super) cells: Vec<Cell>,
-    /// Caster, and [`item_word`].
+    /// Caster and its [`item_word`].
     pub(super) items: Vec<[u32; 2]>,
 }
 
-/// What making lists and asking them costs; only proportions matter.
+/// Relative costs of building and querying lists.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
-    /// One item of a list, made once.
+    /// Cost of building one item of a list.
     pub(super) item: f32,
-    /// One cell, made once.
+    /// Cost of building one cell.
     pub(super) cell: f32,
-    /// One item, asked once.
+    /// Cost of testing one item once.
     pub(super) test: f32,
-    /// How many receivers ask in a tile.
+    /// Number of receivers that query in a tile.
     pub(super) receivers: f32,
 }
 
-/// Memory that is used for one tile after the other.
+/// Scratch memory that is reused for each tile.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     touches: Vec<Touch>,
-    /// Items and their cells, in the order in which they are found.
+    /// Items and their cells, in the order of discovery.
     found: Vec<(u32, Item)>,
     counts: Vec<u32>,
     covered: Vec<f32>,
@@ -93,7 +93,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// Begins a tile: forgets the last one's touches.
+    /// Begins a tile and discards the previous one's touches.
     pub(super) fn clear(&mut self) {
         self.touches.clear();
     }
@@ -103,7 +103,7 @@ impl Scratch {
         self.touches.extend_from_slice(touches);
     }
 
-    /// Makes the tile's lists.
+    /// Builds the tile's lists.
     pub(super) fn finish(
         &mut self,
         frame: &LightFrame,
@@ -128,7 +128,8 @@ impl Scratch {
             let touch = self.touches[i];
             let range = CellRange::of(&touch, side_log2);
             if range.is_small() && !touch.is_large {
-                // Finding out which of the cells it leaves out costs more than asking it in vain.
+                // Use all cells: testing which of them it misses costs more than occasional useless
+                // tests.
                 for cell in range.cells() {
                     self.push(&touch, side_log2, cell, touch.nearest);
                 }
@@ -141,7 +142,7 @@ impl Scratch {
         self.emit(out);
     }
 
-    /// Adds a triangle to the cells that its outline touches, and notes which it covers, if it may.
+    /// Adds a triangle to the cells that its outline touches, and records the cells that it covers.
     fn add_by_outline(
         &mut self,
         frame: &LightFrame,
@@ -154,8 +155,8 @@ impl Scratch {
         let [across, down, summand] = traits.outline.on_face(frame.is_lamp, grid.face);
         let at_tile = summand + across * grid.low.x + down * grid.low.y;
         let [across, down] = [across * grid.step, down * grid.step];
-        // From the value at a cell's first corner to the greatest and the least in the cell: linear
-        // functions have them at corners.
+        // Compute the differences from a cell's first corner to the extremes, which are at corners
+        // for linear functions.
         let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
         let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
         for cell in CellRange::of(touch, side_log2).cells() {
@@ -191,7 +192,7 @@ impl Scratch {
         self.counts[number as usize] += 1;
     }
 
-    /// Sorts what was found by cell and depth, and leaves out what lies behind the cell's cover.
+    /// Sorts the found items by cell and depth, and drops those behind the cell's cover.
     fn emit(&mut self, out: &mut TileLists) {
         let Self {
             found,
@@ -200,8 +201,8 @@ impl Scratch {
             sorted,
             ..
         } = self;
-        // Where each cell's items go: the counts become ends, and by filling from the back
-        // beginnings.
+        // Compute the destination of each cell's items: the counts become ends, and filling from
+        // the back turns them into starts.
         let mut end = 0;
         for count in counts.iter_mut() {
             end += *count;
@@ -214,6 +215,7 @@ impl Scratch {
             *place -= 1;
             sorted[*place as usize] = item;
         }
+        // Write each cell's list, sorted by depth.
         for (i, &covered_behind) in covered.iter().enumerate() {
             let begin = counts[i] as usize;
             let end = counts
@@ -222,10 +224,12 @@ impl Scratch {
             let list = &mut sorted[begin..end];
             sort_by_depth(list);
             let first = out.items.len() as u32;
+            // Drop items behind the cover.
             let kept = list
                 .iter()
                 .take_while(|item| item.nearest <= covered_behind);
             let count = kept.count();
+            // Choose the depth steps.
             let depth_base = list.first().map_or(0.0, |item| item.nearest);
             let deepest = list[..count].last().map_or(0.0, |item| item.nearest);
             let steps_a_depth = (KEY_STEPS - 1.0) / (deepest - depth_base).max(f32::MIN_POSITIVE);
@@ -235,8 +239,8 @@ impl Scratch {
                 0.0
             };
             for item in &list[..count] {
-                // Rounded down, and no deeper than the receiver's own step, which is found by the
-                // same arithmetic: as it grows with depth, no caster is passed over.
+                // Round down, so that the step is no deeper than the receiver's own, which uses the
+                // same arithmetic. It grows with depth, so no caster is skipped.
                 let depth = ((item.nearest - depth_base) * steps_a_depth) as u32;
                 let word = item_word(item.bounds, depth.min(KEY_STEPS as u32 - 1));
                 out.items.push([item.caster, word]);
@@ -251,7 +255,7 @@ impl Scratch {
     }
 }
 
-/// Sorts a list, mostly a short one, from near to far.
+/// Sorts a list, which is mostly short, from near to far.
 fn sort_by_depth(list: &mut [Item]) {
     const SHORT: usize = 24;
     if list.len() > SHORT {
@@ -269,11 +273,11 @@ fn sort_by_depth(list: &mut [Item]) {
     }
 }
 
-/// Returns how finely a tile is best divided: the least of what its lists cost to make, which finer
-/// cells raise, and to ask, which they lower.
+/// Returns the best subdivision of a tile: the least total cost of building lists, which finer
+/// cells raise, and of querying, which they lower.
 fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
-    // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them in the mean (the
-    // area of its sum with a cell).
+    // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them on average (the
+    // area of its Minkowski sum with a cell).
     let steps = (1_u32 << STEPS) as f32;
     let mut widths = 0.0;
     let mut areas = 0.0;
@@ -299,7 +303,7 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
             best = side_log2;
         }
     }
-    // Most receivers may lie in few tiles, as near a camera: so lists are not left long where finer
+    // Most receivers may be in few tiles, as near a camera. So don't leave lists long if finer
     // cells shorten them.
     let is_long = |side_log2: u32| items(side_log2) > LONG * cells(side_log2);
     let shortens = |side_log2: u32| items(side_log2 + 1) < WORTHWHILE * items(side_log2);
@@ -309,12 +313,12 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
     best
 }
 
-/// Where a tile's cells lie on its face.
+/// Grid of a tile's cells on its face.
 struct CellGrid {
     face: u32,
-    /// The tile's first corner, in units of a direction.
+    /// First corner of the tile, in units of a direction.
     low: Vec2,
-    /// A cell's side.
+    /// Side of a cell.
     step: f32,
     side_log2: u32,
 }
@@ -332,7 +336,7 @@ impl CellGrid {
     }
 }
 
-/// The cells of a tile that a triangle's box touches.
+/// Cells of a tile that a triangle's box touches.
 #[derive(Clone, Copy)]
 struct CellRange {
     low: [u32; 2],
@@ -350,7 +354,7 @@ impl CellRange {
         }
     }
 
-    /// Returns whether it is at most two cells wide and high.
+    /// Returns whether the range is at most two cells wide and high.
     #[inline(always)]
     fn is_small(&self) -> bool {
         self.high[0] - self.low[0] <= 1 && self.high[1] - self.low[1] <= 1
@@ -364,7 +368,7 @@ impl CellRange {
     }
 }
 
-/// Returns a triangle's box cut to a cell.
+/// Returns a triangle's box clipped to a cell.
 #[inline(always)]
 fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> CellBox {
     // A cell has 32 steps of its tile or more.

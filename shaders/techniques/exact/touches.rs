@@ -1,4 +1,4 @@
-//! Which tiles of a frame's faces each triangle touches.
+//! Tiles of a frame's faces that each triangle touches.
 
 use super::{
     light_frame::LightFrame,
@@ -10,30 +10,30 @@ use umbrage_core::{
     math::{greater, lesser},
 };
 
-/// Steps along a tile's side in which boxes are kept, as a power of two.
+/// Number of box steps along a tile's side, as a power of two.
 pub(super) const STEPS: u32 = 12;
 
-/// A triangle in a tile.
+/// Triangle in a tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Touch {
-    /// Its place in the list of triangles.
+    /// Index in the list of triangles.
     pub(super) caster: u32,
-    /// Least depth on this face, less the margin.
+    /// Least depth on this face, minus the margin.
     pub(super) nearest: f32,
-    /// The box around it, cut to the tile, in steps.
+    /// Bounding box clipped to the tile, in steps.
     pub(super) low: [u16; 2],
     /// Inclusive.
     pub(super) high: [u16; 2],
-    /// Its area, in areas of a tile, that of other tiles included.
+    /// Area of the whole triangle, in areas of a tile.
     pub(super) area: f32,
-    /// Whether it is larger than a tile.
+    /// True if the triangle is larger than a tile.
     pub(super) is_large: bool,
 }
 
-/// The touches of some triangles, by tile.
+/// Touches of some triangles, by tile.
 #[derive(Debug, Default)]
 pub(super) struct TouchesByTile {
-    /// Where each tile's touches begin; one more at the end.
+    /// Start of each tile's touches; one more at the end.
     starts: Vec<u32>,
     touches: Vec<Touch>,
 }
@@ -44,7 +44,7 @@ impl TouchesByTile {
         &self.touches[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Finds which tiles some casters touch.
+    /// Finds the tiles that some casters touch.
     pub(super) fn find(
         frame: &LightFrame,
         geometry: &Geometry,
@@ -70,7 +70,7 @@ impl TouchesByTile {
     }
 }
 
-/// Touches in the order in which they are found, and the tile of each.
+/// Touches in the order of discovery, and the tile of each.
 struct Found<'a> {
     frame: &'a LightFrame,
     geometry: &'a Geometry,
@@ -103,17 +103,18 @@ impl Found<'_> {
         let frame = self.frame;
         let steps_a_unit = frame.tiles_a_unit * (1 << STEPS) as f32;
         let end = (frame.tiles << STEPS).as_ivec2();
-        // Rounded down from -1 on, and to a negative number below.
+        // Round down from -1 on, and to a negative number below.
         let to_step = |at: Vec2| {
             let steps = (at + frame.half) * steps_a_unit;
             (steps.max(Vec2::splat(-1e6)) + 1.0).as_ivec2() - 1
         };
         let low = to_step(bounds.low - margin);
         let high = to_step(bounds.high + margin);
-        // What lies beside a lamp's face shows on another one.
+        // Parts outside a point light's face are on another face.
         if high.cmplt(IVec2::ZERO).any() || low.cmpge(end).any() {
             return;
         }
+        // Clip the box to the face.
         let low = low.max(IVec2::ZERO).as_uvec2();
         let high = high.min(end - 1).as_uvec2();
         let [first, last] = [low >> STEPS, high >> STEPS];
@@ -126,12 +127,14 @@ impl Found<'_> {
             area: bounds.area * frame.tiles_a_unit * frame.tiles_a_unit,
             is_large: (high - low).max_element() > 1 << STEPS,
         };
+        // Use the outline of large triangles.
         let has_edges = touch.is_large && !bounds.is_anywhere;
         let mut on_face = [Vec4::ZERO; 3];
         if has_edges {
             let traits = outline_of(frame, self.geometry, caster);
             on_face = traits.outline.on_face(frame.is_lamp, face);
         }
+        // Add a touch for each tile.
         for y in first.y..=last.y {
             for x in first.x..=last.x {
                 let tile = UVec2::new(x, y);
@@ -150,7 +153,7 @@ impl Found<'_> {
         }
     }
 
-    /// Sorts by tile; within one, the order stays.
+    /// Sorts by tile, keeping the order within a tile.
     fn by_tile(self) -> TouchesByTile {
         let mut starts = vec![0; self.frame.tile_count() + 1];
         for &tile in &self.tiles {
@@ -170,7 +173,7 @@ impl Found<'_> {
     }
 }
 
-/// Returns whether a triangle's edges, as functions on the face, leave any of a tile.
+/// Returns whether a triangle's edges, as functions on the face, leave any part of a tile inside.
 fn touches_tile(frame: &LightFrame, on_face: &[Vec4; 3], tile: UVec2) -> bool {
     let side = 1.0 / frame.tiles_a_unit;
     let low = tile.as_vec2() * side - frame.half;
@@ -180,19 +183,19 @@ fn touches_tile(frame: &LightFrame, on_face: &[Vec4; 3], tile: UVec2) -> bool {
     greatest.truncate().cmpge(Vec3::NEG_ONE).all()
 }
 
-/// The box around what shows of a triangle on a face, in units of a direction, and its least depth.
+/// Bounds of a triangle's projection to a face, in units of a direction, and its least depth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceBounds {
     pub(super) low: Vec2,
     pub(super) high: Vec2,
     pub(super) nearest: f32,
     area: f32,
-    /// Of a triangle so near to a lamp that its edges mean nothing.
+    /// Set for a triangle so near to a point light that its edges are meaningless.
     pub(super) is_anywhere: bool,
 }
 
 impl FaceBounds {
-    /// Of a triangle at a lamp, which may lie anywhere.
+    /// Bounds of a triangle at a point light, which may be anywhere.
     pub(super) const ANYWHERE: Self = Self {
         low: Vec2::NEG_ONE,
         high: Vec2::ONE,
@@ -201,7 +204,7 @@ impl FaceBounds {
         is_anywhere: true,
     };
 
-    /// Returns what shows of a triangle under a sun.
+    /// Returns the projection of a triangle for a directional light.
     #[inline(always)]
     pub(super) fn under_sun(corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners;
@@ -217,17 +220,17 @@ impl FaceBounds {
         }
     }
 
-    /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond
-    /// its rim; none where nothing does. `corners` are relative to the lamp.
+    /// Returns the projection of a triangle to a face of the cube around a point light, and
+    /// slightly beyond its edge. Returns `None` if it is empty. `corners` are relative to the
+    /// light.
     pub(super) fn on_cube(face: u32, corners: [Vec3; 3], margin: f32) -> Option<Self> {
         let axis = face as usize / 2;
         let sign = if face % 2 == 1 { -1.0 } else { 1.0 };
-        // Across and down the face, and along its axis.
+        // Rotate to coordinates across, down and along the face's axis.
         let turned =
             corners.map(|c| Vec3::new(c[(axis + 1) % 3], c[(axis + 2) % 3], sign * c[axis]));
         let rim = 1.0 + 2.0 * margin;
-        // The four sides of the pyramid that is seen through the face, a little widened: positive
-        // within.
+        // Widen the four sides of the face's pyramid slightly; they are positive within.
         let sides: [fn(Vec3, f32) -> f32; 4] = [
             |v, rim| v.z * rim - v.x,
             |v, rim| v.z * rim + v.x,
@@ -252,7 +255,7 @@ impl FaceBounds {
         Self::around(&polygon)
     }
 
-    /// Returns the bounds of points in front of the lamp; none of no points.
+    /// Returns the bounds of points in front of the point light; `None` without points.
     fn around(points: &[Vec3]) -> Option<Self> {
         let mut out = Self {
             low: Vec2::INFINITY,
@@ -266,7 +269,7 @@ impl FaceBounds {
         let mut last = first;
         for v in points {
             let at = place(v);
-            // A fan around the first corner.
+            // Sum the areas of a fan around the first corner.
             out.area += 0.5 * (last - first).perp_dot(at - first).abs();
             last = at;
             out.low = out.low.min(at);
@@ -277,8 +280,8 @@ impl FaceBounds {
     }
 }
 
-/// Returns the part of a convex polygon where a linear function is not negative (Sutherland,
-/// Hodgman 1974, "Reentrant Polygon Clipping").
+/// Clips a convex polygon to where a linear function is not negative (Sutherland, Hodgman 1974,
+/// "Reentrant Polygon Clipping").
 fn clip(polygon: &[Vec3], side: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
     let mut out = Vec::new();
     for (i, &from) in polygon.iter().enumerate() {

@@ -1,12 +1,12 @@
-//! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field.
+//! Loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field.
 //!
-//! One vector lane per receiver: all receivers of a batch take their first tap, then all their
-//! second. Each lane adds up its taps in the shader's order, so both halves agree to the bit.
-//! Functions with the parameter `N` compute the first `N` lanes.
+//! There is one vector lane per receiver. All receivers of a batch take their first tap, then all
+//! take their second. Each lane adds its taps in the shader's order, so both halves agree bit for
+//! bit. Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "one index into many arrays: that is what compilers turn into vector lanes"
+    reason = "compilers vectorise one index into many arrays"
 )]
 
 use crate::{
@@ -18,35 +18,35 @@ use crate::{
 };
 use glam::Vec3;
 
-/// A receiver's bounds for the search and the filter, as differences of clip depth.
+/// Bounds of a receiver's search and filter, as differences of clip depth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PenumbraBounds {
-    /// The greatest difference that is followed.
+    /// Greatest difference that is followed.
     pub(crate) max: f32,
-    /// The difference that moves the light's rim by a texel.
+    /// Difference that moves the light's edge by a texel.
     pub(crate) texel: f32,
-    /// The difference over which blockers are searched.
+    /// Difference over which blockers are searched.
     pub(crate) search: f32,
     /// Heights of the light's points over the receiver's plane: see
     /// [`turned_heights`](crate::filtering::horizon::turned_heights).
     pub(crate) heights: Vec3,
 }
 
-/// The [`PenumbraBounds`] of up to [`BATCH`] receivers, in the order of their [`ReceiverLanes`], an
-/// array for each field.
+/// Values of [`PenumbraBounds`] of up to [`BATCH`] receivers, in the order of their
+/// [`ReceiverLanes`], with an array for each field.
 pub(crate) struct BoundsLanes {
     count: usize,
-    /// [`PenumbraBounds::max`].
+    /// Value of [`PenumbraBounds::max`].
     max: Lanes<f32>,
-    /// [`PenumbraBounds::texel`].
+    /// Value of [`PenumbraBounds::texel`].
     texel: Lanes<f32>,
-    /// [`PenumbraBounds::search`].
+    /// Value of [`PenumbraBounds::search`].
     search: Lanes<f32>,
-    /// x of [`PenumbraBounds::heights`]: the height of the light's middle.
+    /// Height of the light's centre: x of [`PenumbraBounds::heights`].
     height: Lanes<f32>,
-    /// y of [`PenumbraBounds::heights`]: the change of the height along the first half axis.
+    /// Change of the height along the first half axis: y of [`PenumbraBounds::heights`].
     height_u: Lanes<f32>,
-    /// z of [`PenumbraBounds::heights`]: the change of the height along the second half axis.
+    /// Change of the height along the second half axis: z of [`PenumbraBounds::heights`].
     height_v: Lanes<f32>,
 }
 
@@ -82,8 +82,8 @@ impl BoundsLanes {
     }
 }
 
-/// One tap of the pattern as each receiver shifts it: its place, -1..1, and its distance from the
-/// middle.
+/// Tap of the pattern after each receiver's shift: its position, -1..1, and its distance from the
+/// centre.
 struct ShiftedTap {
     x: Lanes<f32>,
     y: Lanes<f32>,
@@ -107,8 +107,9 @@ impl ShiftedTap {
     }
 }
 
-/// Step 2 and 3 of [`Pcss`](crate::Pcss): returns by how much blockers are nearer to the light than
-/// each receiver in the weighted mean, clip depth; the whole search where it found none.
+/// Computes steps 2 and 3 of [`Pcss`](crate::Pcss). Returns the weighted mean of how much nearer to
+/// the light the blockers are than each receiver, clip depth. Returns the whole search range if
+/// there are none.
 #[inline(always)]
 pub(crate) fn mean_nearer(
     map: &Comparisons<'_>,
@@ -146,10 +147,11 @@ fn mean_nearer_lanes<const N: usize>(
         for i in 0..N {
             let nearer = r.depth[i] - depths.stored[i];
             let lit = depths.receiver[i] <= depths.stored[i];
-            // Nearer by so much that the light's point through the tap is within the light.
+            // The blocker must be so much nearer that the light's point through the tap is within
+            // the light.
             let within_light = nearer >= search[i] * (m[i] * closer_by(m[i]));
             let hides = !lit & within_light;
-            // No penumbra is narrower than a texel; this also keeps the weight finite.
+            // Limit the penumbra to at least a texel; this also keeps the weight finite.
             let counted = if nearer > texel[i] { nearer } else { texel[i] };
             let weight = if hides {
                 tap_weight(m[i], counted)
@@ -171,16 +173,16 @@ fn mean_nearer_lanes<const N: usize>(
     mean
 }
 
-/// Counts of each receiver's filter taps that lie above its horizon.
+/// Number of each receiver's filter taps above its horizon.
 pub(crate) struct TapCounts {
-    /// Those through which the light is seen.
+    /// Number of lit taps.
     pub(crate) lit: Lanes<f32>,
-    /// All of them.
+    /// Number of all taps.
     pub(crate) above: Lanes<f32>,
 }
 
-/// Step 4 and 5 of [`Pcss`](crate::Pcss): returns the counts of taps for a penumbra that `mean`
-/// makes.
+/// Computes steps 4 and 5 of [`Pcss`](crate::Pcss): returns the counts of taps for the penumbra of
+/// `mean`.
 #[inline(always)]
 pub(crate) fn count_taps(
     map: &Comparisons<'_>,
@@ -225,7 +227,7 @@ fn count_taps_lanes<const N: usize>(
         let tap = ShiftedTap::new::<N>(r, tap);
         let hidden = hides::<N>(map, r, &axes, mean, &tap);
         for i in 0..N {
-            // The height of the light's point over the receiver's plane.
+            // Compute the height of the light's point over the receiver's plane.
             let tap_height = height[i] + height_u[i] * tap.x[i] + height_v[i] * tap.y[i];
             let counts = if tap_height > 0.0 { 1.0 } else { 0.0 };
             above[i] += counts;
@@ -235,8 +237,8 @@ fn count_taps_lanes<const N: usize>(
     TapCounts { lit, above }
 }
 
-/// Returns 1 where something hides the light's point at the tap, else 0: what is found there, or,
-/// if that is too low to be in the ray's way, what the ray passes where it is as low.
+/// Returns 1 if the light's point at the tap is hidden, else 0. A surface at the tap that is too
+/// low to block the ray is looked up again where the ray is at its height.
 #[inline(always)]
 fn hides<const N: usize>(
     map: &Comparisons<'_>,
@@ -263,7 +265,8 @@ fn hides<const N: usize>(
     }
     let lower = map.depths_at_point::<N>(r, &r.axes.scaled(&nearer), &tap.x, &tap.y);
     for i in 0..N {
-        // A solid caster is wide below: it is at least half as high where the ray is as low.
+        // A solid caster is wide at its base: it is at least half as high where the ray is at that
+        // height.
         let lit = lower.receiver[i] <= lower.stored[i];
         let as_high = r.depth[i] - lower.stored[i] >= nearer[i] * 0.5;
         hidden[i] |= low[i] & u32::from(!lit & as_high);

@@ -4,22 +4,21 @@ use crate::techniques::planar::matrix::exact;
 use glam::{DMat4, DVec3, DVec4};
 use umbrage_core::{Faces, Geometry, light_sample::SHORT};
 
-/// Triangles within this angle (sine) of the light's ray are seen edge-on from there and hide
-/// nothing.
+/// Triangles within this angle (sine) of the light's ray are edge-on to it and hide nothing.
 const EDGE_ON: f64 = 1e-6;
 
-/// The slab between a plane and the light, in which casters throw shadows on the plane.
+/// Slab between a plane and the light, in which casters cast shadows on the plane.
 struct Slab {
     plane: DVec4,
     light: DVec4,
-    /// Just above the plane, so that what lies in it is no caster.
+    /// Just above the plane, so that triangles in it do not cast.
     low: f64,
-    /// Just below the light, as rays end before it; infinite for directions.
+    /// Just below the light, where rays end; infinite for directions.
     high: f64,
 }
 
 /// Returns all casters' shadows on a plane (unit normal towards the light), as points on it.
-/// Casters are cut where they cross the plane and where they rise above the light.
+/// Casters are clipped at the plane and at the light's height.
 pub(crate) fn flatten_casters(
     geometry: &Geometry,
     plane: DVec4,
@@ -60,8 +59,8 @@ fn add_shadow(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
 }
 
 impl Slab {
-    /// Returns the part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon
-    /// clipping".
+    /// Returns the part of a triangle inside the slab: Sutherland and Hodgman 1974, "Reentrant
+    /// polygon clipping".
     fn clip(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
         let heights = corners.map(|p| self.height(p));
         let all_below = heights.iter().all(|&h| h <= self.low);
@@ -94,7 +93,7 @@ impl Slab {
 }
 
 /// Returns the part of a polygon where `inside` is not negative. Crossings are measured from the
-/// inner end, whichever way the edge is walked, so that neighbours get the same one.
+/// inner end for both edge directions, so that neighbours get the same one.
 fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (i, &p) in polygon.iter().enumerate() {
@@ -115,7 +114,7 @@ fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     out
 }
 
-/// Returns where an edge crosses the border, given what `inside` says of its ends.
+/// Returns the intersection of an edge with the border, from the values of `inside` at its ends.
 fn crossing(inner: DVec3, at_inner: f64, outer: DVec3, at_outer: f64) -> DVec3 {
     inner.lerp(outer, at_inner / (at_inner - at_outer))
 }
@@ -157,8 +156,8 @@ mod tests {
         assert_eq!(shadows(through, lamp), Faces::default(), "seen edge-on");
     }
 
-    /// A triangle from below the floor to above the lamp becomes a quad on the floor, in front of
-    /// the lamp.
+    /// A triangle from below the floor to above the light becomes a quad on the floor, in front of
+    /// the light.
     #[test]
     fn casters_that_cross_are_cut_on_both_sides() {
         let out = shadows(
@@ -172,7 +171,7 @@ mod tests {
                 .all(|v| v.w == 1.0 && v.y.abs() < 1e-3 && v.x > 0.999_999),
             "{out:?}"
         );
-        // At the floor it stands where it is: half way along its upper edges' first quarter.
+        // At the floor it keeps its position: halfway along the first quarter of its upper edges.
         assert!(
             out.vertices
                 .iter()

@@ -1,30 +1,31 @@
-//! The planes that receive shadows.
+//! Planes that receive shadows.
 
 use crate::shading::facing::turned_away;
 use glam::{DVec3, DVec4, Vec4};
 use umbrage_core::{Camera, Geometry, Receivers, View};
 
-/// Triangles lie in one plane if their corners are within this fraction of the geometry's greatest
-/// coordinate of it: 2^-20, 8 units in the last place, what placing an instance may round.
+/// Tolerance of planes: triangles are in one plane if their corners are within this fraction of the
+/// geometry's greatest coordinate of it. 2^-20 is 8 units in the last place, the rounding of an
+/// instance transform.
 pub(crate) const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
 
-/// The plane number of triangles in no plane.
+/// Plane number of triangles in no plane.
 pub(crate) const NO_PLANE: u32 = u32::MAX;
 
-/// Planes, and which receiving triangle lies in which.
+/// Planes, and the plane of each receiving triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Planes {
     /// (n, d) with `n . p + d = 0`: unit normal towards the light, metres.
     pub(crate) planes: Vec<DVec4>,
-    /// For each receiving triangle an index or [`NO_PLANE`].
+    /// Plane index or [`NO_PLANE`] for each receiving triangle.
     pub(crate) of_triangle: Vec<u32>,
-    /// How far from a plane its points may be, metres.
+    /// Greatest distance of a plane's points from it, metres.
     pub(crate) tolerance: f64,
 }
 
 impl Planes {
-    /// Returns the planes of the receiving triangles that the camera sees on the side that the
-    /// light is on, the largest triangle's first. Stops once there are more than `max_count`.
+    /// Finds the planes of the receiving triangles that the camera views from the light's side, the
+    /// largest triangle's first. Stops once there are more than `max_count`.
     pub(crate) fn find(
         view: &View<'_>,
         geometry: &Geometry,
@@ -58,8 +59,7 @@ impl Planes {
         out
     }
 
-    /// Returns the index of the plane in which a triangle lies. Adds the triangle's own plane if
-    /// none of the known ones holds it.
+    /// Returns the index of a triangle's plane. Adds the plane if it is not known yet.
     fn plane_of(&mut self, geometry: &Geometry, triangle: u32, light: Vec4) -> u32 {
         let corners = geometry.corners(triangle).map(|p| p.as_dvec3().extend(1.0));
         for (i, plane) in (0..).zip(&self.planes) {
@@ -76,7 +76,7 @@ impl Planes {
     }
 }
 
-/// Returns a triangle's normal, as long as twice the area.
+/// Returns a triangle's normal, whose length is twice the area.
 fn normal(geometry: &Geometry, triangle: u32) -> DVec3 {
     let [a, b, c] = geometry.corners(triangle).map(|p| p.as_dvec3());
     (b - a).cross(c - a)
@@ -87,7 +87,7 @@ fn seen_lit(geometry: &Geometry, receivers: &Receivers, light: Vec4) -> Vec<u32>
     let mut seen = vec![false; geometry.triangles().len()];
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
         if turned_away(light, receivers.position(i), receivers.normal(i)) == 0 {
-            // Receivers may be the caller's: ids that name nothing are passed over.
+            // Receivers may come from the caller: skip unknown ids.
             if let Some(seen) = seen.get_mut(receivers.triangle[i] as usize) {
                 *seen = true;
             }
@@ -110,8 +110,8 @@ fn facing_both(geometry: &Geometry, camera: &Camera, light: Vec4) -> Vec<u32> {
         .collect()
 }
 
-/// Returns on which side of a triangle's plane a homogeneous point or direction is: positive in
-/// front, negative behind.
+/// Returns the side of a triangle's plane that contains a homogeneous point or direction: positive
+/// in front, negative behind.
 fn side(geometry: &Geometry, triangle: u32, point: Vec4) -> f64 {
     let corner = geometry.corners(triangle)[0].as_dvec3();
     let point = point.as_dvec4();

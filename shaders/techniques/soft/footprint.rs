@@ -1,13 +1,13 @@
-//! Where on the lattice boxes and triangles show, as seen from some neighbours together: bounds of
-//! rows and of places in them.
+//! Projection of boxes and triangles onto the lattice for a group of neighbours: bounds of rows and
+//! of positions in them.
 //!
-//! With P and Q from point to point and from row to row, and C towards the light's middle, the
-//! vector d leads to the point `C + P x + Q y` of the light's plane for `x = d.(Q x C) / w`,
-//! `y = d.(C x P) / w`, `w = d.(P x Q)` (Cramer's rule). Bounds of the three products over a box
-//! bound x and y. From other receivers, up to `reach` away from the one in the middle, d differs by
-//! as much; and to a lamp the way differs in length, which `slack` allows for. Cautious: what shows
-//! lies within the bounds, by a margin that is far more than what is rounded, here and in the
-//! functions of `hidden.rs`.
+//! Let P and Q be the steps from point to point and from row to row, and C the vector to the
+//! light's centre. The vector d leads to the point `C + P x + Q y` of the light's plane for
+//! `x = d.(Q x C) / w`, `y = d.(C x P) / w`, `w = d.(P x Q)` (Cramer's rule). Bounds of the three
+//! products over a box bound x and y. For other receivers, up to `reach` away from the central one,
+//! d differs by as much. The distance to a light with a position also differs, which `slack`
+//! covers. Bounds are conservative. Their margin is far more than the rounding errors here and in
+//! the functions of `hidden.rs`.
 
 use super::{
     lattice::{Lattice, Lattices, MAX_ROWS},
@@ -24,45 +24,46 @@ use umbrage_core::{
 /// The WGSL half.
 pub(super) const FOOTPRINT: Module = module!("soft_footprint", "footprint.wgsl");
 
-/// Wider by this part of a point's distance from the next.
+/// Margin, as a fraction of the distance between points.
 const MARGIN: f32 = 0.01;
 
-/// And by this part of the light's distance (2^-17).
+/// Additional margin, as a fraction of the light's distance (2^-17).
 const DISTANCE_MARGIN: f32 = 1.0 / 131_072.0;
 
-/// Where the way to a lamp differs by more than this part, nothing is bounded.
+/// Greatest relative difference of distances to a light with a position for which bounds are
+/// computed.
 const MOST_SLACK: f32 = 0.25;
 
-/// How boxes are projected onto a lattice.
+/// Projection of boxes onto a lattice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Footprint {
-    /// The receiver in the middle, and how far the others are away along each axis.
+    /// Central receiver, and the greatest distance of the others along each axis.
     origin: Vec3,
     reach: Vec3,
-    /// `Q x C`, `C x P`, `P x Q`.
+    /// Products `Q x C`, `C x P`, `P x Q`.
     factors: [Vec3; 3],
-    /// Place and row of the light's middle.
+    /// Position and row of the light's centre.
     middle: Vec2,
-    /// In points and rows.
+    /// Margin in points and rows.
     margin: Vec2,
-    /// What w is multiplied with, at least and at most.
+    /// Minimum and maximum factor of w.
     slack: [f32; 2],
-    /// Whether anything can be bounded.
+    /// True if any bounds are valid.
     is_bounded: bool,
     last_row: f32,
 }
 
-/// Bounds of places and rows, of four things at once.
+/// Bounds of positions and rows, for four things at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     places: [Vec4; 2],
     rows: [Vec4; 2],
-    /// A bit for each that may show anywhere.
+    /// Bits of the things that are unbounded.
     pub(super) anywhere: u32,
 }
 
 impl Footprint {
-    /// That of nobody: it bounds nothing.
+    /// Footprint without receivers, which bounds nothing.
     pub(super) const NOTHING: Self = Self {
         origin: Vec3::ZERO,
         reach: Vec3::ZERO,
@@ -74,8 +75,9 @@ impl Footprint {
         last_row: 0.0,
     };
 
-    /// `plane` is that of the receiver at `origin`; the others are up to `reach` away, and their
-    /// lights' points, seen from it, up to `shift` from its own.
+    /// Returns the footprint for the receiver at `origin`, whose light plane is `plane`. The other
+    /// receivers are up to `reach` away. Their lights' points, relative to it, are up to `shift`
+    /// from its own.
     #[inline(always)]
     pub(super) fn new<const LAMP: bool>(
         origin: Vec3,
@@ -100,8 +102,8 @@ impl Footprint {
         } else {
             0.0
         };
-        // Rows that are shifted begin up to one point later, and so much lie points deeper than
-        // along their rows.
+        // Account for shifted rows: they begin up to one point later, and their points are deeper
+        // by the same amount than along the rows.
         let row_shift = Vec2::new(lattices.shift, lattices.shift / lattices.rows as f32);
         let cell = Mat2::from_cols(lattice.step, lattice.rise);
         let middle = -(cell.inverse() * lattice.origin);
@@ -113,8 +115,8 @@ impl Footprint {
             middle,
             margin: from_distance + MARGIN + row_shift,
             slack: [1.0 - slack, 1.0 + slack],
-            // Seen from the side, or of no extent, it bounds nothing; the comparison is false of
-            // what is not a number.
+            // A light that is edge-on or without extent bounds nothing. The comparison is false for
+            // NaN.
             is_bounded: slack < MOST_SLACK && largest < 1e6,
             last_row: (lattices.rows - 1) as f32,
         }
@@ -136,7 +138,7 @@ impl Footprint {
         self.bounds(products)
     }
 
-    /// Returns bounds of points, each of which may lie `reach` aside.
+    /// Returns bounds of points with a tolerance of `reach`.
     #[inline(always)]
     pub(super) fn of_points(&self, x: Vec4, y: Vec4, z: Vec4) -> Bounds {
         let [x, y, z] = [x - self.origin.x, y - self.origin.y, z - self.origin.z];
@@ -171,7 +173,7 @@ impl Footprint {
         }
     }
 
-    /// Returns the rows of one of the things that were bounded, and the bits of its places in them.
+    /// Returns the rows of one of the bounded things, and the bits of its positions in them.
     #[inline(always)]
     pub(super) fn part(&self, bounds: &Bounds, which: usize) -> Part {
         if bounds.anywhere >> which & 1 == 1 {
@@ -186,8 +188,7 @@ impl Footprint {
         )
     }
 
-    /// Returns the rows of the first three things that were bounded, and of all that lies between
-    /// them.
+    /// Returns the rows of the convex hull of the first three bounded things.
     #[inline(always)]
     pub(super) fn part_of_three(&self, bounds: &Bounds) -> Part {
         if bounds.anywhere & 0b111 != 0 {
@@ -223,7 +224,7 @@ impl Footprint {
     }
 }
 
-/// Some rows of a lattice, and bits of the same places in each.
+/// Range of rows of a lattice, and bits of the same positions in each.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Part {
     pub(super) rows: Range<usize>,

@@ -1,10 +1,10 @@
-// Twin of footprint.rs, of one receiver.
+// Twin of footprint.rs for one receiver.
 
-// As footprint.rs has them.
+// Equal to the constants in footprint.rs.
 const FOOTPRINT_MARGIN = 0.01;
 const DISTANCE_MARGIN = 7.6293945e-6;
 
-// Where on the lattice boxes and triangles show.
+// Projection of boxes and triangles onto the lattice.
 struct Footprint {
     start: vec3f,
     along: vec3f,
@@ -35,13 +35,13 @@ fn footprint_of(o: vec3f, plane: LightPlane, lattice: Lattice) -> Footprint {
     return Footprint(o, product3(along, signs), product3(down, signs), product3(away, signs), vec2f(place, row), margin, is_bounded);
 }
 
-// Bits of some rows of a lattice, and bits of the same places in each.
+// Bits of some rows of a lattice, and bits of the same positions in each.
 struct Part {
     rows: u32,
     places: u32,
 }
 
-// Bits from `first` to `last`, 0 to 30.
+// Returns the bits from `first` to `last`, 0 to 30.
 fn bits_between(first: f32, last: f32) -> u32 {
     return ((2u << u32(last)) - 1u) & ~((1u << u32(first)) - 1u);
 }
@@ -75,13 +75,13 @@ fn products(f: Footprint, p: vec3f) -> vec3f {
     return vec3f(dot3(f.along, d), dot3(f.down, d), dot3(f.away, d));
 }
 
-// The rows in which a triangle shows; the products are those of its corners.
+// Returns the rows of a triangle's projection from the products of its corners.
 fn part_of_corners(f: Footprint, a: vec3f, b: vec3f, c: vec3f) -> Part {
     let least = min(a.z, min(b.z, c.z));
     if !(least > 0.0) {
         return part_between(f, vec3f(least), vec3f(least));
     }
-    // As if the corners' quotients were products, with 1 as the third.
+    // Treat the corners' quotients as products with 1 as the third.
     let at_a = a.xy / a.z;
     let at_b = b.xy / b.z;
     let at_c = c.xy / c.z;

@@ -1,25 +1,25 @@
-//! What a triangle hides of a light from one point: linear functions over the light's plane,
+//! Part of a light that a triangle hides from one point: linear functions over the light's plane,
 //! evaluated for whole rows of points.
 //!
-//! With the corners a, b, c relative to the receiver, the ray along d passes the triangle if d lies
-//! on the same side of the three planes through the receiver and an edge: if `(a x (b - a)) . d`
-//! and so on have the sign of the volume `a . ((b - a) x (c - a))` (Möller and Trumbore 1997,
-//! "Fast, Minimum Storage Ray/Triangle Intersection", in homogeneous form). The rays to a light's
-//! points are linear in two coordinates ([`LightPlane`]), and so are these functions, and that
-//! which tells whether the triangle's plane comes before the light.
+//! Let a, b, c be the corners relative to the receiver. The ray along d passes the triangle if d is
+//! on the same side of the three planes through the receiver and an edge. That is,
+//! `(a x (b - a)) . d` and so on have the sign of the volume `a . ((b - a) x (c - a))` (Möller and
+//! Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", in homogeneous form). The rays
+//! to a light's points are linear in two coordinates ([`LightPlane`]), and so are these functions.
+//! The test whether the triangle's plane is before the light is linear, too.
 //!
-//! * A function that is negative all over the light: the triangle hides nothing of it, and no
-//!   sample is needed.
-//! * Else, row by row: each function changes its sign at one place of a row, and a row's hidden
-//!   points are a run of bits (Kalbertodt's bit masks, 2023, one row at a time; Eisemann and
-//!   Décoret 2007, "Visibility Sampling on GPU and Applications", sample light sources by bit masks
-//!   of edges, too).
+//! - If a function is negative all over the light, the triangle hides nothing, and no sample is
+//!   needed.
+//! - Otherwise each function changes its sign at one position of a row, and a row's hidden points
+//!   are a run of bits (Kalbertodt's bit masks, 2023, one row at a time). Eisemann and Décoret
+//!   2007, "Visibility Sampling on GPU and Applications", also sample light sources by bit masks of
+//!   edges.
 //!
-//! **No gaps.** Corners are taken in one order by all triangles ([`sorted`]), so neighbours have
-//! the same function for the edge between them, but for its sign, to the last bit; where it is 0,
-//! both hide the point. **Not from afar.** An edge's function takes the edge's own vector, whose
-//! error is in proportion to its length: so where a triangle is small or far away its functions err
-//! by a few roundings of the distance, not of its inverse.
+//! **No gaps.** All triangles use the same order of corners ([`sorted`]). So neighbours have the
+//! same function for their common edge, except for its sign, to the last bit. Where it is 0, both
+//! hide the point. **No distance amplification.** An edge's function uses the edge's own vector,
+//! whose error is proportional to its length. So functions of small or distant triangles have an
+//! error of a few roundings of the distance, not of its inverse.
 
 use super::{
     lattice::{Lattice, MAX_ROWS},
@@ -35,7 +35,7 @@ use umbrage_core::{
 /// The WGSL half.
 pub(super) const HIDDEN: Module = module!("soft_hidden", "hidden.wgsl");
 
-/// Returns a triangle's corners in an order that follows from their coordinates alone.
+/// Returns a triangle's corners in an order that depends only on their coordinates.
 #[inline(always)]
 pub(super) fn sorted(corners: [Vec3; 3]) -> [Vec3; 3] {
     let [a, b, c] = corners;
@@ -51,7 +51,7 @@ fn in_order(a: Vec3, b: Vec3) -> [Vec3; 2] {
     if is_before { [a, b] } else { [b, a] }
 }
 
-/// A triangle: two of its corners, and the vectors of its edges and across its plane.
+/// Triangle: two of its corners, the vectors of its edges, and its normal vector.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Caster {
     a: Vec3,
@@ -79,22 +79,22 @@ impl Caster {
     }
 }
 
-/// How many receivers look at a triangle together.
+/// Number of receivers that process a triangle together.
 pub(super) const LANES: usize = 8;
 
-/// A number of each.
+/// One value per receiver.
 pub(super) type Numbers = [f32; LANES];
 
-/// A vector of each.
+/// One vector per receiver.
 pub(super) type Vectors = [Numbers; 3];
 
-/// Returns the vector of one of them.
+/// Returns the vector of one receiver.
 #[inline(always)]
 fn vector_of(vectors: &Vectors, lane: usize) -> Vec3 {
     Vec3::new(vectors[0][lane], vectors[1][lane], vectors[2][lane])
 }
 
-/// Receivers, and the light as each of them sees it.
+/// Receivers, and the light relative to each of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seers {
     origin: Vectors,
@@ -105,7 +105,7 @@ pub(super) struct Seers {
 }
 
 impl Seers {
-    /// Nobody.
+    /// No receivers.
     pub(super) const NONE: Self = {
         const ZERO: Vectors = [[0.0; LANES]; 3];
         Self {
@@ -129,7 +129,7 @@ impl Seers {
         ]
     }
 
-    /// Makes receiver `lane` the one at `o` on a surface with normal `n`.
+    /// Sets receiver `lane` to the one at `o` on a surface with normal `n`.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, o: Vec3, n: Vec3, plane: &LightPlane) {
         for axis in 0..3 {
@@ -142,8 +142,8 @@ impl Seers {
     }
 }
 
-/// A linear function over the light's plane, one for each receiver: points may be hidden where it
-/// is not negative.
+/// Linear function over the light's plane, one per receiver. Points may be hidden where it is not
+/// negative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Functions {
     middle: Numbers,
@@ -158,7 +158,7 @@ impl Functions {
         along_v: [0.0; LANES],
     };
 
-    /// Makes the function of receiver `lane` that of the vectors' components along `normal`.
+    /// Sets the function of receiver `lane` to the vectors' components along `normal`.
     #[inline(always)]
     fn set(&mut self, lane: usize, normal: Vec3, seers: &Seers) {
         self.middle[lane] = dot3(normal, vector_of(&seers.center, lane));
@@ -166,18 +166,18 @@ impl Functions {
         self.along_v[lane] = dot3(normal, vector_of(&seers.v, lane));
     }
 
-    /// Returns by how much the function differs from its value in the middle at most, from -1 to 1
-    /// both ways.
+    /// Returns the greatest difference of the function from its value at the centre, over -1 to 1
+    /// in both coordinates.
     #[inline(always)]
     fn reach(&self, lane: usize) -> f32 {
         self.along_u[lane].abs() + self.along_v[lane].abs()
     }
 }
 
-/// Functions that grow less than this along a row grow by this.
+/// Least absolute growth along a row; smaller values are replaced by it.
 const LEAST_GROWTH: f32 = 1e-30;
 
-/// A function of each receiver, and how it grows along rows.
+/// Function of each receiver, and its growth along rows.
 #[derive(Clone, Copy, Debug)]
 struct Cuts {
     functions: Functions,
@@ -198,8 +198,8 @@ impl Cuts {
         Self { functions, inverse }
     }
 
-    /// Lessens a row's runs of places, from `since` to `until`, to those where the functions are
-    /// not negative. `first` is the row's first point.
+    /// Narrows a row's runs of positions, from `since` to `until`, to where the functions are not
+    /// negative. `first` is the row's first point.
     #[inline(always)]
     fn cut(&self, first: Vec2, since: &mut Numbers, until: &mut Numbers) {
         let f = &self.functions;
@@ -213,19 +213,19 @@ impl Cuts {
     }
 }
 
-/// Behind the last place of a row.
+/// Position behind the last one of a row.
 const ALL_PLACES: f32 = MAX_ROWS as f32;
 
-/// Words of bits, one for each receiver.
+/// Words of bits, one per receiver.
 pub(super) type Words = [u32; LANES];
 
 /// All bits.
 pub(super) const ALL: u32 = u32::MAX;
 
-/// Which points of each receiver's light are open, row by row.
+/// Points of each receiver's light that are not hidden, row by row.
 pub(super) type Open = [Words; MAX_ROWS];
 
-/// Closes the points below the receivers' own planes.
+/// Hides the points below the receivers' own planes.
 #[inline(always)]
 pub(super) fn close_below_horizon(seers: &Seers, lattice: &Lattice, rows: usize, open: &mut Open) {
     let mut heights = Functions::ZERO;
@@ -238,7 +238,7 @@ pub(super) fn close_below_horizon(seers: &Seers, lattice: &Lattice, rows: usize,
         let mut until = [ALL_PLACES; LANES];
         cuts.cut(lattice.first_of(row), &mut since, &mut until);
         for i in 0..LANES {
-            // All may be level: then the light lies in the plane.
+            // If all heights are level, the light is in the plane.
             let is_up = heights.middle[i] + heights.reach(i) > 0.0;
             open[i] &= if is_up {
                 run_of_bits(since[i], until[i])
@@ -249,19 +249,19 @@ pub(super) fn close_below_horizon(seers: &Seers, lattice: &Lattice, rows: usize,
     }
 }
 
-/// What a triangle hides of each receiver's light.
+/// Part of each receiver's light that a triangle hides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shade {
     cuts: [Cuts; FUNCTIONS],
-    /// All bits for receivers of whose light it may hide something, else none.
+    /// All bits for receivers with a light that the triangle may hide partly, else none.
     may_hide: Words,
 }
 
-/// How many functions a triangle has: its edges, and its plane.
+/// Number of functions per triangle: its edges, and its plane.
 const FUNCTIONS: usize = 4;
 
 impl Shade {
-    /// Nobody's.
+    /// Shade of no triangle.
     pub(super) const NONE: Self = Self {
         cuts: [Cuts {
             functions: Functions::ZERO,
@@ -270,8 +270,8 @@ impl Shade {
         may_hide: [0; LANES],
     };
 
-    /// Finds the functions of a triangle. Returns whether it may hide something from those who are
-    /// `asking` (all bits set). `LAMP`: the light has a position.
+    /// Finds the functions of a triangle. Returns whether it may hide something from the receivers
+    /// that are `asking` (all bits set). `LAMP`: the light has a position.
     #[inline(always)]
     pub(super) fn find<const LAMP: bool>(
         &mut self,
@@ -283,6 +283,7 @@ impl Shade {
         let mut functions = [Functions::ZERO; FUNCTIONS];
         let mut may_hide = [0; LANES];
         let mut any = 0;
+        // Set the functions of each receiver.
         for i in 0..LANES {
             let o = vector_of(&seers.origin, i);
             let a = caster.a - o;
@@ -294,13 +295,13 @@ impl Shade {
             bc.set(i, cross3(b, caster.b_to_c) * sign, seers);
             ac.set(i, cross3(a, caster.a_to_c) * -sign, seers);
             let greatest = |f: &Functions| f.middle[i] + f.reach(i);
-            // Seen from its side it hides nothing.
+            // A triangle viewed edge-on hides nothing.
             let mut least = if volume == 0.0 { -1.0 } else { 0.0 };
             least = lesser(least, greatest(ab));
             least = lesser(least, greatest(bc));
             least = lesser(least, greatest(ac));
             if LAMP {
-                // Where the triangle's plane comes before the light.
+                // Test whether the triangle's plane is before the light.
                 before.set(i, caster.across * sign, seers);
                 before.middle[i] -= volume * sign;
                 least = lesser(least, greatest(before));
@@ -311,6 +312,7 @@ impl Shade {
         if any == 0 {
             return false;
         }
+        // Prepare the functions for rows of points.
         self.may_hide = may_hide;
         let count = if LAMP { FUNCTIONS } else { FUNCTIONS - 1 };
         for (cuts, functions) in self.cuts[..count].iter_mut().zip(&functions) {
@@ -319,7 +321,7 @@ impl Shade {
         true
     }
 
-    /// Closes what the triangle hides of a row. `first` is the row's first point.
+    /// Hides the points of a row that the triangle covers. `first` is the row's first point.
     #[inline(always)]
     pub(super) fn close<const LAMP: bool>(&self, first: Vec2, open: &mut Words) {
         let covered = self.covered::<LAMP>(first);
@@ -345,7 +347,8 @@ impl Shade {
     }
 }
 
-/// Returns the bits of the whole places from `since`, at least 0, to `until`, at most [`MAX_ROWS`].
+/// Returns the bits of the integer positions from `since`, at least 0, to `until`, at most
+/// [`MAX_ROWS`].
 #[inline(always)]
 fn run_of_bits(since: f32, until: f32) -> u32 {
     let first = whole(lesser(since.ceil(), ALL_PLACES));
@@ -353,8 +356,8 @@ fn run_of_bits(since: f32, until: f32) -> u32 {
     1_u32.wrapping_shl(after).wrapping_sub(1) & !1_u32.wrapping_shl(first).wrapping_sub(1)
 }
 
-/// Returns a whole number from 0 on as an integer: 2^23 more has it in its lowest bits, a
-/// conversion that knows no bounds.
+/// Converts a non-negative integer value to an integer. Adding 2^23 moves it into the lowest bits,
+/// a conversion without range checks.
 #[inline(always)]
 fn whole(x: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
@@ -367,7 +370,7 @@ mod tests {
     use super::*;
     use crate::techniques::soft::lattice::{Domain, Lattices};
 
-    /// A deterministic number from -1 to 1.
+    /// Returns a deterministic number from -1 to 1.
     fn noise(state: &mut u32) -> f32 {
         *state = umbrage_core::light_sample::hash(*state);
         *state as f32 / 2_147_483_648.0 - 1.0
@@ -393,7 +396,7 @@ mod tests {
         }
     }
 
-    /// The open points of each receiver behind some triangles, row by row.
+    /// Returns the open points of each receiver behind some triangles, row by row.
     fn open_behind<const LAMP: bool>(
         triangles: &[[Vec3; 3]],
         seers: &Seers,
@@ -412,8 +415,8 @@ mod tests {
         std::array::from_fn(|lane| std::array::from_fn(|row| open[row][lane]))
     }
 
-    /// What is hidden is what double precision finds of each point, but for points at the rim; a
-    /// lamp's casters end at the lamp.
+    /// Compares with double-precision tests of each point, except near the edges of triangles. A
+    /// light with a position is not hidden by casters behind it.
     #[test]
     fn bits_are_those_of_single_rays() {
         let lattices = Lattices::new(Domain::Square, 15);
@@ -448,7 +451,7 @@ mod tests {
         assert!(seen.iter().all(|&count| count > 50_000), "{seen:?}");
     }
 
-    /// Whether a segment meets a triangle, in double precision; none near its rim.
+    /// Returns whether a segment hits a triangle, in double precision; `None` near its edges.
     fn hits(o: Vec3, d: Vec3, corners: [Vec3; 3]) -> Option<bool> {
         let [a, b, c] = corners.map(|p| (p - o).as_dvec3());
         let d = d.as_dvec3();
@@ -463,8 +466,8 @@ mod tests {
         Some(slack.iter().all(|&s| s > 0.0))
     }
 
-    /// Two triangles with a common edge leave no point of it open, and what both hide together
-    /// hangs on no order.
+    /// Two triangles with a common edge leave no open point on it. The result does not depend on
+    /// their order.
     #[test]
     fn neighbours_leave_no_gap() {
         let lattices = Lattices::new(Domain::Disc, 31);
@@ -478,7 +481,8 @@ mod tests {
                 u: Vec3::new(0.1, 0.0, -0.01),
                 v: Vec3::new(0.0, 0.1, -0.02),
             };
-            // A quadrilateral that hides all of the light, cut by an edge through its middle.
+            // Build a quadrilateral that hides the whole light, split by an edge through its
+            // centre.
             let middle = o + plane.center * scale * (2.0 + noise(&mut state));
             let side = vector(&mut state).cross(plane.center).normalize() * scale;
             let other = side.cross(plane.center).normalize() * scale;

@@ -1,8 +1,8 @@
-// Twin of hidden.rs, of one receiver and triangles with sorted corners (table_1).
+// Twin of hidden.rs for one receiver and triangles with sorted corners (table_1).
 
 const LEAST_GROWTH = 1e-30;
 
-// A linear function over the light's plane: not negative where it lets points be hidden.
+// Linear function over the light's plane. Points may be hidden where it is not negative.
 struct Function {
     middle: f32,
     along_u: f32,
@@ -17,8 +17,8 @@ fn function_reach(f: Function) -> f32 {
     return abs(f.along_u) + abs(f.along_v);
 }
 
-// Where along a row a function changes its sign: a root, and whether the function is not negative
-// from there on, or up to there.
+// Sign change of a function along a row: a root, and whether the function is not negative from
+// there on, or up to there.
 struct Cut {
     f: Function,
     inverse: f32,
@@ -36,27 +36,26 @@ fn root_of(cut: Cut, first: vec2f) -> f32 {
     return -at_first * cut.inverse;
 }
 
-// Lessens the places of a row, from x to y, to those where the function is not negative.
+// Narrows the positions of a row, from x to y, to those where the function is not negative.
 fn narrowed(run: vec2f, cut: Cut, first: vec2f) -> vec2f {
     let root = root_of(cut, first);
     return select(vec2f(run.x, min(run.y, root)), vec2f(max(run.x, root), run.y), cut.rises);
 }
 
-// The whole places from `since`, at least 0, to `until`, at most MAX_ROWS.
+// Returns the bits of the integer positions from `since`, at least 0, to `until`, at most MAX_ROWS.
 fn run_of_bits(since: f32, until: f32) -> u32 {
     let first = u32(min(ceil(since), f32(MAX_ROWS)));
     let after = u32(min(max(floor(until) + 1.0, 0.0), f32(MAX_ROWS)));
     return ((1u << after) - 1u) & ~((1u << first) - 1u);
 }
 
-// The light's points that nothing is known to hide, a word for each row; and the rows that have
-// any.
+// Light points that are not known to be hidden, a word for each row; and the rows that have any.
 //
 // Loops are kept short here: see `SHORT_LOOPS` in umbrage-wgpu's drivers.rs.
 var<private> open: array<u32, MAX_ROWS>;
 var<private> open_rows: u32;
 
-// Whether any of a part may be open: two rows are looked at, others are taken for open.
+// Returns whether any point of a part may be open. Two rows are tested; others count as open.
 fn is_part_open(part: Part) -> bool {
     var rows = part.rows & open_rows;
     if rows == 0u {
@@ -75,8 +74,7 @@ fn is_part_open(part: Part) -> bool {
     return (rows & (rows - 1u)) != 0u;
 }
 
-// What of the light lies above a receiver's plane is open, as far as the lattice has points there.
-// Returns whether any is.
+// Opens the lattice points above a receiver's plane. Returns whether there are any.
 fn open_above_horizon(normal: vec3f, plane: LightPlane, lattice: Lattice) -> bool {
     let height = function_across(normal, plane);
     if !(height.middle + function_reach(height) > 0.0) {
@@ -93,8 +91,8 @@ fn open_above_horizon(normal: vec3f, plane: LightPlane, lattice: Lattice) -> boo
     return open_rows != 0u;
 }
 
-// Hides what a triangle hides. What it hides of what its outline covers is said in no_holes.wgsl or
-// holes.wgsl.
+// Hides the points that a triangle hides. no_holes.wgsl or holes.wgsl selects them from those that
+// its outline covers.
 fn hide(f: Footprint, plane: LightPlane, lattice: Lattice, row: u32) {
     let a_at = bitcast<vec3f>(table_1[row].xyz);
     let b_at = bitcast<vec3f>(table_1[row + 1u].xyz);

@@ -1,8 +1,8 @@
-//! Holes of casters: a triangle hides no point of the light whose ray passes it in a hole that an
-//! alpha texture cut out.
+//! Alpha test of casters: a triangle does not hide points of the light whose rays pass it at a
+//! transparent texel.
 //!
-//! Which points a triangle's outline covers is found row by row (`hidden.rs`); those of a triangle
-//! with holes are asked one by one, by the rule that rays have (core's `cut_out.rs`).
+//! `hidden.rs` finds the points that a triangle's outline covers, row by row. Those of an
+//! alpha-tested triangle are then tested one by one, by the rule for rays (core's `cut_out.rs`).
 
 use super::{
     hidden::{LANES, Seers, Shade, Words},
@@ -10,13 +10,13 @@ use super::{
 };
 use umbrage_core::{CutOuts, Module, glam::Vec3, module};
 
-/// What a triangle hides where none has holes.
+/// WGSL variant without alpha-tested casters.
 pub(super) const NO_HOLES: Module = module!("soft_no_holes", "no_holes.wgsl");
 
 /// The WGSL half.
 pub(super) const HOLES: Module = module!("soft_holes", "holes.wgsl");
 
-/// A triangle with holes.
+/// Alpha-tested triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf<'a> {
     pub(super) cut_outs: &'a CutOuts,
@@ -25,7 +25,7 @@ pub(super) struct Leaf<'a> {
 }
 
 impl<'a> Leaf<'a> {
-    /// Returns a triangle that has holes; none if it has none.
+    /// Returns an alpha-tested triangle; `None` if it is opaque.
     #[inline(always)]
     pub(super) fn new(cut_outs: Option<&'a CutOuts>, id: u32, corners: [Vec3; 3]) -> Option<Self> {
         let cut_outs = cut_outs?;
@@ -36,7 +36,7 @@ impl<'a> Leaf<'a> {
         })
     }
 
-    /// Closes what the triangle hides of a row. `shade` is the triangle's.
+    /// Hides the points of a row that the triangle hides. `shade` is the triangle's.
     pub(super) fn close<const LAMP: bool>(
         &self,
         shade: &Shade,

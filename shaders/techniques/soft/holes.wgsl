@@ -1,14 +1,14 @@
-// Twin of holes.rs: what a triangle hides where casters have holes (table_4). table_3 has the
-// triangles as rays meet them: the fourth word of one's second row is the row of its record in the
-// table of holes, 0 if it has none.
+// Twin of holes.rs: points that a triangle hides if casters are alpha-tested (table_4). table_3 has
+// the triangles for ray tests. The fourth word of a triangle's second row is the row of its record
+// in table_4, 0 if it is opaque.
 //
-// Points are asked four a turn, as turns are few (hidden.wgsl).
+// Four points are tested per iteration, to keep loops short (see hidden.wgsl).
 
 fn cut_out_row(i: u32) -> vec4u {
     return table_4[i];
 }
 
-// A triangle with holes, and whence it is seen.
+// Alpha-tested triangle, and the receiver's position.
 struct Leaf {
     a: vec3f,
     b: vec3f,
@@ -17,7 +17,8 @@ struct Leaf {
     o: vec3f,
 }
 
-// The lowest of some bits of a row, unless the ray to its point passes through a hole.
+// Returns the lowest of some bits of a row, unless the ray to its point passes at a transparent
+// texel.
 fn lowest_met(bits: u32, leaf: Leaf, plane: LightPlane, first: vec2f, step: vec2f) -> u32 {
     if bits == 0u {
         return 0u;

@@ -1,14 +1,14 @@
-//! The points of a light at which its visibility is asked: lattices in rows, another one for each
-//! group of a few neighbouring pixels.
+//! Points of a light at which its visibility is tested: lattices in rows. Each group of a few
+//! adjacent pixels has another lattice.
 //!
-//! A row's points are a line's, evenly spaced. So what a linear function hides of a row is all up
-//! to some point or all from some point on, and a division finds it for the whole row.
+//! The points of a row are evenly spaced on a line. So a linear function hides all points of a row
+//! up to some point or from some point on, and a division finds it for the whole row.
 //!
-//! Over a disc: a square lattice, turned by an angle of its own and shifted. Over a parallelogram:
-//! rows that rise by one row's height from end to end and begin a golden section of a step further
-//! each, so that no two points have the same coordinates; mirrored, and rows and columns exchanged.
-//! Of straight edges in random places both err by about [`ERROR_OF_ONE`] times the number of points
-//! to the power of -3/4, as scrambled (0, 2)-nets do.
+//! For a disc: a square lattice, rotated by its own angle and shifted. For a parallelogram: rows
+//! that rise by one row's height from end to end. Each begins a golden section of a step further,
+//! so that no two points have the same coordinates. Lattices are also mirrored, and rows and
+//! columns exchanged. For straight edges at random positions, the error of both is about
+//! [`ERROR_OF_ONE`] times the number of points to the power of -3/4, like scrambled (0, 2)-nets.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -20,54 +20,57 @@ use umbrage_core::{
 /// The WGSL half.
 pub(super) const LATTICE: Module = module!("soft_lattice", "lattice.wgsl");
 
-/// Most rows, and most points of a row: a bit each, and one for what lies behind the last.
+/// Maximum number of rows, and of points of a row: a bit each, and one for the position after the
+/// last.
 pub(super) const MAX_ROWS: usize = 31;
 
-/// Lattices; each group of pixels has one of them by its noise.
+/// Number of lattices; a group of pixels selects one by its noise.
 pub(super) const LATTICES: u32 = 64;
 
-/// Rows of a table before those of a lattice's own rows.
+/// Number of table rows before those of a lattice's own rows.
 const HEAD: usize = 2;
 
-/// The root mean square error at straight edges is about this times the points to the power of
-/// [`ERROR_POWER`]: simulated over 3,000 random edges each for 8 and 16 rows, .33 to .35 over
-/// discs, .35 to .40 over squares (.11 to .14 for edges along their sides).
+/// Root mean square error at straight edges for one point. With more points it is multiplied by
+/// their number to the power of minus [`ERROR_POWER`]. Simulated over 3,000 random edges each for 8
+/// and 16 rows: .33 to .35 over discs, .35 to .40 over squares (.11 to .14 for edges along their
+/// sides).
 pub(super) const ERROR_OF_ONE: f32 = 0.35;
 
-/// The power of the number of points with which errors at straight edges fall.
+/// Power of the number of points with which errors at straight edges decrease.
 pub(super) const ERROR_POWER: f32 = 0.75;
 
-/// Divides a circle, or a step, so that multiples are spread evenly: one over the golden section.
+/// Fraction of a circle, or a step, whose multiples are evenly distributed: one over the golden
+/// ratio.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// One over the root of x^3 = x + 1, and its square: likewise in two dimensions (Roberts 2018, "The
-/// Unreasonable Effectiveness of Quasirandom Sequences").
+/// One over the root of x^3 = x + 1, and its square: the two-dimensional equivalent (Roberts 2018,
+/// "The Unreasonable Effectiveness of Quasirandom Sequences").
 const PLASTIC: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
 
-/// What the points are spread over.
+/// Area of the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Domain {
     /// The unit disc.
     Disc,
-    /// From -1 to 1 both ways.
+    /// Square from -1 to 1 in both coordinates.
     Square,
 }
 
 /// One lattice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
-    /// The first points of the rows.
+    /// First points of the rows.
     pub(super) u: [f32; MAX_ROWS],
     pub(super) v: [f32; MAX_ROWS],
-    /// A bit for each point of a row that lies in the domain, the first in the lowest place.
+    /// Bits of the points of a row that are in the domain, the first in the lowest bit.
     pub(super) bits: [u32; MAX_ROWS],
-    /// From one point of a row to the next.
+    /// Vector from one point of a row to the next.
     pub(super) step: Vec2,
-    /// From row to row, but for what rows are shifted by.
+    /// Vector from row to row, without the shift of rows.
     pub(super) rise: Vec2,
-    /// Where the first row's first point is, but for that.
+    /// First point of the first row, without the shift.
     pub(super) origin: Vec2,
-    /// The number of points.
+    /// Number of points.
     pub(super) points: u32,
 }
 
@@ -83,13 +86,13 @@ impl Lattice {
 #[derive(Clone, Debug)]
 pub(super) struct Lattices {
     pub(super) rows: u32,
-    /// Rows are shifted by up to so many points.
+    /// Greatest shift of rows, in points.
     pub(super) shift: f32,
     all: Arc<[Lattice]>,
 }
 
 impl Lattices {
-    /// Makes the lattices of `rows` rows, 1 to [`MAX_ROWS`].
+    /// Creates the lattices of `rows` rows, 1 to [`MAX_ROWS`].
     pub(super) fn new(domain: Domain, rows: u32) -> Self {
         let make = |number| match domain {
             Domain::Disc => over_disc(rows, number),
@@ -112,7 +115,7 @@ impl Lattices {
         &self.all[(noise % LATTICES) as usize]
     }
 
-    /// Returns the share of the points in whose cells one straight edge may lie, at most.
+    /// Returns the greatest fraction of the points whose cells one straight edge can cross.
     pub(super) fn bound(&self) -> f32 {
         let crossed = 2 * self.rows - 1;
         let fewest = self.all.iter().map(|lattice| lattice.points).min();
@@ -120,8 +123,8 @@ impl Lattices {
         (crossed as f32 / points as f32).min(1.0)
     }
 
-    /// Returns them as rows of a table: for each lattice its step and rise, its origin and number
-    /// of points, then each row's first point and bits.
+    /// Returns the rows of a table. For each lattice, they hold its step and rise, its origin and
+    /// number of points, then each row's first point and bits.
     pub(super) fn table(&self) -> Vec<[u32; 4]> {
         let mut out = Vec::with_capacity(self.all.len() * (HEAD + self.rows as usize));
         for lattice in self.all.iter() {
@@ -144,15 +147,15 @@ impl Lattices {
 pub(super) fn rows_for(error: f32, domain: Domain) -> u32 {
     let points = (ERROR_OF_ONE / error).powf(1.0 / ERROR_POWER);
     let rows = match domain {
-        // The part of the square around it.
+        // Convert to the number of points in the square around the disc.
         Domain::Disc => (points / std::f32::consts::FRAC_PI_4).sqrt(),
         Domain::Square => points.sqrt(),
     };
     (rows.ceil() as u32).clamp(1, MAX_ROWS as u32)
 }
 
-/// Returns a lattice over the points that `holds` holds. `at` places a row's point, both counted as
-/// numbers with fractions; row `row` is shifted by `shift(row)` points.
+/// Returns a lattice of the points for which `holds` is true. `at` returns the point for a row and
+/// a position, both possibly fractional. Row `row` is shifted by `shift(row)` points.
 fn lattice(
     rows: u32,
     at: impl Fn(f64, f64) -> DVec2,
@@ -202,7 +205,7 @@ fn over_disc(rows: u32, number: u32) -> Lattice {
     if out.points > 0 {
         return out;
     }
-    // One or two rows, all of them outside: the middle.
+    // If all points of one or two rows are outside, use the centre.
     lattice(
         1,
         |row, place| DVec2::new(place, row),
@@ -211,7 +214,8 @@ fn over_disc(rows: u32, number: u32) -> Lattice {
     )
 }
 
-/// A little less than the disc, so that rounding takes no point beyond its rim.
+/// Squared radius slightly smaller than the disc's, so that rounding moves no point beyond its
+/// edge.
 const DISC_RADIUS_SQUARED: f64 = 0.999_999;
 
 fn over_square(rows: u32, number: u32) -> Lattice {
@@ -247,7 +251,7 @@ fn over_square(rows: u32, number: u32) -> Lattice {
 mod tests {
     use super::*;
 
-    /// The coordinates of all points.
+    /// Returns the coordinates of all points.
     fn points(lattices: &Lattices, number: u32) -> Vec<Vec2> {
         let lattice = lattices.of_noise(number);
         let mut out = Vec::new();
@@ -263,8 +267,8 @@ mod tests {
         out
     }
 
-    /// Root mean square errors over all lattices and edges in all directions are what is promised,
-    /// and bounded.
+    /// Root mean square errors over all lattices, for edges in all directions, meet the requested
+    /// error and the bound.
     #[test]
     fn edges_err_as_promised() {
         for domain in [Domain::Disc, Domain::Square] {
@@ -294,7 +298,7 @@ mod tests {
         }
     }
 
-    /// The part of the domain that lies beyond a line, by many thin strips along it.
+    /// Returns the fraction of the domain beyond a line, from many thin strips along it.
     fn share_beyond(domain: Domain, normal: Vec2, edge: f32) -> f32 {
         const STRIPS: i32 = 4000;
         let mut inside = 0.0;
@@ -305,7 +309,7 @@ mod tests {
                 Domain::Disc => (1.0 - y * y).sqrt(),
                 Domain::Square => 1.0,
             };
-            // Where x n.x + y n.y > edge, for x from -half to half.
+            // The line's part is where x n.x + y n.y > edge, for x from -half to half.
             let [from, to] = if normal.x > 0.0 {
                 [(edge - y * normal.y) / normal.x, half]
             } else {

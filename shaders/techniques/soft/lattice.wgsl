@@ -1,11 +1,11 @@
 // Twin of lattice.rs: reads the lattices' table (table_2).
 
-// Most rows, and most points of a row.
+// Maximum number of rows, and of points of a row.
 const MAX_ROWS = 31;
-// Neighbours across the image that share a lattice.
+// Number of horizontally adjacent pixels that share a lattice.
 const NEIGHBOURS = 8u;
 
-// A lattice: where its rows begin in table_2, and its vectors.
+// Lattice: the start of its rows in table_2, and its vectors.
 struct Lattice {
     at: u32,
     points: u32,

@@ -1,5 +1,5 @@
-//! A light as seen from a receiver: the plane in which its points lie, so that what hides them is a
-//! linear function of two coordinates.
+//! Plane of a light's points relative to a receiver. In it, hidden points are given by linear
+//! functions of two coordinates.
 
 use super::lattice::Domain;
 use umbrage_core::{
@@ -13,8 +13,9 @@ use umbrage_core::{
 /// The WGSL half.
 pub(super) const LIGHT_PLANE: Module = module!("soft_light_plane", "light_plane.wgsl");
 
-/// Vectors from a receiver: the light's point (x, y) of the unit disc, or from -1 to 1 both ways,
-/// is at `center + u * x + v * y`. Those to suns have no length that means anything.
+/// Vectors from a receiver to the light. The light's point (x, y) of the unit disc, or of -1 to 1
+/// in both coordinates, is at `center + u * x + v * y`. The length of vectors to directional lights
+/// is meaningless.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LightPlane {
     pub(super) center: Vec3,
@@ -23,16 +24,17 @@ pub(super) struct LightPlane {
 }
 
 impl LightPlane {
-    /// That of nobody.
+    /// Plane without a receiver.
     pub(super) const NOWHERE: Self = Self {
         center: Vec3::ZERO,
         u: Vec3::ZERO,
         v: Vec3::ZERO,
     };
 
-    /// Returns the plane as seen from `o`. `slope` is the tangent of half a sun's angular diameter.
+    /// Returns the plane relative to `o`. `slope` is the tangent of half a directional light's
+    /// angular diameter.
     ///
-    /// Points of lamps are at [`SHORT`] of the way, as those of rays are.
+    /// Points of lights with a position are at [`SHORT`] of the distance, like the ends of rays.
     #[inline(always)]
     pub(super) fn seen_from(s: &LightSampler, slope: f32, o: Vec3) -> Self {
         let center = s.center.truncate();
@@ -64,12 +66,12 @@ impl LightPlane {
     }
 }
 
-/// Returns whether a light has a position, so that casters may lie beyond it.
+/// Returns whether a light has a position, so that casters may be beyond it.
 pub(super) fn is_lamp(s: &LightSampler) -> bool {
     s.shape.x != kind::DIRECTION && s.shape.x != kind::CAP
 }
 
-/// Returns over what a light's points are spread.
+/// Returns the domain of a light's points.
 pub(super) fn domain_of(s: &LightSampler) -> Domain {
     if s.shape.x == kind::RECT {
         Domain::Square
@@ -78,12 +80,12 @@ pub(super) fn domain_of(s: &LightSampler) -> Domain {
     }
 }
 
-/// Returns how far the light reaches from its middle along each axis: metres, or for suns as a part
-/// of the way.
+/// Returns the extent of the light from its centre along each axis: metres, or a fraction of the
+/// distance for directional lights.
 pub(super) fn spread_of(s: &LightSampler, slope: f32) -> Vec3 {
     let u = s.half_u.truncate().abs();
     let v = s.half_v.truncate().abs();
-    // The least box around an ellipse.
+    // Compute the bounding box of an ellipse.
     let around_ellipse = (u * u + v * v).map(f32::sqrt);
     match s.shape.x {
         kind::CAP => around_ellipse * slope,

@@ -1,8 +1,8 @@
-//! The CPU half of the kernel: neighbours walk through the hierarchy together, in vector lanes.
+//! CPU half of the kernel: neighbours traverse the hierarchy together, in vector lanes.
 //!
-//! The walk leaves out what shows only where nothing is open any more on the lattice of any of
-//! them: so behind casters that hide a lot it ends soon, and of a fine mesh it looks at those
-//! triangles alone that may hide a point.
+//! The traversal skips nodes that project only to lattice points that are no longer open for any
+//! neighbour. So it ends early behind large casters, and in a fine mesh it visits only triangles
+//! that may hide a point.
 
 use super::{
     SoftUniforms,
@@ -19,21 +19,21 @@ use umbrage_core::{
     light_sample::{SHORT, ray_origin, seed},
 };
 
-/// What is asked.
+/// Data of a search.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
     pub(super) uniforms: &'a SoftUniforms,
     pub(super) lattices: &'a Lattices,
     pub(super) bvh: &'a Bvh,
-    /// Holes of casters; none if none has any.
+    /// Alpha test of the casters; `None` if none is alpha-tested.
     pub(super) cut_outs: Option<&'a CutOuts>,
 }
 
-/// Fills `out`, as long as the span, with the light's visibility.
+/// Fills `out`, which is as long as the span, with the light's visibility.
 pub(super) fn look_up_span(simd: Simd, search: &Search<'_>, span: &Span<'_>, out: &mut [f32]) {
     let mut first = 0;
     while first < out.len() {
-        // Pixels that share a lattice.
+        // Process pixels that share a lattice together.
         let x = span.first.x as usize + first;
         let count = (LANES - x % LANES).min(out.len() - first);
         let group = Neighbours {
@@ -51,7 +51,7 @@ pub(super) fn look_up_span(simd: Simd, search: &Search<'_>, span: &Span<'_>, out
     }
 }
 
-/// Some of a span's receivers, and room for their answers.
+/// Some receivers of a span, and the storage for their visibilities.
 struct Neighbours<'a> {
     search: &'a Search<'a>,
     span: &'a Span<'a>,
@@ -59,7 +59,7 @@ struct Neighbours<'a> {
     out: &'a mut [f32],
 }
 
-/// Looks neighbours up; `LAMP`: the light has a position.
+/// Task that looks up neighbours; `LAMP`: the light has a position.
 struct LookUp<'a, const LAMP: bool>(Neighbours<'a>);
 
 impl<const LAMP: bool> SimdTask for LookUp<'_, LAMP> {
@@ -90,7 +90,7 @@ impl<const LAMP: bool> SimdTask for LookUp<'_, LAMP> {
     }
 }
 
-/// A walk of neighbours through the hierarchy.
+/// Traversal of the hierarchy for a group of neighbours.
 struct Walk<'a, const LAMP: bool> {
     lattice: &'a Lattice,
     cut_outs: Option<&'a CutOuts>,
@@ -98,22 +98,22 @@ struct Walk<'a, const LAMP: bool> {
     seers: Seers,
     own: Words,
     open: Open,
-    /// The points of each row that are open to any of them.
+    /// Points of each row that are open for any neighbour.
     open_to_any: [u32; MAX_ROWS],
-    /// All bits for those to whom any point is open, else none.
+    /// All bits for neighbours with an open point, else none.
     asking: Words,
     footprint: Footprint,
-    /// Of the triangle that is being looked at.
+    /// Shade of the current triangle.
     shade: Shade,
-    /// Of all their rays; none if nothing is open.
+    /// Shaft of all rays; `None` if nothing is open.
     shaft: Option<Shaft>,
-    /// Of the rays of each.
+    /// Shafts of the rays of each neighbour.
     shafts: Shafts,
 }
 
 impl<'a, const LAMP: bool> Walk<'a, LAMP> {
-    /// Takes `count` receivers of a span from `first` on. What of the light lies below a receiver's
-    /// own plane is hidden.
+    /// Starts with `count` receivers of a span from `first` on. The part of the light below a
+    /// receiver's own plane is hidden.
     #[inline(always)]
     fn begin(
         search: &Search<'a>,
@@ -130,6 +130,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
         let mut open: Open = [[0; LANES]; MAX_ROWS];
         let mut origins = [Vec3::ZERO; LANES];
         let mut planes = [LightPlane::NOWHERE; LANES];
+        // Set up each receiver and its lattice points.
         for i in 0..count {
             let place = first + i;
             let p = span.position(place);
@@ -144,6 +145,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
             origins[i] = origin;
             planes[i] = plane;
         }
+        // Hide the points below the horizon.
         close_below_horizon(&seers, lattice, rows, &mut open);
         let mut out = Self {
             lattice,
@@ -160,6 +162,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
             shafts: Shafts::all(&shaft_of::<LAMP>(u, &Aabb::around([origins[0]]))),
         };
         out.look_at_rows(0..rows);
+        // Bound the receivers with open points.
         let mut start = Aabb::EMPTY;
         for (i, &origin) in origins.iter().enumerate() {
             if out.asking[i] != 0 {
@@ -171,10 +174,12 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
         if start.is_empty() {
             return out;
         }
+        // Project the light's points from the centre of these bounds.
         let middle = (start.min + start.max) * 0.5;
         let reach = (start.max - middle).max(middle - start.min);
         let plane = LightPlane::seen_from(&u.light, u.spread.w, middle);
-        // Balls turn to each receiver, and a lamp's points lie at a part of the way.
+        // Balls face each receiver, and the points of a light with a position are at a fraction of
+        // the distance.
         let mut shift = if LAMP {
             reach.max_element() * (1.0 - SHORT)
         } else {
@@ -190,7 +195,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
         out
     }
 
-    /// Finds what is open, some rows having changed.
+    /// Updates the open points after some rows have changed.
     #[inline(always)]
     fn look_at_rows(&mut self, rows: std::ops::Range<usize>) {
         for row in rows {
@@ -240,6 +245,7 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
 
     #[inline(always)]
     fn visit(&mut self, id: u32, corners: [Vec3; 3]) -> bool {
+        // Test the shafts of the receivers.
         let [a, b, c] = corners;
         let asking = self
             .shafts
@@ -247,6 +253,7 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
         if asking == [0; LANES] {
             return false;
         }
+        // Test the projection to the lattice for open points.
         let bounds = self.footprint.of_points(
             Vec4::new(a.x, b.x, c.x, a.x),
             Vec4::new(a.y, b.y, c.y, a.y),
@@ -257,15 +264,17 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
             return false;
         }
         let caster = Caster::new(corners);
-        // Those who lie on it see through it.
+        // Receivers on the triangle ignore it.
         let mut asking = asking;
         for (asking, own) in asking.iter_mut().zip(self.own) {
             *asking = if own == id { 0 } else { *asking };
         }
+        // Find the functions of the triangle.
         let step = self.lattice.step;
         if !(self.shade).find::<LAMP>(&caster, &self.seers, &asking, step) {
             return false;
         }
+        // Hide the points of each row.
         if let Some(leaf) = Leaf::new(self.cut_outs, id, corners) {
             for row in part.rows.clone() {
                 let open = &mut self.open[row];
@@ -312,7 +321,7 @@ mod tests {
         light_sample::hash,
     };
 
-    /// A deterministic number from -1 to 1.
+    /// Returns a deterministic number from -1 to 1.
     fn noise(state: &mut u32) -> f32 {
         *state = hash(*state);
         *state as f32 / 2_147_483_648.0 - 1.0
@@ -322,7 +331,7 @@ mod tests {
         Vec3::new(noise(state), noise(state), noise(state))
     }
 
-    /// A material with a texture of which about half is there.
+    /// Returns a material with a texture that is about half transparent.
     fn leafy() -> (Material, Texture) {
         const SIDE: u32 = 9;
         let alpha = |i: u32| f32::from(u8::from(hash(i).is_multiple_of(2)));
@@ -343,8 +352,8 @@ mod tests {
         (material, texture)
     }
 
-    /// Triangles of all sizes in a ball, among them thin ones and some with common corners. Half of
-    /// those with holes have them.
+    /// Returns triangles of all sizes in a ball, including thin ones and some with common corners.
+    /// With `has_holes`, half of them are alpha-tested.
     fn soup(state: &mut u32, scale: f32, has_holes: bool) -> Geometry {
         let mut positions = Vec::new();
         for i in 0..400 {
@@ -420,7 +429,8 @@ mod tests {
         ]
     }
 
-    /// Answers of all casters in turn, every row of each: no hierarchy, no shaft, no footprint.
+    /// Tests all casters in sequence, with every row of each, without hierarchy, shaft or
+    /// footprint.
     fn one_by_one<const LAMP: bool>(geometry: &Geometry, walk: &Walk<'_, LAMP>, open: &mut Open) {
         let mut shade = Shade::NONE;
         for id in geometry.casters() {
@@ -440,12 +450,12 @@ mod tests {
         }
     }
 
-    /// What came of a comparison.
+    /// Result of a comparison.
     #[derive(Default)]
     struct Compared {
-        /// Points that are hidden.
+        /// Number of hidden points.
         hidden: u32,
-        /// Points that were asked by rays, and those of which rays answer otherwise.
+        /// Number of points tested by rays, and of those where rays differ.
         asked: u32,
         unlike: u32,
     }
@@ -458,7 +468,7 @@ mod tests {
         }
     }
 
-    /// Asks rays of all points that were open to the first receiver before.
+    /// Tests rays to all points that were open for the first receiver before.
     fn ask_rays<const LAMP: bool>(
         search: &Search<'_>,
         walk: &Walk<'_, LAMP>,
@@ -481,14 +491,15 @@ mod tests {
         out
     }
 
-    /// Compares the walk of eight random receivers with all casters in turn, and with rays.
+    /// Compares the traversal of eight random receivers with all casters in sequence, and with
+    /// rays.
     fn compare<const LAMP: bool>(
         state: &mut u32,
         search: &Search<'_>,
         geometry: &Geometry,
     ) -> Compared {
         let scale = geometry.bounds().diagonal() * 0.3;
-        // Close together, as neighbours are, or far apart, as over an edge.
+        // Place them close together, like neighbours, or far apart, as across an edge.
         let spread = scale * [0.01, 0.1, 1.0][*state as usize % 3];
         let middle = vector(state) * scale;
         let normal = vector(state).normalize();
@@ -521,7 +532,7 @@ mod tests {
             search.bvh.in_shaft(&shaft, &mut walk);
         }
         let count = |open: &Open| -> u32 { open.iter().flatten().map(|b| b.count_ones()).sum() };
-        // A walk that ends early knows that nothing is open.
+        // A traversal that ends early must have no open points.
         assert_eq!(walk.open, expected, "{LAMP}, spread {spread}");
         let hidden = count(&before) - count(&expected);
         Compared {
@@ -530,7 +541,7 @@ mod tests {
         }
     }
 
-    /// Compares many walks through soups.
+    /// Compares many traversals of random triangles.
     fn compare_all(has_holes: bool) -> Compared {
         let mut state = 3;
         let mut all = Compared::default();
@@ -560,8 +571,8 @@ mod tests {
         all
     }
 
-    /// Walks find what all casters in turn hide, and what rays find: these differ at the rims of
-    /// triangles, where either may be right.
+    /// Traversals equal the test of all casters in sequence. They equal rays except at the edges of
+    /// triangles, where either result may be right.
     #[test]
     fn walks_leave_nothing_out() {
         for has_holes in [false, true] {
@@ -570,10 +581,10 @@ mod tests {
                 asked,
                 unlike,
             } = compare_all(has_holes);
-            assert!(hidden > 100_000, "the test tells little: {hidden}");
+            assert!(hidden > 100_000, "too few hidden points: {hidden}");
             assert!(
                 unlike <= asked / 10_000,
-                "holes: {has_holes}: of {asked} points rays find {unlike} otherwise"
+                "alpha-tested: {has_holes}: rays differ at {unlike} of {asked} points"
             );
         }
     }

@@ -1,5 +1,6 @@
-// The same where casters have holes: the fourth word of a triangle's second row is the row of its
-// record in the cut-outs (table_2), 0 if it has none. A segment goes on behind a hole.
+// Returns whether a segment hits a triangle of a leaf, with alpha-tested casters. The fourth word
+// of a triangle's second row is the row of its record in table_2, 0 if it is opaque. A segment
+// continues behind a transparent texel.
 
 fn cut_out_row(i: u32) -> vec4u {
     return table_2[i];

@@ -1,4 +1,4 @@
-// Whether a segment meets a triangle of a leaf, where no caster has holes.
+// Returns whether a segment hits a triangle of a leaf, if no caster is alpha-tested.
 
 fn leaf_occludes(o: vec3f, d: vec3f, rows: mat3x3f, first: u32, count: u32, skip: u32) -> bool {
     for (var i = first; i < first + count; i++) {

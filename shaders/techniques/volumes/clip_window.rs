@@ -1,31 +1,32 @@
-//! The part of shadow volumes' walls that lies in the picture.
+//! Clipping of shadow volumes' walls to the image.
 //!
-//! Walls reach beyond all there is, so that devices clip most of them at the picture's borders.
-//! Some then round the clipped ends of neighbours apart, or leave out walls too thin for their grid
-//! of sub-pixels, and a pixel between the two is counted wrong. So walls begin and end at the
-//! border already, at points that neighbours share.
+//! Walls extend beyond all geometry, so devices clip most of them at the image's borders. Some
+//! devices then round the clipped ends of neighbours differently, or drop walls too thin for their
+//! sub-pixel grid. A pixel between the two then has a wrong count. So walls are clipped at the
+//! border in advance, at points that neighbours share.
 
 use glam::{DMat4, DVec3, DVec4, UVec2};
 use std::collections::HashMap;
 use umbrage_core::LightSpace;
 
-/// How far inside of the picture's border walls end, pixels: beyond the outermost pixels' centres,
-/// and more than any device's grid of sub-pixels moves a vertex.
+/// Distance inside the image's border at which walls end, pixels. The border is beyond the
+/// outermost pixels' centres. The distance is more than the vertex snapping of any device's
+/// sub-pixel grid.
 const MARGIN: f64 = 0.25;
 
-/// The picture, a margin narrower, as the inner sides of planes through the eye.
+/// Image reduced by a margin, as the inner sides of planes through the eye.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClipWindow {
     /// Left, right, bottom, top: positive dot products with homogeneous world positions are inside.
     planes: [DVec4; 4],
 }
 
-/// Where something crosses the border, and over which of its planes.
+/// Intersection with the border, and the plane that is crossed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Crossing<T> {
-    /// The place.
+    /// Position of the crossing.
     pub(crate) at: T,
-    /// The plane's number.
+    /// Number of the plane.
     pub(crate) plane: usize,
 }
 
@@ -38,23 +39,23 @@ impl<T> Crossing<T> {
     }
 }
 
-/// The part of an edge within the picture.
+/// Part of an edge within the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VisiblePart<T> {
-    /// Where it enters the picture; `None` if it begins inside.
+    /// Position where it enters the image; `None` if it begins inside.
     pub(crate) enters: Option<Crossing<T>>,
-    /// Where it leaves the picture; `None` if it never does.
+    /// Position where it leaves the image; `None` if it never does.
     pub(crate) leaves: Option<Crossing<T>>,
 }
 
 impl<T> VisiblePart<T> {
-    /// An edge that is not cut, since it lies wholly within the picture or wholly outside.
+    /// Edge that is not cut, since it is entirely within the image or entirely outside.
     pub(crate) const WHOLE: Self = Self {
         enters: None,
         leaves: None,
     };
 
-    /// Returns the part with its places converted, the one where it enters first.
+    /// Returns the part with its positions converted, the entering one first.
     fn map<U>(self, mut convert: impl FnMut(T) -> U) -> VisiblePart<U> {
         VisiblePart {
             enters: self.enters.map(|c| c.map(&mut convert)),
@@ -64,12 +65,12 @@ impl<T> VisiblePart<T> {
 }
 
 impl ClipWindow {
-    /// Returns the window of a picture with this size, pixels, that is seen from a space.
+    /// Returns the window of an image with this size, pixels, for a light space.
     pub(crate) fn new(space: &LightSpace, size: UVec2) -> Self {
         let clip_from_world: DMat4 =
             space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
         let [x, y, w] = [0, 1, 3].map(|i| clip_from_world.row(i));
-        // The picture is 2 wide and high in these coordinates.
+        // The image is 2 wide and high in these coordinates.
         let inner = 1.0 - 2.0 * MARGIN / size.as_dvec2();
         Self {
             planes: [
@@ -81,8 +82,8 @@ impl ClipWindow {
         }
     }
 
-    /// Returns the part within the picture of the edge between two points; `None` if no part of it
-    /// is. Clips as Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping".
+    /// Returns the part within the image of the edge between two points, or `None` if there is
+    /// none. Clips like Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping".
     pub(crate) fn visible_part(&self, from: DVec3, to: DVec3) -> Option<VisiblePart<DVec3>> {
         let from = from.extend(1.0);
         let towards = to.extend(1.0) - from;
@@ -119,7 +120,7 @@ impl ClipWindow {
 
 #[cfg(test)]
 impl ClipWindow {
-    /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32
+    /// Returns whether an edge is outside a plane, or on it within the rounding of its ends to 32
     /// bits.
     pub(crate) fn hides(&self, edge: [DVec4; 2]) -> bool {
         self.planes.iter().any(|plane| {
@@ -129,13 +130,13 @@ impl ClipWindow {
     }
 }
 
-/// The parts of edges found so far, by the vertex at which they begin.
+/// Parts of edges found so far, by the vertex at which they begin.
 #[derive(Debug, Default)]
 pub(crate) struct VisibleParts(HashMap<u32, VisiblePart<u32>>);
 
 impl VisibleParts {
-    /// Returns the part of the edge that begins at a vertex. Calls `find` for each vertex once, and
-    /// `add` for each point where the edge is cut, to make a vertex of it.
+    /// Returns the part of the edge that begins at a vertex. Calls `find` once for each vertex.
+    /// Calls `add` for each cut of the edge, to create a vertex.
     pub(crate) fn of(
         &mut self,
         vertex: u32,
@@ -165,7 +166,7 @@ mod tests {
         ClipWindow::new(&camera().space(), camera().size).visible_part(from, to)
     }
 
-    /// How far a point is seen from the picture's four borders, pixels.
+    /// Returns the distances of a projected point from the image's four borders, pixels.
     fn borders(p: DVec3) -> [f64; 4] {
         let clip = camera().space().clip_from_world().as_dmat4() * p.extend(1.0);
         let x = 50.0 + 50.0 * clip.x / clip.w;
@@ -185,7 +186,7 @@ mod tests {
             let inside = part(from, from + 1000.0 * towards).expect("it begins inside");
             let leaves = inside.leaves.expect("it leaves");
             assert_eq!((inside.enters, leaves.plane), (None, plane));
-            // The other way round, from beyond the border.
+            // Test the reverse direction, from beyond the border.
             let beyond = leaves.at + (leaves.at - from);
             let back = part(beyond, from).expect("it enters");
             let enters = back.enters.expect("it begins outside");
@@ -206,16 +207,16 @@ mod tests {
     fn edges_outside_have_no_part_and_some_never_leave() {
         let right = DVec3::new(40.0, 0.0, 0.0);
         for (to, why) in [
-            (right + 1000.0 * DVec3::Y, "right of the picture"),
-            (DVec3::new(0.0, 40.0, 0.0), "past its corner"),
-            (DVec3::new(20.0, 0.0, 0.0), "not so far as to the picture"),
+            (right + 1000.0 * DVec3::Y, "right of the image"),
+            (DVec3::new(0.0, 40.0, 0.0), "beyond its corner"),
+            (DVec3::new(20.0, 0.0, 0.0), "ends before the image"),
         ] {
             assert_eq!(part(right, to), None, "{why}");
         }
         let behind = DVec3::new(0.0, 0.0, 6.0);
         assert_eq!(part(behind, behind + DVec3::Z), None, "behind the eye");
         for (to, why) in [
-            (DVec3::new(0.1, 0.0, 0.0), "within the picture"),
+            (DVec3::new(0.1, 0.0, 0.0), "within the image"),
             (1000.0 * DVec3::NEG_Z, "away from the eye"),
         ] {
             assert_eq!(part(DVec3::ZERO, to), Some(VisiblePart::WHOLE), "{why}");

@@ -1,5 +1,5 @@
-//! Depth clamping for faces that reach beyond all there is: what lies beyond a plane across the
-//! view is flattened onto it, along the view. Seen without perspective it stays where it is, and
+//! Depth clamping for faces that extend beyond all geometry. Parts beyond a plane across the view
+//! are flattened onto it, along the view. Without perspective they keep their image position, and
 //! closed surfaces stay closed.
 
 use crate::techniques::infinite_far::FarClampPlane;
@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use umbrage_core::Faces;
 
-/// Returns the faces with all that lies beyond the clamp plane flattened onto it.
+/// Returns the faces with all parts beyond the clamp plane flattened onto it.
 pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
     let vertices: Vec<DVec3> = faces
         .vertices
@@ -44,7 +44,7 @@ struct Cutter<'a> {
     vertices: Vec<DVec3>,
     /// Distances of the given vertices before the clamp plane, metres; negative beyond it.
     before: Vec<f64>,
-    /// Vertices flattened, by what they were.
+    /// Flattened vertices by their original index.
     flat: HashMap<u32, u32>,
     /// Vertices on the clamp plane, by the edge cut there.
     cuts: HashMap<[u32; 2], u32>,
@@ -133,8 +133,8 @@ mod tests {
         assert_eq!(flatten(&faces, &BACKDROP), faces);
     }
 
-    /// A wall from two points 4 m away to one 14 m away, slanted: cut at 10 m, at x = 12, and flat
-    /// from there on.
+    /// A slanted wall from two points 4 m away to one 14 m away is cut at 10 m, at x = 12, and flat
+    /// beyond.
     #[test]
     fn walls_beyond_are_cut_and_laid_flat() {
         let vertices = vec![

@@ -1,14 +1,14 @@
-//! Shadow volumes of a silhouette, as faces to draw.
+//! Faces of the shadow volumes of a silhouette.
 //!
 //! Crow 1977, "Shadow algorithms for computer graphics"; McGuire, Hughes, Egan, Kilgard and Everitt
-//! 2003, "Fast, practical and robust shadows": walls from edges to beyond all there is, and caps at
+//! 2003, "Fast, practical and robust shadows": walls from edges to beyond all geometry, and caps at
 //! both ends.
 //!
 //! Those papers end the volumes at infinity, by vertices with w = 0. An edge between two of these
 //! that crosses the eye's plane has clip z = w = 0 there. Hardware clips at the near plane first,
-//! and so makes a vertex of that point; rounding takes its w to either side of 0. An NVIDIA H200
-//! then loses the depth of the face, and a quarter of a picture falls into a false shadow (the CPU
-//! backend's `Clipping::ZeroWBehind` does the same). So all vertices here are finite.
+//! which creates a vertex at that point. Rounding moves its w to either side of 0. An NVIDIA H200
+//! then loses the depth of the face, and a quarter of an image is in a false shadow (the CPU
+//! backend's `Clipping::ZeroWBehind` reproduces this). So all vertices here are finite.
 
 use crate::techniques::volumes::{
     clip_window::{ClipWindow, Crossing, VisiblePart, VisibleParts},
@@ -17,8 +17,8 @@ use crate::techniques::volumes::{
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use umbrage_core::{Aabb, Faces};
 
-/// Returns the volumes' faces, counter-clockwise seen from outside, which end `reach` metres beyond
-/// their casters. Each wall comes as often as its edge counts, as far as it lies within the window.
+/// Returns the volumes' faces, counter-clockwise from outside, which end `reach` metres beyond
+/// their casters. Each wall is repeated as often as its edge counts, and clipped to the window.
 pub(crate) fn extrude(
     mesh: &Welded,
     silhouette: &Silhouette,
@@ -60,12 +60,12 @@ fn moved_away(p: Vec3, light: DVec4, reach: f64) -> Vec4 {
     moved.as_vec3().extend(1.0)
 }
 
-/// Far caps come no nearer than this fraction of the volumes' reach: a smaller one would take
-/// precision from the vertices.
+/// Least distance of far caps, as a fraction of the volumes' reach: a smaller one would reduce the
+/// precision of the vertices.
 const MIN_NEAREST: f64 = 1.0 / 1024.0;
 
-/// Returns a distance from their casters at which volumes may end, metres: their far caps lie
-/// beyond the bounds of the scene, as seen from the light.
+/// Returns a distance from their casters at which volumes may end, metres. Their far caps are then
+/// beyond the bounds of the scene, away from the light.
 pub(crate) fn beyond_all(
     bounds: &Aabb,
     mesh: &Welded,
@@ -96,26 +96,26 @@ pub(crate) fn beyond_all(
     2.0 * farthest / nearest.max(MIN_NEAREST)
 }
 
-/// Returns the distance from the origin to a triangle whose corners lie on the unit sphere.
+/// Returns the distance from the origin to a triangle whose corners are on the unit sphere.
 fn distance_to_triangle(corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let edges = [(a, b), (b, c), (c, a)];
-    // The origin lies over the triangle if the normal points into the cone of its corners.
+    // The origin projects into the triangle if the normal is in the cone of its corners.
     let sides = edges.map(|(p, q)| normal.dot(p.cross(q)));
     let over_triangle = sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0);
     if over_triangle {
         return normal.normalize().dot(a).abs();
     }
-    // The ends of a chord are equally far away, and so its middle is the nearest.
+    // The ends of a chord are equally far away, so its midpoint is the nearest.
     edges
         .map(|(p, q)| 0.5 * (p + q).length())
         .into_iter()
         .fold(1.0, f64::min)
 }
 
-/// Returns the caps that the scene does not have with the same order of corners. Their depths must
-/// be drawn beside the scene's.
+/// Returns the caps that the scene does not contain with the same order of corners. Their depths
+/// must be drawn in addition to the scene's.
 pub(crate) fn caps_not_in_scene(mesh: &Welded, silhouette: &Silhouette) -> Faces {
     let missing = silhouette.caps.iter().filter(|cap| !cap.in_scene);
     let triangles: Vec<[u32; 3]> = missing.map(|cap| cap.corners).collect();
@@ -130,14 +130,14 @@ pub(crate) fn caps_not_in_scene(mesh: &Welded, silhouette: &Silhouette) -> Faces
     }
 }
 
-/// The far ends of the volumes among the vertices.
+/// Far ends of the volumes among the vertices.
 struct FarVertices {
-    /// The index of the first.
+    /// Index of the first.
     first: u32,
 }
 
 impl FarVertices {
-    /// Returns the far vertex that belongs to a caster's vertex.
+    /// Returns the far vertex of a caster's vertex.
     fn of(&self, near: u32) -> u32 {
         self.first + near
     }
@@ -167,9 +167,9 @@ impl FarVertices {
         parts.of(v, || window.visible_part(from, to), add_vertex)
     }
 
-    /// Adds the wall of an edge, which the cap has from `from` to `to` and the wall thus from `to`
-    /// to `from`. The wall is cut where the edges to both far ends cross the window; what lies
-    /// beyond one of its planes is left out.
+    /// Adds the wall of an edge. The cap has the edge from `from` to `to`, so the wall has it from
+    /// `to` to `from`. The wall is cut where the edges to both far ends cross the window. Parts
+    /// beyond one of its planes are dropped.
     fn add_wall(
         &self,
         edge: &NetEdge,
@@ -197,7 +197,7 @@ impl FarVertices {
     }
 }
 
-/// Returns whether both edges cross the window, and over the same of its planes.
+/// Returns whether both edges cross the window at the same plane.
 fn cross_same_plane(a: Option<Crossing<u32>>, b: Option<Crossing<u32>>) -> bool {
     match (a, b) {
         (Some(a), Some(b)) => a.plane == b.plane,
@@ -205,8 +205,7 @@ fn cross_same_plane(a: Option<Crossing<u32>>, b: Option<Crossing<u32>>) -> bool 
     }
 }
 
-/// Adds the part of a wall between two edges, `near` and `far`, without triangles that have no
-/// area.
+/// Adds the part of a wall between two edges, `near` and `far`, without degenerate triangles.
 fn add_strip(near: [u32; 2], far: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
     let [a, b] = near;
     let [far_a, far_b] = far;

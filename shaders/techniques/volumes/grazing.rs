@@ -1,15 +1,15 @@
-//! Light that grazes receiving planes, lifted so far that depth can tell the difference.
+//! Lifting of light that grazes receiving planes, so that depth can resolve the volumes.
 //!
-//! A shadow volume's side runs along the light's rays. Where these graze a plane by the sine s, the
-//! side of what stands on the plane, and of the plane itself, lies within s x of it at the distance
-//! x from its edge: for a sun 1e-7 above a floor, a micrometre after ten metres. Camera depth is
-//! rounded to about 2^-23 w^2 / near metres at the distance w, so that the two fight, and lit
-//! floors lie in their own volume.
+//! A shadow volume's side is parallel to the light's rays. If these graze a plane by the sine s,
+//! the sides of volumes on the plane, and of the plane itself, are within s x of it at the distance
+//! x from the edge. For a directional light 1e-7 above a floor, this is a micrometre after ten
+//! metres. Camera depth is rounded to about 2^-23 w^2 / near metres at the distance w. So the two
+//! z-fight, and lit floors are inside their own volume.
 //!
-//! So volumes are made for a light that is moved off such planes, to [`GRAZE`] above them (or below
-//! those that face away). That moves no shadow's edge by more than that part of its distance, a
-//! hundredth of a pixel, and shortens no shadow on the plane to less than 1/GRAZE of its caster's
-//! height. Which surfaces face away is still asked of the light itself.
+//! So volumes are built for a light that is moved off such planes, to [`GRAZE`] above them (or
+//! below those that face away). This moves a shadow's edge by at most that fraction of its
+//! distance, a hundredth of a pixel. It shortens no shadow on the plane to less than 1/GRAZE of its
+//! caster's height. The test which surfaces face away uses the original light.
 
 use crate::techniques::infinite_far::InfiniteFarView;
 use glam::{DVec3, DVec4};
@@ -19,35 +19,36 @@ use umbrage_core::{Geometry, Receivers, View};
 /// after ten metres.
 const GRAZE: f64 = 1.0 / 131_072.0;
 
-/// Planes with a smaller share of the area that receives are left alone: of curved surfaces every
-/// facet is grazed by some light.
+/// Planes with a smaller share of the receiving area are ignored, since every light grazes some
+/// facets of curved surfaces.
 pub(crate) const MIN_SHARE: f64 = 0.001;
 
-/// Most planes considered: with more the surface is curved, and each is small.
+/// Maximum number of planes: with more the surface is curved, and each is small.
 const MAX_PLANES: usize = 64;
 
-/// Triangles are in one plane if their normals, and their distances along them as a fraction of the
-/// greatest coordinate, differ by less than this (2^-20, what placing an instance may round).
+/// Tolerance of planes: triangles are in one plane if their normals, and their distances along them
+/// as a fraction of the greatest coordinate, differ by less than this. 2^-20 is the rounding of an
+/// instance transform.
 const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
 
-/// The light that volumes are made for, and the planes that it was lifted off.
+/// Light for which volumes are built, and the planes that it was lifted off.
 #[derive(Clone, Debug)]
 pub(crate) struct LiftedLight {
-    /// Homogeneous.
+    /// Homogeneous light position or direction.
     pub(crate) light: DVec4,
     planes: Vec<GrazedPlane>,
-    /// The length of the diagonal of the scene's bounds, metres.
+    /// Length of the diagonal of the scene's bounds, metres.
     diagonal: f64,
 }
 
-/// A receiving plane that the light grazes.
+/// Receiving plane that the light grazes.
 #[derive(Clone, Copy, Debug)]
 struct GrazedPlane {
     /// (n, d) with `n . p + d = 0`, n of unit length.
     plane: DVec4,
     /// Twice the area of its triangles, square metres.
     area: f64,
-    /// The farthest of its corners from a lamp, metres; 1 for directions.
+    /// Greatest distance of its corners from a light with a position, metres; 1 for directions.
     distance: f64,
 }
 
@@ -70,9 +71,9 @@ impl LiftedLight {
         }
     }
 
-    /// Returns the share of seen receivers that lie on a grazed plane, and where depth is rounded
-    /// by more than the light was lifted by over the whole scene: there volumes can't tell a plane
-    /// from what stands on it.
+    /// Returns the share of visible receivers that are on a grazed plane with too coarse depth.
+    /// There, the rounding of depth exceeds the lift of the light over the whole scene, so volumes
+    /// can't separate a plane from casters on it.
     pub(crate) fn share_lost(
         &self,
         view: &View<'_>,
@@ -97,7 +98,7 @@ impl LiftedLight {
         lost as f64 / all.max(1) as f64
     }
 
-    /// Returns whether a homogeneous point (w = 1) lies on a grazed plane.
+    /// Returns whether a homogeneous point (w = 1) is on a grazed plane.
     fn is_on_plane(&self, p: DVec4, tolerance: f64) -> bool {
         self.planes
             .iter()
@@ -105,8 +106,8 @@ impl LiftedLight {
     }
 }
 
-/// Returns the planes of receiving triangles that the light grazes, but is not in, with more than
-/// [`MIN_SHARE`] of the area. `reach` is the geometry's greatest coordinate, metres.
+/// Returns the planes of receiving triangles that the light grazes but is not in, with more
+/// than [`MIN_SHARE`] of the area. `reach` is the geometry's greatest coordinate, metres.
 fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPlane> {
     let mut planes: Vec<GrazedPlane> = Vec::new();
     let mut area = 0.0;
@@ -117,6 +118,7 @@ fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPla
             continue;
         };
         area += n.length();
+        // Skip planes that the light does not graze.
         let plane = unit.extend(-unit.dot(a));
         let distance = if light.w == 0.0 {
             1.0
@@ -129,6 +131,7 @@ fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPla
         if sine == 0.0 || sine.abs() >= GRAZE || planes.len() > MAX_PLANES {
             continue;
         }
+        // Merge triangles in the same plane.
         match planes.iter_mut().find(|known| known.is_same(plane, reach)) {
             Some(known) => {
                 known.area += n.length();
@@ -141,12 +144,13 @@ fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPla
             }),
         }
     }
+    // Drop small planes.
     planes.retain(|plane| plane.area > MIN_SHARE * area);
     planes
 }
 
 impl GrazedPlane {
-    /// Returns whether it is the same plane, whichever way it is turned.
+    /// Returns whether it is the same plane, in either orientation.
     fn is_same(&self, other: DVec4, reach: f64) -> bool {
         let turned = if self.plane.truncate().dot(other.truncate()) < 0.0 {
             -other
@@ -158,11 +162,11 @@ impl GrazedPlane {
     }
 }
 
-/// Moves a light off planes by the shortest way: along up to three of their normals that do not
-/// depend on each other, the largest planes' first.
+/// Moves a light off planes by the shortest way: along up to three linearly independent normals,
+/// those of the largest planes first.
 fn lift(light: DVec4, planes: &[GrazedPlane]) -> DVec4 {
-    // Orthonormal directions in turn (Gram and Schmidt): each plane moves the light along what is
-    // left of its normal.
+    // Orthonormalise the normals in sequence (Gram and Schmidt): each plane moves the light along
+    // the remainder of its normal.
     let mut basis: Vec<DVec3> = Vec::new();
     let mut lifted = light;
     for plane in planes {
@@ -171,7 +175,7 @@ fn lift(light: DVec4, planes: &[GrazedPlane]) -> DVec4 {
         for direction in &basis {
             rest -= *direction * rest.dot(*direction);
         }
-        // Nearly in the span of the others: moving along it would move the light far.
+        // The normal is nearly in the span of the others: moving along it would move the light far.
         if rest.length() < 0.1 {
             continue;
         }
@@ -195,7 +199,7 @@ mod tests {
         glam::{Affine3A, UVec2, Vec3},
     };
 
-    /// Squares of 10 m, each by its corner and two sides.
+    /// Returns squares of 10 m, each from its corner and two sides.
     fn squares(corners: &[[Vec3; 3]]) -> Geometry {
         let mut scene = Scene::default();
         for (i, &[p, u, v]) in corners.iter().enumerate() {
@@ -218,7 +222,7 @@ mod tests {
             (lifted - DVec4::new(-1.0, GRAZE, -GRAZE, 0.0)).length() < 1e-12,
             "{lifted}"
         );
-        // Planes at an acute angle hold, too.
+        // Test planes at an acute angle, too.
         let slope = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 0.6, 0.8)];
         let geometry = squares(&[FLOOR, slope]);
         let lifted = LiftedLight::new(&geometry, DVec4::new(-1.0, 1e-7, 2e-7, 0.0)).light;
@@ -249,7 +253,7 @@ mod tests {
         ] {
             assert_eq!(LiftedLight::new(&geometry, light).light, light);
         }
-        // A facet of a thousandth of the area.
+        // Add a facet with a thousandth of the area.
         let facet = [Vec3::ZERO, Vec3::X * 0.01, Vec3::Y * 0.01];
         let light = DVec4::new(-0.6, 0.8, 1e-7, 0.0);
         assert_eq!(
@@ -258,8 +262,8 @@ mod tests {
         );
     }
 
-    /// Seen from 30 m depth tells a lifted sun's shadows; seen from 30 km, with the near plane
-    /// before one's feet, it doesn't.
+    /// From 30 m, depth resolves a lifted light's shadows. From 30 km, with the near plane at the
+    /// eye, it doesn't.
     #[test]
     fn where_depth_is_too_coarse_there_is_no_hope() {
         let geometry = squares(&[FLOOR]);
@@ -278,7 +282,7 @@ mod tests {
             .expect("valid");
             let mut receivers = Receivers::empty(size);
             receivers.x = vec![5.0, 5.0];
-            // One is on the floor, the other one before the eye.
+            // One is on the floor, the other in front of the eye.
             receivers.y = vec![0.0, distance - 1.0];
             receivers.z = vec![5.0, 5.0];
             receivers.triangle = vec![0, 1];

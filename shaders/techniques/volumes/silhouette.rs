@@ -1,33 +1,33 @@
-//! The silhouette of casters as a light sees it: the triangles that cap their shadow volumes, and
-//! the edges that these do not share.
+//! Silhouette of casters relative to a light: the triangles that cap their shadow volumes, and the
+//! edges that these do not share.
 //!
-//! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge
-//! extrudes as many walls as the triangles turned to the light leave over when they are counted
-//! with their direction; Kim, Kim and Oh 2008, "Efficient shadow volume rendering for general
-//! meshes". Whatever triangles are chosen, such walls close their volumes.
+//! Bergeron 1986, "A general version of Crow's shadow volumes", for meshes of any kind. The
+//! triangles turned to the light are counted with their direction at each edge. The edge extrudes
+//! as many walls as the remaining count; see also Kim, Kim and Oh 2008, "Efficient shadow volume
+//! rendering for general meshes". Such walls close their volumes for any choice of triangles.
 
 use crate::techniques::volumes::t_junctions::split_at_t_junctions;
 use glam::{DVec3, DVec4, Vec3};
 use umbrage_core::{Aabb, Geometry, WeldedVertices};
 
-/// Triangles within this angle (sine) of a light's ray count as turned to it, as rounding cannot
-/// tell.
+/// Triangles within this angle (sine) of a light's ray count as turned to it, since rounding hides
+/// their orientation.
 const EDGE_ON: f64 = 1e-6;
 
-/// Light positions within this fraction of the greatest coordinate of a triangle's plane lie in it:
-/// such a triangle hides nothing from anywhere else.
+/// Light positions within this fraction of the greatest coordinate of a triangle's plane count as
+/// being in it. Such a triangle casts no shadow.
 const TOUCHES: f64 = 1e-6;
 
-/// Casters, with vertices at bit-equal positions merged into one.
+/// Casters, with vertices at bit-equal positions merged.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Welded {
-    /// Metres, world space.
+    /// Vertex positions, metres, world space.
     pub(crate) positions: Vec<Vec3>,
-    /// Without those triangles that have a vertex twice.
+    /// Triangles without those that repeat a vertex.
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Casters with their shells: what is the same for any light.
+/// Casters with their shells, independent of the light.
 #[derive(Debug)]
 pub(crate) struct CasterShells {
     pub(crate) mesh: Welded,
@@ -52,13 +52,13 @@ impl CasterShells {
     }
 }
 
-/// A triangle turned to the light.
+/// Triangle turned to the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cap {
-    /// Counter-clockwise seen from the light.
+    /// Counter-clockwise from the light.
     pub(crate) corners: [u32; 3],
-    /// Whether the scene has it with its corners in the same order, so that both are drawn with
-    /// equal depths.
+    /// True if the scene contains it with its corners in the same order, so that both are drawn
+    /// with equal depths.
     pub(crate) in_scene: bool,
 }
 
@@ -69,12 +69,12 @@ pub(crate) struct Silhouette {
     pub(crate) edges: Vec<NetEdge>,
 }
 
-/// An edge that triangles have more often in the direction from `from` to `to` than in the other.
+/// Edge that triangles contain more often in the direction from `from` to `to` than in the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NetEdge {
     pub(crate) from: u32,
     pub(crate) to: u32,
-    /// How much more often, 1 or more.
+    /// Difference of the two counts, 1 or more.
     pub(crate) count: u32,
 }
 
@@ -111,6 +111,7 @@ impl Welded {
     }
 
     fn silhouette(&self, shells: &Shells, light: DVec4) -> Silhouette {
+        // Select the triangles that cap the volumes.
         let mut caps = Vec::new();
         let mut open_caps = Vec::new();
         for (&corners, &shell) in self.triangles.iter().zip(&shells.of_triangle) {
@@ -134,7 +135,7 @@ impl Welded {
                     None => {}
                     Some(true) => {
                         let cap = flipped(corners);
-                        // Turned around, its rounding may tell otherwise.
+                        // Test the flipped triangle again, since its rounding may differ.
                         if self.faces_away(cap.corners, light).is_some() {
                             open_caps.push(cap);
                         }
@@ -146,13 +147,14 @@ impl Welded {
                 },
             }
         }
+        // Split caps at seams, and find their outline.
         caps.extend(split_at_t_junctions(&self.positions, open_caps));
         let edges = net_edges(caps.iter().map(|cap| cap.corners));
         Silhouette { caps, edges }
     }
 
-    /// Returns whether a triangle's front faces away from the light; `None` if the light lies in
-    /// it.
+    /// Returns whether a triangle's front faces away from the light; `None` if the light is in its
+    /// plane.
     fn faces_away(&self, corners: [u32; 3], light: DVec4) -> Option<bool> {
         let [a, b, c] = self.corners(corners);
         let n = (b - a).cross(c - a);
@@ -183,8 +185,8 @@ fn flipped(corners: [u32; 3]) -> Cap {
     }
 }
 
-/// Returns the edges of triangles, the two directions of each subtracted from one another; sorted
-/// by their lower, then their higher end.
+/// Returns the edges of triangles with the two directions of each subtracted, sorted by their
+/// lower, then their higher end.
 pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<NetEdge> {
     let mut edges: Vec<(u64, i32)> = triangles.flat_map(directed_edges).collect();
     edges.sort_unstable();
@@ -205,8 +207,8 @@ pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<NetEdg
     out
 }
 
-/// Returns a triangle's three edges: both ends as one number, the lower end in its upper half, and
-/// 1 if the triangle has them in that order, else -1.
+/// Returns a triangle's three edges: both ends as one number, with the lower end in its upper half.
+/// The second value is 1 if the triangle has them in that order, else -1.
 fn directed_edges(corners: [u32; 3]) -> [(u64, i32); 3] {
     let [a, b, c] = corners;
     [
@@ -221,37 +223,37 @@ fn directed_edge(from: u32, to: u32) -> (u64, i32) {
     (key, if from < to { 1 } else { -1 })
 }
 
-/// Which triangles of a shell cast.
+/// Selection of the triangles of a shell that cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
-    /// Those whose front faces the light: the shell is closed, its fronts are outside, and so is
-    /// the light.
+    /// Triangles whose front faces the light. The shell is closed, its fronts are outside, and so
+    /// is the light.
     Fronts,
-    /// The same for a shell whose fronts are inside.
+    /// Triangles whose back faces the light. The shell is closed, its fronts are inside, and the
+    /// light is outside.
     Backs,
-    /// All, each turned to the light.
+    /// All triangles, each turned to the light.
     All,
 }
 
 /// Triangles that are connected by edges.
 #[derive(Clone, Copy, Debug)]
 struct Shell {
-    /// Whether its triangles have each edge as often in one direction as in the other: then how
-    /// often they wind around a point is a whole number, and a ray from outside enters before it
-    /// leaves.
+    /// True if its triangles have each edge equally often in both directions. Then the winding
+    /// number around a point is an integer, and a ray from outside enters before it leaves.
     closed: bool,
     /// Six times the signed volume.
     volume: f64,
     bounds: Aabb,
 }
 
-/// A mesh's shells.
+/// Shells of a mesh.
 #[derive(Debug)]
 struct Shells {
-    /// Each triangle's index in `shells`.
+    /// Index in `shells` for each triangle.
     of_triangle: Vec<u32>,
-    /// As many as there are triangles: a shell has the index of its first triangle, and all others
-    /// are empty.
+    /// One entry per triangle: a shell has the index of its first triangle, and all others are
+    /// empty.
     shells: Vec<Shell>,
 }
 
@@ -279,7 +281,7 @@ impl Shell {
 
 impl Shells {
     fn find(mesh: &Welded) -> Self {
-        // Each edge's ends, its triangle, and its direction: see `directed_edges`.
+        // Collect each edge's ends, its triangle, and its direction: see `directed_edges`.
         let mut edges: Vec<(u64, u32, i32)> = Vec::with_capacity(3 * mesh.triangles.len());
         for (triangle, &corners) in (0..).zip(&mesh.triangles) {
             for (key, direction) in directed_edges(corners) {
@@ -287,6 +289,7 @@ impl Shells {
             }
         }
         edges.sort_unstable();
+        // Unite triangles that share an edge.
         let mut sets = DisjointSets::new(mesh.triangles.len());
         let mut at_borders = Vec::new();
         for same_edge in edges.chunk_by(|a, b| a.0 == b.0) {
@@ -298,6 +301,7 @@ impl Shells {
                 at_borders.push(same_edge[0].1);
             }
         }
+        // Mark shells with unbalanced edges as open.
         let of_triangle: Vec<u32> = (0..mesh.triangles.len() as u32)
             .map(|t| sets.find(t))
             .collect();
@@ -306,10 +310,11 @@ impl Shells {
             let shell = of_triangle[triangle as usize];
             shells[shell as usize].closed = false;
         }
+        // Compute volumes and bounds.
         for (&t, &shell) in mesh.triangles.iter().zip(&of_triangle) {
             let shell = &mut shells[shell as usize];
-            // Closed shells have the same volume seen from any origin; one of the mesh's corners
-            // keeps numbers small.
+            // The volume of closed shells does not depend on the origin; a corner of the mesh keeps
+            // numbers small.
             let origin = mesh.positions[mesh.triangles[0][0] as usize].as_dvec3();
             let [a, b, c] = mesh.corners(t).map(|p| p - origin);
             shell.volume += a.dot(b.cross(c));
@@ -324,8 +329,8 @@ impl Shells {
     }
 }
 
-/// Disjoint sets (Tarjan 1975, "Efficiency of a good but not linear set union algorithm"), paths
-/// halved.
+/// Disjoint sets (Tarjan 1975, "Efficiency of a good but not linear set union algorithm") with path
+/// halving.
 struct DisjointSets {
     parents: Vec<u32>,
 }
@@ -349,7 +354,7 @@ impl DisjointSets {
     fn unite(&mut self, a: u32, b: u32) {
         let a = self.find(a);
         let b = self.find(b);
-        // The lower one leads, so that sets are named after their first member.
+        // The lower one becomes the root, so that sets are named after their first member.
         self.parents[a.max(b) as usize] = a.min(b);
     }
 }

@@ -6,7 +6,7 @@ use crate::techniques::volumes::{
 use glam::DVec3;
 use umbrage_core::{Aabb, Camera, glam::UVec2};
 
-/// How far volumes reach, metres.
+/// Reach of volumes, metres.
 const REACH: f64 = 100.0;
 
 const SUN: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
@@ -15,7 +15,7 @@ fn silhouette(mesh: &Welded, light: DVec4) -> Silhouette {
     mesh.silhouette(&Shells::find(mesh), light)
 }
 
-/// A unit cube from the origin, fronts outside; every face has corners of its own.
+/// Returns a unit cube at the origin, with fronts outside and separate corners for every face.
 fn cube() -> Welded {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
@@ -43,7 +43,7 @@ fn flip_all(mesh: &Welded) -> Welded {
     }
 }
 
-/// The corners that the silhouette's edges visit, in order, if they are one loop.
+/// Returns the corners along the silhouette's edges, in order, if they form one loop.
 fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
     let next = |v: u32| s.edges.iter().find(|e| e.from == v).map(|e| e.to);
     let mut out = vec![s.edges.first()?.from];
@@ -57,7 +57,7 @@ fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
     None
 }
 
-/// Every edge of the volumes is met as often in one direction as in the other.
+/// Returns whether every edge of the volumes occurs equally often in both directions.
 fn is_closed(mesh: &Welded, s: &Silhouette, light: DVec4) -> bool {
     net_edges(extrude(mesh, s, light, None, REACH).triangles.into_iter()).is_empty()
 }
@@ -147,8 +147,8 @@ fn duplicates_count_twice() {
     assert!(is_closed(&mesh, &s, SUN));
 }
 
-/// One triangle's edge meets two of its neighbours, another's is met off its end: four corners lie
-/// on others' edges.
+/// One triangle's edge touches two of its neighbours, another's is touched beyond its end. Four
+/// corners are on others' edges.
 #[test]
 fn seams_have_no_walls() {
     let p = |x: f32, z: f32| Vec3::new(x, 0.1 * x + 0.3, z);
@@ -202,7 +202,7 @@ fn walls_lean_outwards() {
     let light = DVec4::new(0.2, 2.0, 0.3, 1.0);
     let faces = extrude(&mesh, &silhouette(&mesh, light), light, None, REACH);
     assert_eq!(faces.triangles.len(), 2 + 3 * 2);
-    // A point of the volume, well below the triangle, is behind every face.
+    // A point of the volume, well below the triangle, must be behind every face.
     let inside = DVec4::new(0.3, -1.0, 0.25, 1.0);
     for t in &faces.triangles {
         let [a, b, c] = t.map(|v| faces.vertices[v as usize].as_dvec4());
@@ -211,7 +211,7 @@ fn walls_lean_outwards() {
     }
 }
 
-/// Walls may end where they leave the window: beyond, nobody sees that the volumes are open.
+/// Walls may end where they leave the window, since volumes may be open outside it.
 #[test]
 fn volumes_are_closed_as_far_as_they_are_seen() {
     let mesh = cube();
@@ -234,13 +234,13 @@ fn volumes_are_closed_as_far_as_they_are_seen() {
         assert!(!open.is_empty(), "walls end at the window");
         for edge in open {
             let ends = [edge.from, edge.to].map(|v| faces.vertices[v as usize].as_dvec4());
-            assert!(window.hides(ends), "{light}: {ends:?} is seen");
+            assert!(window.hides(ends), "{light}: {ends:?} is visible");
         }
     }
 }
 
-/// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide
-/// triangle, too.
+/// The nearest point of a far cap is beyond the farthest corner, also for a light right above a
+/// wide triangle.
 #[test]
 fn volumes_that_end_do_so_beyond_everything() {
     let mesh = Welded::weld(
@@ -271,7 +271,7 @@ fn volumes_that_end_do_so_beyond_everything() {
             faces.triangles[1].map(|v| faces.vertices[v as usize].as_dvec4().truncate());
         let normal = (b - a).cross(c - a).normalize();
         let beyond = |p: DVec3| normal.dot(p - a);
-        // Fronts look outwards, away from the light.
+        // Fronts face outwards, away from the light.
         assert!(
             bounds.corners().all(|p| beyond(p.as_dvec3()) < 0.0),
             "{light}: {reach}"

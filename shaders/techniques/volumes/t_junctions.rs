@@ -1,23 +1,23 @@
-//! T-junctions: seams where triangles meet without sharing their corners, one edge on one side and
-//! several on the other.
+//! T-junctions: seams where triangles meet without sharing their corners, with one edge on one side
+//! and several on the other.
 //!
-//! Shadow volumes would put walls on both sides there, which cancel but for rounding. Splitting the
-//! triangles at the corners that lie on their edges makes both sides share them, and then there is
-//! no wall.
+//! Shadow volumes would have walls on both sides there, which cancel except for rounding. Splitting
+//! the triangles at the corners on their edges makes both sides share them, and removes the walls.
 
 use crate::techniques::volumes::silhouette::{Cap, NetEdge, net_edges};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// A corner lies on an edge if it is within this fraction of the greatest coordinate of it: 2^-21,
-/// 8 units in the last place at most, what placing an instance rounds.
+/// Tolerance of edges: a corner is on an edge if it is within this fraction of the greatest
+/// coordinate of it. 2^-21 is at most 8 units in the last place, the rounding of an instance
+/// transform.
 const ON_EDGE: f64 = 1.0 / 2_097_152.0;
 
-/// The points inside of edges. Keys are an edge's two ends, the lower first; points come in the
-/// order from the lower end to the higher one.
+/// Points inside edges. Keys are an edge's two ends, the lower first. Points are in the order from
+/// the lower end to the higher one.
 type PointsOnEdges = HashMap<[u32; 2], Vec<u32>>;
 
-/// Returns the same triangles, split where a seam's corners lie on an edge.
+/// Returns the triangles, split where a seam's corners are on an edge.
 pub(crate) fn split_at_t_junctions(positions: &[Vec3], caps: Vec<Cap>) -> Vec<Cap> {
     let seams = net_edges(caps.iter().map(|cap| cap.corners));
     let on_edges = find_points_on_edges(positions, &seams);
@@ -41,7 +41,7 @@ pub(crate) fn split_at_t_junctions(positions: &[Vec3], caps: Vec<Cap>) -> Vec<Ca
     out
 }
 
-/// Returns the points inside of an edge, in the order from `from` to `to`.
+/// Returns the points inside an edge, in the order from `from` to `to`.
 fn points_along(on_edges: &PointsOnEdges, from: u32, to: u32) -> Vec<u32> {
     let mut points = on_edges
         .get(&[from.min(to), from.max(to)])
@@ -53,8 +53,8 @@ fn points_along(on_edges: &PointsOnEdges, from: u32, to: u32) -> Vec<u32> {
     points
 }
 
-/// Splits the triangle (a, b, c) with these points along its sides ab, bc and ca: from the middle
-/// point of a side to the opposite corner, and each half again.
+/// Splits the triangle (a, b, c) with these points along its sides ab, bc and ca. It is cut from
+/// the middle point of a side to the opposite corner, and each half recursively.
 fn split(a: u32, b: u32, c: u32, sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     let [ab, bc, ca] = sides;
     if ab.is_empty() {
@@ -64,7 +64,7 @@ fn split(a: u32, b: u32, c: u32, sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
                 in_scene: false,
             });
         }
-        // Turns the triangle until its first side has points.
+        // Rotate the triangle until its first side has points.
         return split(b, c, a, &[bc.clone(), ca.clone(), Vec::new()], out);
     }
     let middle = ab.len() / 2;
@@ -75,7 +75,7 @@ fn split(a: u32, b: u32, c: u32, sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     split(p, b, c, &[after, bc.clone(), Vec::new()], out);
 }
 
-/// Finds the ends of edges that lie inside other edges.
+/// Finds the ends of edges that are inside other edges.
 fn find_points_on_edges(positions: &[Vec3], edges: &[NetEdge]) -> PointsOnEdges {
     let mut ends: Vec<u32> = edges.iter().flat_map(|e| [e.from, e.to]).collect();
     ends.sort_unstable();
@@ -93,13 +93,13 @@ fn find_points_on_edges(positions: &[Vec3], edges: &[NetEdge]) -> PointsOnEdges 
     out
 }
 
-/// Points in cubes as wide as an edge is long on average, so that all edges together pass few of
-/// them.
+/// Points in cubes whose side is the mean length of edges, so that all edges together pass few
+/// cubes.
 struct Grid<'a> {
     positions: &'a [Vec3],
     /// Side of a cube, metres.
     cell: f64,
-    /// How far from an edge its points may be, metres.
+    /// Greatest distance of an edge's points from it, metres.
     tolerance: f64,
     cells: HashMap<[i64; 3], Vec<u32>>,
 }
@@ -115,7 +115,7 @@ impl<'a> Grid<'a> {
             .iter()
             .map(|&v| position(v).abs().max_element())
             .fold(0.0, f64::max);
-        // The bound keeps cells' numbers far below 2^63.
+        // The bound keeps cell indices far below 2^63.
         let cell = (total_length / edges.len().max(1) as f64)
             .max(reach * ON_EDGE)
             .max(f64::MIN_POSITIVE);
@@ -136,12 +136,12 @@ impl<'a> Grid<'a> {
         (p / self.cell).floor().to_array().map(|x| x as i64)
     }
 
-    /// Returns the points inside of an edge, in the order from `from` to `to`.
+    /// Returns the points inside an edge, in the order from `from` to `to`.
     fn points_inside(&self, from: u32, to: u32) -> Vec<u32> {
         let a = self.positions[from as usize].as_dvec3();
         let b = self.positions[to as usize].as_dvec3();
-        // In pieces no longer than a cell, since the box of a long slanting edge holds many cells
-        // that it does not pass.
+        // Split into pieces no longer than a cell, since the box of a long slanted edge contains
+        // many cells that it does not pass.
         let pieces = ((b - a).length() / self.cell).ceil().max(1.0) as usize;
         let mut candidates = Vec::new();
         for i in 0..pieces {
@@ -165,8 +165,8 @@ impl<'a> Grid<'a> {
         let max = p.max(q) + self.tolerance;
         let low = self.cell_of(min);
         let high = self.cell_of(max);
-        // Where small triangles lie beside large ones, a cell holds many points, and few of them
-        // are in the box.
+        // If small triangles are next to large ones, a cell contains many points, but few are in
+        // the box.
         let is_inside = |&v: &u32| {
             let point = self.positions[v as usize].as_dvec3();
             point.cmpge(min).all() && point.cmple(max).all()
@@ -181,8 +181,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Returns how far along the edge from `a` to `b` a point lies, between 0 and 1; `None` if it
-    /// does not lie inside of the edge.
+    /// Returns the position of a point along the edge from `a` to `b`, between 0 and 1; `None` if
+    /// it is not inside the edge.
     fn along(&self, a: DVec3, b: DVec3, point: u32) -> Option<f64> {
         let p = self.positions[point as usize].as_dvec3();
         let t = (p - a).dot(b - a) / (b - a).length_squared();

@@ -6,8 +6,8 @@ mod readers;
 
 use std::{env, fs, path::PathBuf};
 
-/// Writes the inputs to start from into the folder that this variable names: they are made in code,
-/// and no file holds them.
+/// Writes the initial inputs into the folder of this variable. They are generated in code, and no
+/// file holds them.
 fn write_first_inputs() {
     let Some(folder) = env::var_os("FIRST_INPUTS").map(PathBuf::from) else {
         return;

@@ -1,5 +1,5 @@
-//! Absurd numbers in all that a light set takes: an error or a light without shadows, and never a
-//! panic, a hang or a fault of the device.
+//! Tests of absurd numbers in all inputs of a light set. The result is an error or a light without
+//! shadows, and never a panic, a hang or an error of the device.
 
 use super::alike::World;
 use glam::{Affine3A, Mat3, UVec2, Vec3};
@@ -8,14 +8,12 @@ use std::cell::Cell;
 use umbrage_core::{Aabb, Camera, Light};
 use umbrage_techniques::{ShadowMap, TechniquePreset, all};
 use umbrage_tests::absurd_values::{camera, light, number, spoilt, vector};
-use umbrage_wgpu::{FrameGeometry, SetFrame, SetLight};
+use umbrage_wgpu::{FrameGeometry, SetFrame, ShadowedLight};
 
-/// Largest side of a map, texels: what is tested is what numbers do, and not how long large maps
-/// take.
+/// Greatest side of a map, texels. The subject is numbers, and not the time of large maps.
 const LARGEST: u32 = 128;
 
-/// A preset on a map that is quickly drawn; what a spoilt number made of its side stays if it is
-/// small.
+/// Returns a preset with a small map. A replaced number of its side is kept if it is small.
 fn on_a_small_map(preset: &TechniquePreset) -> TechniquePreset {
     let map = preset.map().map(|map| ShadowMap {
         size: map.size.min(LARGEST),
@@ -70,7 +68,7 @@ fn sets_answer_or_refuse() {
         };
         let scope = d.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let mut set = world.set();
-        let added = set.add_light(SetLight {
+        let added = set.add_light(ShadowedLight {
             light,
             technique: on_a_small_map(&preset).technique(),
             priority,
@@ -79,7 +77,7 @@ fn sets_answer_or_refuse() {
             refuse(&refused);
             return Ok(());
         };
-        // A caster that is placed anyhow, and a part that changed anywhere.
+        // Place a caster arbitrarily, and change an arbitrary part.
         let placed = Affine3A::from_mat3_translation(Mat3::from_cols_array(&turn), place);
         let mesh = world.meshes(&mut set)[0];
         let _ = set.add_caster(mesh, placed);
@@ -113,7 +111,7 @@ fn sets_answer_or_refuse() {
         let fault = pollster::block_on(scope.pop());
         prop_assert!(fault.is_none(), "{preset:?} under {light:?}, then {later:?}: {fault:?}");
     });
-    // Both happen, or the test tests nothing.
+    // Both outcomes must occur, or the test is void.
     assert!(
         served.get() > 30 && refused.get() > 30,
         "{served:?} {refused:?}"

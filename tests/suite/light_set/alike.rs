@@ -1,4 +1,4 @@
-//! Each light of a set gives the bits that its recipe gives alone.
+//! Tests that each light of a set has the bits of its recipe alone.
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
@@ -21,11 +21,11 @@ use umbrage_tests::{
 };
 use umbrage_wgpu::{
     CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, MeshId, SetBudget,
-    SetFrame, SetLight, StillLayers, Unserved, VertexLayout,
+    SetFrame, ShadowedLight, StillLayers, Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
-/// Scenes with suns and lamps, within a cone and around.
+/// Scenes with suns, and with point and spot lights.
 const SCENES: [&str; 5] = [
     "cubes",
     "teapot-lamp",
@@ -33,9 +33,9 @@ const SCENES: [&str; 5] = [
     "two-blockers",
     FENCE,
 ];
-/// A scene whose casters have holes.
+/// A scene with alpha-tested casters.
 const FENCE: &str = "wire-fence";
-/// What a set can't play: it draws from the camera.
+/// Techniques that a set can't execute, since they draw from the camera.
 const REFUSED: [&str; 2] = ["planar", "volumes"];
 
 /// A scene whose casters are one mesh of a set.
@@ -88,8 +88,8 @@ impl World {
         set
     }
 
-    /// Adds the scene's casters to a set as meshes, which cast nothing yet; those with holes are
-    /// left out.
+    /// Adds the scene's casters to a set as meshes, which cast nothing yet, except alpha-tested
+    /// ones.
     pub(super) fn meshes(&self, set: &mut LightSet) -> Vec<MeshId> {
         let d = self.program.d;
         let positions: Vec<[f32; 3]> = self
@@ -98,7 +98,7 @@ impl World {
             .iter()
             .map(|p| p.to_array())
             .collect();
-        // Lists are made by compute shaders.
+        // Compute shaders build the lists.
         let storage = BufferUsages::STORAGE;
         let casters = self.geometry.run(&self.geometry.casters());
         let vertices = foreign::buffer(d, storage | BufferUsages::VERTEX, cast_slice(&positions));
@@ -128,7 +128,7 @@ impl World {
         CutOutBuffers::new(&d.device, &d.queue, &self.geometry).expect("valid")
     }
 
-    /// Returns a light's shadows by a technique that plays alone.
+    /// Returns a light's shadows with a technique that is executed alone.
     fn alone(&self, technique: &dyn ShadowTechnique, set: &LightSet) -> Alone<'_> {
         let seen = View::new(
             &self.scene.cameras[0],
@@ -142,15 +142,15 @@ impl World {
         let recipe = technique.recipe(&planned).expect("serves the light");
         let view = seen.with_receivers(&self.receivers);
         Alone {
-            on_gpu: gpu().render(&view, &recipe).expect("plays").mask,
-            on_cpu: Cpu::new().render(&view, &recipe).expect("plays"),
+            on_gpu: gpu().render(&view, &recipe).expect("renders").mask,
+            on_cpu: Cpu::new().render(&view, &recipe).expect("renders"),
             view,
             recipe,
         }
     }
 }
 
-/// What a technique alone makes of a view.
+/// The result of a technique alone for a view.
 struct Alone<'a> {
     view: View<'a>,
     recipe: Recipe,
@@ -159,8 +159,8 @@ struct Alone<'a> {
 }
 
 impl Alone<'_> {
-    /// Compares a set's mask with the CPU's and, where bits are promised, with that of the
-    /// technique alone. Other drivers may round the shaders of the two in different ways.
+    /// Compares a set's mask with the CPU's, and on the pinned driver with that of the technique
+    /// alone. Other drivers may round the two shaders differently.
     fn check(&self, label: &str, mask: &[f32]) -> Result<Agreement, String> {
         let differing = differing(mask, &self.on_gpu);
         if gpu().promises_bits() && differing > 0 {
@@ -203,7 +203,7 @@ pub(super) fn differing(a: &[f32], b: &[f32]) -> usize {
         .count()
 }
 
-/// Every built-in technique, all in one set at the same time, on each scene.
+/// All built-in techniques in one set at the same time, on each scene.
 #[test]
 fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
     let [mut undecided, mut compared] = [0, 0];
@@ -213,7 +213,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
         let light = world.scene.lights[0];
         let mut ids: Vec<(LightId, &TechniqueEntry)> = Vec::new();
         for entry in umbrage_techniques::all() {
-            let added = set.add_light(SetLight {
+            let added = set.add_light(ShadowedLight {
                 light,
                 technique: small(entry),
                 priority: 1.0,
@@ -255,8 +255,8 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
     );
 }
 
-/// Moment maps with mipmaps, in a set with one without, give the bits that they give alone and on
-/// the CPU; mipmaps change some.
+/// Moment maps with mipmaps, in a set with one without, have the same bits as alone and on the CPU.
+/// Mipmaps change some bits.
 #[test]
 fn moment_maps_of_a_set_have_mipmaps() {
     let world = World::new("far-range");
@@ -309,7 +309,7 @@ fn moment_maps_of_a_set_have_mipmaps() {
         ),
     ];
     let ids = techniques.clone().map(|technique| {
-        let light = SetLight {
+        let light = ShadowedLight {
             light,
             technique: technique.technique(),
             priority: 1.0,
@@ -334,14 +334,14 @@ fn moment_maps_of_a_set_have_mipmaps() {
     assert!(changed > 100, "mipmaps change {changed} pixels");
 }
 
-/// The comparison above can fail: a map that lies elsewhere gives other bits.
+/// Negative control of the comparison above: a displaced map has other bits.
 #[test]
 fn another_map_gives_other_bits() {
     let world = World::new("cubes");
     let mut set = world.set();
     let hard = umbrage_techniques::find("hard").expect("built in");
     let id = set
-        .add_light(SetLight {
+        .add_light(ShadowedLight {
             light: world.scene.lights[0],
             technique: small(hard),
             priority: 1.0,
@@ -360,14 +360,14 @@ fn another_map_gives_other_bits() {
     assert!(alone.compare_with_cpu("spoilt", &mask).is_err());
 }
 
-/// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes
-/// with them.
+/// Alpha-tested casters are added and removed with [`LightSet::set_cut_outs`], and so are their
+/// shadows.
 #[test]
 fn casters_with_holes_come_and_go() {
     come_and_go(&World::new(FENCE));
 }
 
-/// So do those whose alpha textures are mipmapped and hashed.
+/// Mipmapped and hashed alpha textures are added and removed in the same way.
 #[test]
 fn casters_with_hashed_holes_come_and_go() {
     let fence = umbrage_scenes::find(FENCE).expect("a built-in scene");
@@ -383,7 +383,7 @@ fn come_and_go(world: &World) {
     let light = world.scene.lights[0];
     let technique = small(umbrage_techniques::find("hard").expect("built in"));
     let id = set
-        .add_light(SetLight {
+        .add_light(ShadowedLight {
             light,
             technique: technique.clone(),
             priority: 1.0,
@@ -402,7 +402,7 @@ fn come_and_go(world: &World) {
     set.set_cut_outs(None).expect("valid");
     let without = mask(&mut set);
     let gone = with.iter().zip(&without).filter(|(a, b)| a < b).count();
-    assert!(gone > 100, "the net's shadow stays: {gone}");
+    assert!(gone > 100, "the netting's shadow stays: {gone}");
     assert!(
         alone.compare_with_cpu("without", &without).is_err(),
         "the comparison can't fail"
@@ -412,7 +412,7 @@ fn come_and_go(world: &World) {
     assert_eq!(set.casters_box(), before);
 }
 
-/// Lists that the device makes know vertices alone, and so refuse casters with holes.
+/// Lists from the device only use vertices, and therefore refuse alpha-tested casters.
 #[test]
 fn lists_of_the_device_refuse_casters_with_holes() {
     let world = World::new(FENCE);

@@ -1,4 +1,4 @@
-//! What a frame costs: nothing where nothing changed, and never more than the budget.
+//! Tests of a frame's cost: nothing without changes, and never more than the budget.
 
 use glam::{Affine3A, Vec3};
 use umbrage_core::Aabb;
@@ -7,7 +7,7 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, at, camera, hard, spot},
 };
 use umbrage_wgpu::{
-    CasterMesh, LightId, SetBudget, SetFrame, SetLight, SetReport, Unserved, VertexLayout,
+    CasterMesh, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved, VertexLayout,
 };
 use wgpu::BufferUsages;
 
@@ -21,16 +21,16 @@ fn a_still_frame_draws_and_writes_nothing() {
     assert_eq!((first.planned, first.redrawn), (3, 3));
     let made = stage.set.counters();
     assert_eq!(stage.frame(), SetReport::default());
-    // Maps that don't follow the camera aren't even planned again when it moves.
+    // A moving camera doesn't cause planning of maps that don't follow it.
     stage.camera = camera(1.0);
     assert_eq!(stage.frame(), SetReport::default());
-    // A caster that moves is drawn again where it shows, and nowhere else.
+    // A moved caster is redrawn where it is visible, and nowhere else.
     let middle = stage.casters[1];
     stage.set.move_caster(middle, at(0.1)).expect("is there");
     assert_eq!(stage.frame().redrawn, 1);
     stage.set.move_caster(middle, at(0.1)).expect("is there");
     assert_eq!(stage.frame().redrawn, 0);
-    // Asking what the set could serve makes nothing either.
+    // Querying the set's support has no cost, either.
     let frame = SetFrame {
         camera: &stage.camera,
         geometry: None,
@@ -59,7 +59,7 @@ fn lights_beyond_the_bytes_are_lit_and_listed() {
         .collect();
     assert_eq!(lit, [true, false, false]);
     assert!(stage.set.map_bytes() <= budget.bytes);
-    // The light that is left over gets its turn when another leaves or counts less.
+    // The remaining light is served when another is removed or has a lower priority.
     stage.set.set_priority(middle, 0.5).expect("is there");
     stage.frame();
     assert_eq!(stage.unserved(), [middle]);
@@ -83,15 +83,15 @@ fn redraws_are_spread_over_frames() {
     let waiting: Vec<(LightId, Unserved)> = stage.set.unserved().collect();
     assert!(waiting.contains(&(lights[0], Unserved::Waiting)) && waiting.len() == 2);
     assert!(stage.shadowed(lights[1]) > 0 && stage.shadowed(lights[2]) == 0);
-    // Whoever waits gets more urgent: two frames later all are served.
+    // Priorities grow with waiting time: two frames later, all are served.
     stage.frame();
     stage.frame();
     assert_eq!(stage.unserved(), []);
     assert_eq!(stage.frame(), SetReport::default());
 }
 
-/// A budget never lets shaders read what was not drawn: a frame that was prepared and thrown away
-/// is made up for at once.
+/// A budget never lets shaders read maps that were not drawn. A prepared but discarded frame is
+/// made up for at once.
 #[test]
 fn thrown_away_redraws_are_not_put_off() {
     let budget = SetBudget {
@@ -118,19 +118,19 @@ fn thrown_away_redraws_are_not_put_off() {
             let mut encoder = stage.program.encoder();
             stage.set.encode(&mut encoder).expect("was prepared");
         }
-        // A light that is more urgent takes all that the budget allows.
+        // A light of higher priority uses the whole budget.
         stage.set.set_light(second, spot(-0.4)).expect("is there");
         stage.frame();
         let at_once = stage.shadowed(first);
         assert!(at_once > 0 && stage.shadowed(second) > 0);
-        // What is there now is what is there once nothing waits.
+        // When no light waits, the shadows are up to date.
         stage.frame();
         stage.frame();
         assert_eq!(at_once, stage.shadowed(first));
     }
 }
 
-/// 256 lights in WebGPU's own limits, which the tests' device has.
+/// 256 lights fit WebGPU's default limits, which the tests' device has.
 #[test]
 fn two_hundred_and_fifty_six_lights_fit() {
     let places: Vec<f32> = (0..8).map(|i| i as f32 * 2.0 - 7.0).collect();
@@ -138,8 +138,7 @@ fn two_hundred_and_fifty_six_lights_fit() {
     let light = |stage: &mut Stage, i: usize| stage.light(places[i % 8] + 0.001 * i as f32, 1.0);
     let mut lights: Vec<LightId> = Vec::new();
     let mut revisions = Vec::new();
-    // The numbers of few lights are in a uniform buffer, those of many in a storage buffer: both
-    // give the same.
+    // Few lights are in a uniform buffer, many in a storage buffer. Both must have the same result.
     for count in [1, 40, 256] {
         while lights.len() < count {
             let i = lights.len();
@@ -190,7 +189,7 @@ fn what_can_not_be_used_is_refused_by_name() {
     stage.set.remove_caster(caster).expect("is there");
     let error = stage.set.remove_caster(caster).expect_err("is gone");
     assert!(error.to_string().contains("removed"), "{error}");
-    let light = SetLight {
+    let light = ShadowedLight {
         light: spot(f32::INFINITY),
         technique: hard(),
         priority: 1.0,

@@ -1,4 +1,4 @@
-//! Lists of casters that a device makes itself answer as rays do.
+//! Tests of triangle lists that a device builds, against rays.
 
 use super::alike::{World, differing};
 use glam::{Vec2, Vec3};
@@ -17,9 +17,10 @@ use umbrage_tests::{
     light_stage::{Stage, spot},
     random_scene,
 };
-use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, SetLight, Unserved};
+use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, Unserved};
 
-/// Suns and lamps, closed and open casters, some amid the casters and some of real size.
+/// Scenes with suns and point lights, with closed and open casters, some with a light among the
+/// casters, and some of real size.
 const SCENES: [&str; 12] = [
     "cubes",
     "figure",
@@ -35,8 +36,8 @@ const SCENES: [&str; 12] = [
     "low-sun-5",
 ];
 
-fn exact(light: Light) -> SetLight {
-    SetLight {
+fn exact(light: Light) -> ShadowedLight {
+    ShadowedLight {
         light,
         technique: Arc::new(Exact::default()),
         priority: 1.0,
@@ -44,7 +45,7 @@ fn exact(light: Light) -> SetLight {
 }
 
 impl World {
-    /// A frame of a program that has no triangles on the CPU.
+    /// A frame of a program without triangles on the CPU.
     fn frame_without_triangles(&self) -> SetFrame<'_> {
         SetFrame {
             camera: &self.scene.cameras[0],
@@ -52,13 +53,13 @@ impl World {
         }
     }
 
-    /// Returns what rays answer for the receivers of a light of a set, each from where the set's
-    /// kernel lifts it to.
+    /// Returns the visibility by rays for a light of a set, from each receiver's offset position in
+    /// the set's kernel.
     fn traced(&self, set: &LightSet, light: &Light) -> Vec<f32> {
         self.answers(set, light, true)
     }
 
-    /// The same, with casters or without.
+    /// Returns the visibility by rays, with or without casters.
     fn answers(&self, set: &LightSet, light: &Light, casters_count: bool) -> Vec<f32> {
         let camera = &self.scene.cameras[0];
         let view = View {
@@ -102,13 +103,13 @@ fn extent_and_far(bytes: &[u8]) -> [f32; 2] {
     [float("grid", 3), float("far", 0)]
 }
 
-/// A light's mask, as its set shows it.
+/// Returns a light's mask from its set.
 fn mask(world: &World, set: &LightSet, id: LightId) -> Vec<f32> {
     let index = set.index_of(id).expect("is there");
     Forward::default().mask(&world.program, set, index)
 }
 
-/// Returns how many receivers rays answer otherwise, and how many are in shadow.
+/// Returns the number of receivers at which rays differ, and the number in shadow.
 fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
     let id = set.add_light(exact(light)).expect("valid");
     world.program.update(set, &world.frame_without_triangles());
@@ -121,8 +122,8 @@ fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
     [differing(&found, &expected), shadowed]
 }
 
-/// Drivers that round as the CPU does give its bits; of others, a few rays that meet an edge may
-/// tell something else.
+/// Returns the allowed number of differences: none on drivers that round like the CPU; on others, a
+/// few rays that hit an edge.
 fn allowed(pixels: usize) -> usize {
     if gpu().snapping() == umbrage_core::Snapping::default() {
         0
@@ -144,7 +145,7 @@ fn lists_made_by_the_device_answer_as_rays_do() {
     }
 }
 
-/// Random scenes, each under a light of its own.
+/// Random scenes with one light each.
 #[test]
 fn random_scenes_are_listed_as_rays_see_them() {
     let config = ProptestConfig {
@@ -169,13 +170,13 @@ fn random_scenes_are_listed_as_rays_see_them() {
     assert!(in_shadow > least, "only {in_shadow} in shadow");
 }
 
-/// Returns the world of a random scene, if anything casts there.
+/// Returns the world of a random scene, if it has casters.
 fn world_of(scene: Scene) -> Option<World> {
     let world = World::of(scene);
     (!world.geometry.casters().is_empty()).then_some(world)
 }
 
-/// The comparison can fail: rays of another light answer otherwise.
+/// Negative control: rays of another light differ.
 #[test]
 fn rays_of_another_light_answer_otherwise() {
     let world = World::new("cubes");
@@ -193,14 +194,14 @@ fn rays_of_another_light_answer_otherwise() {
     assert!(differing(&found, &world.traced(&set, &moved)) > 10);
 }
 
-/// Where lists have no room, wider cells give the same answer; where even these have none, the
-/// light is lit and says so.
+/// Lists without capacity fall back to wider cells with the same result. If these have no capacity,
+/// either, the light is lit and reports that.
 #[test]
 fn lists_without_room_have_wider_cells() {
     let world = World::new("figure");
     let light = world.scene.lights[0];
     let mut answers = Vec::new();
-    // In turn: room for all, for less than the first try needs, and for nothing.
+    // Capacities in turn: for everything, for less than the first attempt needs, and for nothing.
     for room in [None, Some(9_000), Some(10)] {
         let mut set = world.set();
         set.limit_listed_items(room);
@@ -222,7 +223,7 @@ fn lists_without_room_have_wider_cells() {
     assert_eq!(differing(&nothing.0, &nothing.2), 0, "nothing casts");
 }
 
-/// A frame whose lists had no room makes room for the next ones.
+/// A frame whose lists had no capacity increases it for the next ones.
 #[test]
 fn room_grows_by_what_was_needed() {
     let world = World::new("figure");
@@ -234,7 +235,7 @@ fn room_grows_by_what_was_needed() {
         .program
         .update(&mut set, &world.frame_without_triangles());
     assert!(!set.listings(id).expect("is there").has_room);
-    // What was counted comes some frames later.
+    // Counts arrive some frames later.
     for _ in 0..10 {
         let poll = world
             .program
@@ -253,8 +254,8 @@ fn room_grows_by_what_was_needed() {
     assert_eq!(differing(&found, &world.traced(&set, &light)), 0);
 }
 
-/// Meshes that compute shaders can't read leave the light unserved, with a reason that names the
-/// mesh.
+/// Meshes that compute shaders can't read leave the light without shadows, with a reason that names
+/// the mesh.
 #[test]
 fn buffers_without_the_usage_are_named() {
     let mut stage = Stage::new(SetBudget::default(), &[0.0]);

@@ -1,4 +1,4 @@
-//! What a set asks of a device, and what devices tell it.
+//! Tests of a set's requirements for a device, and of its reports.
 
 use std::sync::Arc;
 use umbrage_core::{Geometry, ShadowTechnique, View};
@@ -9,8 +9,8 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, at, spot},
 };
 use umbrage_wgpu::{
-    FrameGeometry, LightSet, MaskFormat, MaskInputs, PassCasters, SetBudget, SetFrame, SetLight,
-    SetPass, SetReceivers, SetTimestamps, StillLayers, TimedPass, Unserved,
+    FrameGeometry, LightSet, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
+    SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
 
@@ -25,14 +25,14 @@ fn device(features: Features, limits: Limits) -> &'static TestDevice {
     Box::leak(Box::new(open_with(&desc).expect("a device")))
 }
 
-/// Tables that a shader can't bind leave their light unserved, and the others as they are.
+/// Tables that a shader can't bind leave their light without shadows, and don't affect the others.
 #[test]
 fn tables_beyond_a_binding_are_refused() {
     let scene = umbrage_scenes::by_argument("cubes").expect("built in");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let recipe = Traced { samples: 1 }.recipe(&view).expect("serves a sun");
-    // Each of the tables fits, and all of them don't.
+    // Each of the tables fits, but not all of them together.
     let bytes = recipe.table_bytes();
     let limits = Limits {
         max_storage_buffer_binding_size: bytes - 16,
@@ -40,9 +40,9 @@ fn tables_beyond_a_binding_are_refused() {
     };
     let d = device(LightSet::REQUIRED_FEATURES, limits);
     let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
-    // Has a map, and no tables.
+    // A light with a map and without tables.
     stage.light(PLACES[0], 1.0);
-    let traced = stage.set.add_light(SetLight {
+    let traced = stage.set.add_light(ShadowedLight {
         light: spot(PLACES[1]),
         technique: Arc::new(Traced { samples: 1 }),
         priority: 2.0,
@@ -65,7 +65,7 @@ fn tables_beyond_a_binding_are_refused() {
     assert!(why.contains("max_storage_buffer_binding_size"), "{why}");
 }
 
-/// Few lights, whose numbers a uniform buffer holds, and many.
+/// The required limits suffice for few lights in a uniform buffer, and for many.
 #[test]
 fn the_required_limits_are_enough() {
     let d = device(LightSet::REQUIRED_FEATURES, LightSet::REQUIRED_LIMITS);
@@ -83,7 +83,7 @@ fn the_required_limits_are_enough() {
     assert!(stage.set.wgsl().contains("var<storage> shadow_set"));
     let inputs = MaskInputs {
         size: stage.program.size(),
-        receivers: SetReceivers::Positions(stage.program.gbuffer()),
+        receivers: MaskReceivers::Positions(stage.program.gbuffer()),
         lights: &lights[..2],
         format: MaskFormat::Unorm8,
     };
@@ -145,7 +145,7 @@ fn each_pass_is_timed() {
         layer: 0,
         casters: PassCasters::All,
     };
-    // Five queries are enough for two of the three passes.
+    // Five queries suffice for two of the three passes.
     assert_eq!(casts.len(), 2);
     for (timed, begin) in casts.iter().zip([1, 3]) {
         assert_eq!((timed.pass, timed.begin), (cast, begin));
@@ -153,7 +153,7 @@ fn each_pass_is_timed() {
     }
     let inputs = MaskInputs {
         size: stage.program.size(),
-        receivers: SetReceivers::Positions(stage.program.gbuffer()),
+        receivers: MaskReceivers::Positions(stage.program.gbuffer()),
         lights: &lights,
         format: MaskFormat::Unorm8,
     };
@@ -175,7 +175,7 @@ fn each_pass_is_timed() {
         .map(|timed| (timed.light, timed.pass))
         .collect();
     assert_eq!(of_lights, lights.map(|id| (id, SetPass::Mask)));
-    // The queries of all that was listed are written, in order.
+    // The queries of all listed passes are written, in order.
     let resolved = foreign::buffer(
         d,
         BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
@@ -217,8 +217,8 @@ fn play(stage: &mut Stage, frames: std::ops::Range<u32>) {
     }
 }
 
-/// What a copy takes decides whether still casters have a layer of their own, whichever way prices
-/// change; shadows stay the same.
+/// The measured time of copies decides whether still casters have a separate layer, when prices
+/// change in either direction. Shadows stay the same.
 #[test]
 fn still_layers_go_where_copies_take_longer() {
     let mut stage = moving_stage(umbrage_tests::adapter::device(), StillLayers::Auto);
@@ -254,7 +254,7 @@ fn prices_are_measured_where_there_are_timestamps() {
     let seen = stage.set.measured_prices();
     let is_plausible = |price: &Option<f64>| price.is_some_and(|s| (0.0..10.0).contains(&s));
     assert!(seen.iter().all(is_plausible), "{seen:?}");
-    // Without timestamps nothing is known.
+    // Without timestamps, no time is known.
     let plain = umbrage_tests::adapter::device();
     let mut without = moving_stage(plain, StillLayers::Always);
     play(&mut without, 0..3);

@@ -1,5 +1,5 @@
-//! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is
-//! kept is ever stale.
+//! Tests that the shadows of a set after any edits equal those of a new set: no kept state is ever
+//! stale.
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, UVec2, Vec3};
@@ -16,22 +16,22 @@ use umbrage_tests::{
 };
 use umbrage_wgpu::{
     CasterId, CasterMesh, Indices, LightId, LightSet, MeshId, PositionFormat, SetBudget, SetFrame,
-    SetLight, StillLayers, VertexLayout,
+    ShadowedLight, StillLayers, VertexLayout,
 };
 use wgpu::{Buffer, BufferUsages, IndexFormat};
 
-/// A caster: which mesh, and where.
+/// A caster: its mesh and its placement.
 type Caster = (usize, Affine3A);
 /// A light.
 #[derive(Clone, Copy, Debug)]
 struct Lamp {
-    /// 0: a sun. 1: a spot. 2: a point light.
+    /// Kind of light. 0: sun, 1: spot light, 2: point light.
     kind: usize,
     place: Vec3,
     technique: usize,
 }
 
-/// Something that a program does to its set.
+/// An edit of a program's set.
 #[derive(Clone, Debug)]
 enum Edit {
     AddCaster(Caster),
@@ -42,11 +42,11 @@ enum Edit {
     ChangeTechnique(prop::sample::Index, usize),
     RemoveLight(prop::sample::Index),
     MoveCamera(f32),
-    /// Everything is placed relative to the anchor so many steps away along x.
+    /// Everything is placed relative to an anchor at this number of steps along x.
     Hop(i32),
     /// A frame that is submitted.
     Frame,
-    /// A frame whose encoder is thrown away.
+    /// A frame whose encoder is discarded.
     DroppedFrame,
     /// A frame that is prepared and never recorded.
     PreparedFrame,
@@ -86,16 +86,16 @@ fn edit() -> impl Strategy<Value = Edit> {
 }
 
 const TECHNIQUES: usize = 9;
-/// What a model begins with.
+/// The initial light of a model.
 const FIRST_LAMP: Lamp = Lamp {
     kind: 1,
     place: Vec3::new(1.0, 8.0, 0.5),
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16
-/// bits, which is blurred and has mipmaps, for suns cascades, which follow the camera, and lists
-/// that the device makes.
+/// Returns techniques with various maps: of two sizes, filtered, compared by the sampler, 16-bit
+/// moments with blur and mipmaps, cascades for suns that follow the camera, and lists from the
+/// device.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
@@ -177,8 +177,7 @@ impl Meshes {
         ];
         let faces = [0_u16, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2];
         let floats: Vec<[f32; 3]> = faces.iter().map(|&i| corners[usize::from(i)]).collect();
-        // 1 and -1 in 16-bit floats, and in whole numbers; two vertices that are skipped come
-        // first.
+        // 1 and -1 in 16-bit floats and in integers, after two skipped vertices.
         let half = |v: f32| if v > 0.0 { 0x3c00_u16 } else { 0xbc00 };
         let snorm = |v: f32| if v > 0.0 { 0x7fff_u16 } else { 0x8001 };
         let packed = |word: fn(f32) -> u16| -> Vec<[u16; 4]> {
@@ -189,7 +188,7 @@ impl Meshes {
             skipped.into_iter().chain(real).collect()
         };
         Self {
-            // Written to by a test.
+            // A test writes to it.
             floats: foreign::buffer(d, vertex | BufferUsages::COPY_DST, cast_slice(&floats)),
             halves: foreign::buffer(d, vertex, cast_slice(&packed(half))),
             snorms: foreign::buffer(d, vertex, cast_slice(&packed(snorm))),
@@ -236,7 +235,7 @@ impl Meshes {
     }
 }
 
-/// A set, and what a program knows that it holds.
+/// A set, and the program's record of its contents.
 struct Model<'a> {
     program: &'a ForwardProgram,
     meshes: &'a Meshes,
@@ -245,7 +244,7 @@ struct Model<'a> {
     casters: Vec<(CasterId, Caster)>,
     lights: Vec<(LightId, Lamp)>,
     turn: f32,
-    /// What the set's numbers are relative to.
+    /// The anchor of the set's positions.
     anchor: Anchor,
 }
 
@@ -264,8 +263,8 @@ fn relative(place: &Affine3A, anchor: Anchor) -> Affine3A {
     anchor.placement(&world_from_local)
 }
 
-/// Two that stay in the corners of the box around all casters: else every move changes the box, and
-/// with it all maps.
+/// Two casters at fixed corners of the box around all casters. Without them, every move would
+/// change the box and all maps.
 const CORNERS: [Vec3; 2] = [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0)];
 
 impl<'a> Model<'a> {
@@ -296,7 +295,7 @@ impl<'a> Model<'a> {
     }
 
     fn add_light(&mut self, lamp: Lamp) {
-        let id = self.set.add_light(SetLight {
+        let id = self.set.add_light(ShadowedLight {
             light: light(&lamp, self.anchor),
             technique: technique(&lamp),
             priority: 1.0,
@@ -381,7 +380,7 @@ impl<'a> Model<'a> {
         self.program.update(&mut self.set, &frame);
     }
 
-    /// Returns a set that was made anew and holds the same, relative to the origin.
+    /// Returns a new set with the same contents, relative to the origin.
     fn anew(&self) -> Self {
         let mut other = Self::new(self.program, self.meshes, StillLayers::Never);
         other.turn = self.turn;
@@ -430,7 +429,7 @@ fn a_set_never_shows_what_is_stale() {
         for edit in &edits {
             model.edit(edit);
         }
-        // The floor that is looked at lies around the origin.
+        // The tested floor is around the origin.
         if model.anchor != Anchor::ORIGIN {
             model.hop(0);
         }
@@ -449,7 +448,7 @@ fn a_set_never_shows_what_is_stale() {
     );
 }
 
-/// The comparison above can fail: a set that isn't told of a change shows what was.
+/// Negative control of the comparison above: a set without notice of a change has stale shadows.
 #[test]
 fn a_change_that_the_set_is_not_told_of_is_seen() {
     let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
@@ -458,7 +457,7 @@ fn a_change_that_the_set_is_not_told_of_is_seen() {
     model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
     model.add_light(FIRST_LAMP);
     let before = model.masks();
-    // The vertices shrink behind the set's back.
+    // Shrink the vertices without notice to the set.
     let small: Vec<[f32; 3]> = vec![[0.0; 3]; 12];
     program
         .d

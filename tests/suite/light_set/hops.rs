@@ -1,4 +1,4 @@
-//! Sets whose casters are relative to an anchor, when the anchor hops.
+//! Tests of sets whose casters are relative to an anchor, when the anchor changes ("hops").
 
 use glam::{Affine3A, DAffine3, DQuat, DVec3, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
@@ -10,18 +10,18 @@ use umbrage_tests::{
     foreign,
     light_program::{Forward, ForwardProgram},
 };
-use umbrage_wgpu::{CasterId, LightId, LightSet, SetBudget, SetFrame, SetLight, StillLayers};
+use umbrage_wgpu::{CasterId, LightId, LightSet, SetBudget, SetFrame, ShadowedLight, StillLayers};
 use wgpu::BufferUsages;
 
-/// Where everything is, world space: no multiple of a power of two.
+/// Position of the scene in world space, which is not a multiple of a power of two.
 const PLACE: DVec3 = DVec3::new(1e6 + 0.1, 40.3, -2e6 - 0.7);
-/// Where the eye comes from: its anchor is a hop away from that of the place.
+/// Initial position of the eye, whose anchor is one hop away from that of the scene.
 const START: DVec3 = DVec3::new(1e6 - 1900.0, 40.3, -2e6 - 0.7);
 
-/// A lamp: where, counted from the place, and which technique.
+/// A light: its position relative to the scene, and its technique.
 type Lamp = (DVec3, usize);
 
-/// A set, and what its program knows of the world.
+/// A set, and the program's record of the world.
 struct World {
     program: ForwardProgram,
     set: LightSet,
@@ -40,8 +40,8 @@ fn map(fit: Fit, layout: Layout) -> ShadowMap {
     }
 }
 
-/// Suns with cascades that follow the camera, and spots.
-fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
+/// Returns a sun with cascades that follow the camera, or a spot light.
+fn light(lamp: &Lamp, anchor: Anchor) -> ShadowedLight {
     let (place, kind) = *lamp;
     let technique: Arc<dyn ShadowTechnique> = match kind {
         0 => Arc::new(Pcf { radius: 1 }.on(map(
@@ -65,7 +65,7 @@ fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
             radius: 0.0,
         }
     };
-    SetLight {
+    ShadowedLight {
         light,
         technique,
         priority: 1.0,
@@ -73,13 +73,12 @@ fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
 }
 
 impl World {
-    /// A set at the anchor of an eye, with triangles and lamps at these places, counted from
-    /// [`PLACE`].
+    /// Creates a set at the anchor of an eye, with triangles and lights at these positions,
+    /// relative to [`PLACE`].
     fn new(eye: DVec3, budget: SetBudget, places: &[DVec3], lamps: &[Lamp]) -> Self {
         let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
         let mut set = program.set(budget, StillLayers::Auto);
-        // A copy costs nothing here, so that layers are split wherever something is still and
-        // something moves.
+        // Make copies free, so that layers with still and moving casters are always split.
         set.assume_prices(1.0, 1e-9);
         let corners = [[-0.8_f32, 0.0, -0.8], [0.8, 0.1, -0.8], [0.0, 0.4, 0.8]];
         let usage = BufferUsages::VERTEX | BufferUsages::STORAGE;
@@ -119,7 +118,7 @@ impl World {
         self.program.update(&mut self.set, &frame);
     }
 
-    /// Moves the eye to above the place, and the anchor with it. Returns whether it hopped.
+    /// Moves the eye above the scene, and the anchor with it. Returns whether the anchor changed.
     fn walk(&mut self) -> bool {
         self.eye = arrived();
         let anchor = self.anchor.held(self.eye).expect("finite");
@@ -133,7 +132,7 @@ impl World {
         self.casters.iter().map(relative).collect()
     }
 
-    /// What a program does when its anchor hopped.
+    /// Updates placements after a change of the anchor, like a program.
     fn rebase(&mut self) {
         for (id, placement) in self.placements() {
             self.set.rebase_caster(id, placement).expect("is there");
@@ -160,7 +159,7 @@ impl World {
         }
     }
 
-    /// Returns the mask of each light on a floor under the place.
+    /// Returns the mask of each light on a floor under the scene.
     fn masks(&self) -> Vec<Vec<f32>> {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         let size = self.program.size();
@@ -207,7 +206,7 @@ fn lamps() -> impl Strategy<Value = Lamp> {
     (above, 0..3_usize).prop_map(|((x, y, z), kind)| (DVec3::new(x, y, z), kind))
 }
 
-/// Sets that may redraw one layer a frame, so that lights which don't have to would wait.
+/// Budget of one redrawn layer a frame, so that lights without need would wait.
 const FEW_REDRAWS: SetBudget = SetBudget {
     bytes: 256 << 20,
     redraws: 1,
@@ -227,7 +226,7 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
         for _ in 0..10 {
             kept.frame();
         }
-        // From the old anchor, with the eye where it will be.
+        // Start from the old anchor, with the eye at its final position.
         kept.eye = arrived();
         for _ in 0..10 {
             kept.frame();
@@ -241,7 +240,7 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
         let made_there = anew.masks();
         prop_assert_eq!(differing(&after_hop, &made_there), 0, "{:?}", lamps);
         in_shadow.set(in_shadow.get() + dark(&made_there));
-        // The comparison can fail: a caster that stays where it was, relative to the anchor before.
+        // Negative control: one caster keeps its placement relative to the old anchor.
         let (forgotten, placed) = kept.casters[0];
         let before = Anchor::near(START).expect("finite").placement(&placed);
         kept.set.rebase_caster(forgotten, before).expect("is there");
@@ -252,7 +251,7 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
     assert!(in_shadow > 2000, "only {in_shadow} pixels in shadow");
     assert!(
         spoilt >= 18,
-        "only {spoilt} spoilt sets of 24 are found out"
+        "only {spoilt} of 24 wrong sets are detected"
     );
 }
 
@@ -268,7 +267,7 @@ const THREE_PLACES: [DVec3; 3] = [
     DVec3::new(3.0, 2.5, -0.3),
 ];
 
-/// A budget of redraws may not put off what follows a hop, as it may after moves.
+/// A budget of redraws may not delay redraws after a hop, as it may after moves.
 #[test]
 fn no_light_waits_after_a_hop() {
     let mut anew = World::new(arrived(), SetBudget::default(), &THREE_PLACES, &FOUR_LAMPS);
@@ -286,7 +285,7 @@ fn no_light_waits_after_a_hop() {
         let waiting = kept.set.report().waiting;
         let other = differing(&kept.masks(), &made_there);
         assert_eq!((waiting > 0, other > 0), (!is_told, !is_told), "{other}");
-        // Nothing is drawn again for a hop that is over.
+        // Nothing is redrawn after the hop has finished.
         for _ in 0..10 {
             kept.frame();
         }
@@ -295,7 +294,7 @@ fn no_light_waits_after_a_hop() {
     }
 }
 
-/// A hop is no motion: what was still keeps its layers beside what moves.
+/// A hop is not a motion: still casters keep separate layers from moving ones.
 #[test]
 fn casters_that_were_still_stay_still() {
     let mut bytes = Vec::new();
@@ -306,7 +305,7 @@ fn casters_that_were_still_stay_still() {
         assert!(kept.walk());
         kept.hop(is_told);
         kept.frame();
-        // One caster moves by itself.
+        // Move one caster by itself.
         let (id, placed) = &mut kept.casters[0];
         placed.translation.y += 0.25;
         let placement = kept.anchor.placement(placed);

@@ -1,4 +1,5 @@
-//! Masks of a set, for renderers that shade from a G-buffer, are what the forward renderer sees.
+//! Tests that the masks of a set, for renderers that shade from a G-buffer, equal the forward
+//! renderer's results.
 
 use bytemuck::cast_slice;
 use glam::{Mat4, UVec2, Vec3, Vec4};
@@ -16,7 +17,7 @@ use umbrage_tests::{
 };
 use umbrage_wgpu::{
     ApiErrors, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
-    NormalCoding, SetBudget, SetLight, SetNormals, SetReceivers,
+    MaskReceivers, NormalCoding, SetBudget, SetNormals, ShadowedLight,
 };
 use wgpu::{TextureFormat, TextureView};
 
@@ -26,7 +27,7 @@ const PLACES: [f32; 3] = [-4.0, 0.0, 4.0];
 fn masks(
     program: &ForwardProgram,
     set: &mut LightSet,
-    receivers: SetReceivers<'_>,
+    receivers: MaskReceivers<'_>,
     lights: &[LightId],
 ) -> Vec<Vec<f32>> {
     let inputs = MaskInputs {
@@ -57,12 +58,12 @@ fn masks_are_what_the_forward_renderer_sees() {
     let mut stage = Stage::new(SetBudget::default(), &PLACES);
     let lights = PLACES.map(|x| stage.light(x, 1.0));
     stage.frame();
-    // Without the light in the middle, and in another order than that of their indices.
+    // Skip the light in the middle, and use another order than that of their indices.
     let asked = [lights[2], lights[0]];
     let expected = asked.map(|id| forward(&stage.program, &stage.set, id));
     assert!(expected.iter().all(|mask| mask.iter().any(|&v| v < 1.0)));
     assert_ne!(expected[0], expected[1]);
-    let seen = SetReceivers::Positions(stage.program.gbuffer());
+    let seen = MaskReceivers::Positions(stage.program.gbuffer());
     let found = masks(&stage.program, &mut stage.set, seen, &asked);
     assert_eq!(found, expected);
 }
@@ -76,12 +77,12 @@ fn lights_that_are_not_served_have_white_masks() {
     let mut stage = Stage::new(budget, &PLACES);
     let light = stage.light(0.0, 1.0);
     stage.frame();
-    let seen = SetReceivers::Positions(stage.program.gbuffer());
+    let seen = MaskReceivers::Positions(stage.program.gbuffer());
     let found = masks(&stage.program, &mut stage.set, seen, &[light]);
     assert!(found[0].iter().all(|&v| v == 1.0));
 }
 
-/// A kernel whose WGSL no compiler takes.
+/// A kernel with invalid WGSL.
 #[derive(Debug)]
 struct Broken;
 
@@ -122,8 +123,8 @@ impl ShadowTechnique for Broken {
     }
 }
 
-/// Errors of the compiler come at once, or when they are asked for, and the set goes on without the
-/// light that made them.
+/// Errors of the compiler are returned at once or on request, and the set continues without the
+/// light that caused them.
 #[test]
 fn errors_of_the_compiler_are_told_at_once_or_later() {
     for when in [ApiErrors::AtOnce, ApiErrors::Later] {
@@ -134,7 +135,7 @@ fn errors_of_the_compiler_are_told_at_once_or_later() {
             ..LightSetOptions::default()
         };
         stage.set = LightSet::new(&stage.program.d.device, options).expect("fits");
-        let light = SetLight {
+        let light = ShadowedLight {
             light: spot(0.0),
             technique: Arc::new(Broken),
             priority: 1.0,
@@ -144,7 +145,7 @@ fn errors_of_the_compiler_are_told_at_once_or_later() {
         assert_eq!(stage.set.take_error().map(|e| e.to_string()), None);
         let inputs = MaskInputs {
             size: stage.program.size(),
-            receivers: SetReceivers::Positions(stage.program.gbuffer()),
+            receivers: MaskReceivers::Positions(stage.program.gbuffer()),
             lights: &[light],
             format: MaskFormat::Unorm8,
         };
@@ -158,17 +159,17 @@ fn errors_of_the_compiler_are_told_at_once_or_later() {
         assert_eq!(other.map(|e| e.to_string()), None, "{when:?}");
         let text = error.expect("a name is unknown").to_string();
         assert!(text.contains("no_such_name"), "{text}");
-        // With another technique all is well again.
+        // With another technique, everything works again.
         stage.set.set_technique(light, hard()).expect("is there");
         stage.frame();
-        let seen = SetReceivers::Positions(stage.program.gbuffer());
+        let seen = MaskReceivers::Positions(stage.program.gbuffer());
         let found = masks(&stage.program, &mut stage.set, seen, &[light]);
         assert!(found[0].iter().all(|&v| v == 1.0), "nothing casts here");
         assert_eq!(stage.set.take_error().map(|e| e.to_string()), None);
     }
 }
 
-/// The floor, as a camera sees it: positions for one renderer, depths for another.
+/// The camera's view of the floor: positions for one renderer, depths for another.
 struct SeenFloor {
     positions: Vec<[f32; 4]>,
     depths: Vec<f32>,
@@ -212,7 +213,7 @@ impl SeenFloor {
     }
 }
 
-/// Returns a texture of one normal, (0, 1, 0), and how it is held.
+/// Returns textures of one normal, (0, 1, 0), with their encoding.
 fn normals(program: &ForwardProgram) -> [(TextureView, NormalCoding); 3] {
     let size = program.size();
     let count = (size.x * size.y) as usize;
@@ -238,14 +239,14 @@ fn normals(program: &ForwardProgram) -> [(TextureView, NormalCoding); 3] {
     ]
 }
 
-/// Straight from a depth buffer, with normals in three formats and without: a few pixels at edges
-/// may differ, since positions are rounded otherwise.
+/// Masks from a depth buffer, with normals in three formats and without. A few pixels at edges may
+/// differ, since positions are rounded differently.
 #[test]
 fn masks_come_from_depth_and_normals_of_any_format() {
     let mut stage = Stage::new(SetBudget::default(), &PLACES);
     let lights = PLACES.map(|x| stage.light(x, 1.0));
     for light in lights {
-        // Receivers move along their normals by some texels: a wrong normal moves shadows.
+        // Receivers move along their normals by some texels, so that a wrong normal moves shadows.
         let map = ShadowMap {
             bias: Bias {
                 normal_offset: 8.0,
@@ -262,7 +263,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
     let up = vec![Vec3::Y.extend(0.0).to_array(); floor.positions.len()];
     let ids = vec![u32::MAX; floor.positions.len()];
     let program = ForwardProgram::of_texels(device(), camera.size, &floor.positions, &up, &ids);
-    let exact = SetReceivers::Positions(program.gbuffer());
+    let exact = MaskReceivers::Positions(program.gbuffer());
     let expected = masks(&program, &mut stage.set, exact, &lights);
     let shadowed = expected.iter().flatten().filter(|&&v| v < 1.0).count();
     assert!(shadowed > 80, "{shadowed}");
@@ -286,7 +287,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
         })
     }));
     for normals in ways {
-        let seen = SetReceivers::Depth { depth, normals };
+        let seen = MaskReceivers::Depth { depth, normals };
         let found = masks(&program, &mut stage.set, seen, &lights);
         let pairs = found.iter().flatten().zip(expected.iter().flatten());
         let differing = pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count();
@@ -295,13 +296,13 @@ fn masks_come_from_depth_and_normals_of_any_format() {
             "{differing} of {shadowed}: {normals:?}"
         );
     }
-    // Another camera's matrix gives other positions: the comparison can fail.
+    // Negative control: another camera's matrix results in other positions.
     let camera_beside = umbrage_tests::light_stage::camera(1.5);
     let wrong = DepthBuffer {
         world_from_clip: SeenFloor::new(&camera_beside).world_from_clip,
         ..depth
     };
-    let seen = SetReceivers::Depth {
+    let seen = MaskReceivers::Depth {
         depth: wrong,
         normals: None,
     };

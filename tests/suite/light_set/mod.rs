@@ -1,5 +1,5 @@
-//! Light sets: many lights in one renderer, against the same lights alone, and against a set that
-//! was made anew.
+//! Tests of light sets: many lights in one renderer, compared with the same lights alone and with a
+//! new set.
 
 mod absurd;
 mod alike;

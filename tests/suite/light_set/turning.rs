@@ -1,11 +1,11 @@
-//! What a set draws while its camera turns.
+//! Tests of the redraws of a set while its camera turns.
 
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Camera, Cascades, Fit, Layout, Light};
 use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap};
 use umbrage_tests::light_stage::Stage;
-use umbrage_wgpu::{LightId, SetBudget, SetLight};
+use umbrage_wgpu::{LightId, SetBudget, ShadowedLight};
 
 fn camera(yaw: f32) -> Camera {
     let size = UVec2::new(64, 48);
@@ -14,8 +14,7 @@ fn camera(yaw: f32) -> Camera {
     Camera::perspective(eye, eye + ahead, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
 }
 
-/// A sun with three cascades of this fit, over a row of triangles so long that no map is around all
-/// of them.
+/// A sun with three cascades of this fit over a row of triangles that is too long for one map.
 fn stage(fit: Fit) -> (Stage, LightId) {
     let places: Vec<f32> = (-20..=20).map(|i| 4.0 * i as f32).collect();
     let mut stage = Stage::new(SetBudget::default(), &places);
@@ -28,7 +27,7 @@ fn stage(fit: Fit) -> (Stage, LightId) {
         }),
         ..ShadowMap::default()
     };
-    let sun = SetLight {
+    let sun = ShadowedLight {
         light: Light::Directional {
             direction: Vec3::new(0.3, -1.0, 0.1),
             angular_diameter: 0.0,
@@ -40,7 +39,7 @@ fn stage(fit: Fit) -> (Stage, LightId) {
     (stage, sun)
 }
 
-/// Returns the layers drawn and the bytes written while the camera turns around once.
+/// Returns the number of drawn layers and written bytes in one full turn of the camera.
 fn turn_around(fit: Fit) -> [u64; 2] {
     let (mut stage, sun) = stage(fit);
     stage.camera = camera(0.0);
@@ -61,7 +60,7 @@ fn turn_around(fit: Fit) -> [u64; 2] {
 #[test]
 fn a_camera_that_turns_draws_nothing_again_with_maps_around_it() {
     assert_eq!(turn_around(Fit::AroundCamera { range: 30.0 }), [0, 0]);
-    // With stable maps that lie where the camera looks, most turns move all of them.
+    // Most turns move all stable maps that are in front of the camera.
     let [layers, bytes] = turn_around(Fit::Stable { range: 30.0 });
     assert!(
         layers > 40 && bytes > 0,

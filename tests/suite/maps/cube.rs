@@ -1,9 +1,9 @@
-//! Cubes of maps: no seams, and no face drawn in vain.
+//! Tests of cube maps: no seams, and no face drawn in vain.
 //!
-//! A pixel is in the **seam band** when it is seen at most two texels from the edge of a cube's
-//! face. It is **unexplained** when its mask is false (by more than a quarter) although truth
-//! doesn't change within what the kernel spans, and two texels more, around it: error that no true
-//! shadow edge explains.
+//! A pixel is in the **seam band** if it is at most two texels from the edge of a cube's face. It
+//! is **unexplained** if its mask is wrong (by more than a quarter) although the reference is
+//! constant within the kernel's radius, plus two texels, around it: an error that no true shadow
+//! edge explains.
 
 use super::Case;
 use glam::{UVec2, Vec2, Vec3};
@@ -26,7 +26,7 @@ fn map(bias: Bias) -> ShadowMap {
     }
 }
 
-/// Techniques with how far their kernels reach, texels.
+/// Techniques with the radii of their kernels, texels.
 fn techniques() -> [(TechniquePreset, f32); 4] {
     let pcf = |radius: u32| Pcf { radius }.on(map(Bias::ADAPTIVE));
     [
@@ -40,8 +40,8 @@ fn techniques() -> [(TechniquePreset, f32); 4] {
     ]
 }
 
-/// Where a point is seen from the lamp: distance along the face's axis, and texels from the face's
-/// middle.
+/// Position of a point on a face of the light's cube: distance along the face's axis, and texels
+/// from the face's centre.
 struct OnFace {
     axes: [Vec3; 3],
     distance: f32,
@@ -49,7 +49,8 @@ struct OnFace {
 }
 
 impl OnFace {
-    /// Texels are those of faces exactly 90 degrees wide; true ones are a little larger.
+    /// Computes the position. Texels are those of faces of exactly 90 degrees; true ones are
+    /// slightly larger.
     fn of(d: Vec3) -> Self {
         let unit = [Vec3::X, Vec3::Y, Vec3::Z];
         let major = (0..3)
@@ -69,12 +70,12 @@ impl OnFace {
         }
     }
 
-    /// Texels to the nearest edge of the face.
+    /// Returns the distance to the nearest edge of the face, texels.
     fn to_edge(&self) -> f32 {
         SIZE as f32 / 2.0 - self.texel.abs().max_element()
     }
 
-    /// The ray from the lamp through a place beside this one, `step` texels away.
+    /// Returns the ray from the light through a position `step` texels away from this one.
     fn beside(&self, step: Vec2) -> Vec3 {
         let t = (self.texel + step) / (SIZE as f32 / 2.0);
         (self.axes[0] + self.axes[1] * t.x + self.axes[2] * t.y) * self.distance
@@ -89,7 +90,8 @@ fn on_face(case: &Case, pixel: usize) -> OnFace {
     OnFace::of(case.truth.receivers.position(pixel) - lamp(case))
 }
 
-/// Whether truth changes within `texels` around a pixel, on the plane that it shows.
+/// Reports whether the reference changes within `texels` around a pixel, on the plane of its
+/// surface.
 fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
     let lamp = lamp(case);
     let receivers = &case.truth.receivers;
@@ -120,7 +122,7 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
         .any(|s| s.visibility != case.truth.visibility[pixel])
 }
 
-/// False pixels in the seam band and elsewhere.
+/// Wrong pixels in the seam band and elsewhere.
 fn false_pixels(case: &Case, mask: &[f32]) -> [Vec<usize>; 2] {
     let wrong = |&i: &usize| (mask[i] - case.truth.visibility[i]).abs() > ERROR_THRESHOLD;
     let (band, elsewhere) = case
@@ -130,7 +132,7 @@ fn false_pixels(case: &Case, mask: &[f32]) -> [Vec<usize>; 2] {
     [band, elsewhere]
 }
 
-/// In the seam band and elsewhere.
+/// Unexplained pixels in the seam band and elsewhere.
 fn unexplained(case: &Case, mask: &[f32], reach: f32) -> [usize; 2] {
     false_pixels(case, mask).map(|wrong| {
         wrong
@@ -140,7 +142,7 @@ fn unexplained(case: &Case, mask: &[f32], reach: f32) -> [usize; 2] {
     })
 }
 
-/// Pixels that count in the seam band.
+/// Evaluated pixels in the seam band.
 fn band(case: &Case) -> usize {
     case.counted()
         .filter(|&i| on_face(case, i).to_edge() <= 2.0)
@@ -155,7 +157,7 @@ fn faces_meet_without_seams() {
         .filter(|&i| on_face(&case, i).to_edge() <= 2.0 && case.truth.visibility[i] == 0.0);
     assert!(
         band(&case) > 400 && shadowed.count() > 40,
-        "too little is seen of the seams: {}",
+        "too few pixels are at seams: {}",
         band(&case)
     );
     for (technique, reach) in techniques() {
@@ -177,7 +179,7 @@ fn render(case: &Case, recipe: &Recipe) -> Vec<f32> {
         .mask
 }
 
-/// A face that is turned by a few texels must show up as a seam.
+/// Negative control: a face that is turned by a few texels must be detected as a seam.
 #[test]
 fn a_turned_face_is_caught() {
     let case = Case::named("lamp-in-room");
@@ -190,8 +192,7 @@ fn a_turned_face_is_caught() {
     assert!(count > 5, "only {count} pixels show the turned faces");
 }
 
-/// Only those faces are cast in which something casts and something seen receives; each of them
-/// matters.
+/// Only faces with casters and visible receivers are drawn, and each of them matters.
 #[test]
 fn faces_are_drawn_if_they_are_needed() {
     let case = Case::of(one_octant());
@@ -210,8 +211,8 @@ fn faces_are_drawn_if_they_are_needed() {
     }
 }
 
-/// A bulb over a floor, and three balls in the octant +x, -y, +z of the bulb, one before each of
-/// its faces.
+/// A point light over a floor, and three balls in the octant +x, -y, +z of the light, one in front
+/// of each of its faces.
 fn one_octant() -> Scene {
     let mut scene = (umbrage_scenes::find("lamp-in-room")
         .expect("built in")

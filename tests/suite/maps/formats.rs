@@ -1,4 +1,4 @@
-//! What coarse and packed depth cost.
+//! Tests of the effect of coarse and packed depth.
 
 use super::Case;
 use umbrage_core::{Backend, Extents, Fit, Light, RasterBias, ShadowTechnique};
@@ -17,14 +17,14 @@ fn hard(format: MapFormat, constant: f32, fit: Fit) -> MapTechnique<Hard> {
     })
 }
 
-/// The sun's tight fit around far-range, with its depth stretched by `factor` before the first
-/// caster and behind the last receiver.
+/// The sun's tight fit around far-range, with its depth range extended by `factor` in front of the
+/// first caster and behind the last receiver.
 fn stretched(case: &Case, factor: f32) -> Fit {
     let bounds = case.geometry.bounds();
     let reach = (bounds.max - bounds.min).length() * 0.5;
     let center = bounds.center();
     let Light::Directional { direction, .. } = case.light() else {
-        unreachable!("far-range lies in the sun")
+        unreachable!("far-range has a sun")
     };
     let eye = center - direction.normalize() * reach * factor;
     let extents = Extents {
@@ -38,8 +38,8 @@ fn stretched(case: &Case, factor: f32) -> Fit {
     Fit::Manual { eye, extents }
 }
 
-/// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near
-/// 1). What the bias moves casters by, for grids that are coarser than the CPU's, is taken back.
+/// Biases in texels, with the constant for 32-bit floats (a few 2^-24 of a depth near 1). The
+/// offset of casters for grids that are coarser than the CPU's is undone.
 const FOR_FLOATS: Bias = Bias {
     constant: 1e-6,
     raster: TAKEN_BACK,
@@ -61,8 +61,8 @@ fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
     case.errors(&Hard {}.on(map)).false_shadow
 }
 
-/// The longer the range of depths, the coarser the steps of 16 bits in metres: a bias that follows
-/// the receiver's plane doesn't cover them. Floats have bits to spare, packed or not.
+/// With a longer depth range, the steps of 16 bits become larger in metres, and a bias that follows
+/// the receiver's plane doesn't cover them. Floats have sufficient precision, packed or not.
 #[test]
 fn sixteen_bits_grow_acne_with_range() {
     let case = Case::named("far-range");
@@ -78,7 +78,7 @@ fn sixteen_bits_grow_acne_with_range() {
     assert!(coarse[0] < coarse[1] && coarse[1] < coarse[2], "{coarse:?}");
 }
 
-/// Packing keeps every bit of depths of 1/256 and more, so not one comparison changes.
+/// Packing keeps every bit of depths from 1/256 on, so not one comparison changes.
 #[test]
 fn packed_depth_is_depth() {
     let case = Case::named("far-range");

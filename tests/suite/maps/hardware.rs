@@ -1,4 +1,4 @@
-//! Comparison samplers on a device: `pcf_hardware` and `pcf_merged`.
+//! Tests of comparison samplers on a device: `pcf_hardware` and `pcf_merged`.
 
 use super::Case;
 use umbrage_core::{Backend, RecipeError, ShadowTechnique, metrics::Errors};
@@ -9,7 +9,7 @@ use umbrage_techniques::{
 };
 use umbrage_tests::gpu::gpu;
 
-/// Every kernel with every path: borders, layouts, formats, biases.
+/// Returns every kernel with every path: borders, layouts, formats, biases.
 fn techniques() -> Vec<TechniquePreset> {
     let map = ShadowMap {
         size: 200,
@@ -45,15 +45,15 @@ fn techniques() -> Vec<TechniquePreset> {
     maps.into_iter().flat_map(kernels).collect()
 }
 
-/// A built-in scene in a small picture: there are many kernels to play.
+/// A built-in scene in a small image, since there are many kernels.
 fn small(name: &str) -> Case {
     let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
     scene.cameras[0].size = glam::UVec2::new(96, 72);
     Case::of(scene)
 }
 
-/// On the measured driver both halves are bit-equal; elsewhere lookups into the same map differ by
-/// the weights' bits, where no comparison hangs on rounding: fewer than one in a thousand.
+/// On the pinned driver, both halves are bit-equal. Elsewhere, lookups into the same map differ in
+/// the weights' bits where no comparison depends on rounding: fewer than one in a thousand.
 #[test]
 fn both_halves_agree() {
     let mut faults = Vec::new();
@@ -97,12 +97,12 @@ fn both_halves_agree() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    // Every kernel reaches beyond a cube's faces of one texel.
+    // Every kernel is larger than a cube's face of one texel.
     assert_eq!((played, refused), (2 * 6 * 7 - 7, 7));
 }
 
-/// The comparison must notice a kernel that is not its twin: here the GPU's filter is one texel
-/// wider.
+/// Negative control: the comparison must detect a different kernel. The GPU's filter is one texel
+/// wider here.
 #[test]
 fn another_kernel_is_caught() {
     let case = Case::named("figure");
@@ -131,8 +131,8 @@ fn another_kernel_is_caught() {
     assert!(off > cpu.mask.len() / 1000, "only {off} differ");
 }
 
-/// Blending moves a hard edge by no more than it blurs it: the mean error stays near one
-/// comparison's, and steps vanish.
+/// Blending moves a hard edge by no more than it blurs it: the mean error stays close to that of
+/// one comparison, and steps vanish.
 #[test]
 fn blended_edges_are_closer_to_truth() {
     let case = Case::named("figure");

@@ -1,4 +1,4 @@
-//! Second depth and midpoints against constants, and where they fail.
+//! Tests of second depth and midpoints against constant biases, and of their failures.
 
 use super::Case;
 use umbrage_core::ShadowTechnique;
@@ -22,13 +22,13 @@ fn second_depth() -> MapTechnique<SecondDepth> {
     SecondDepth { radius: 0 }.on(map(Bias::FRONT_CULL))
 }
 
-/// Share of wrong pixels, summed over the scenes.
+/// Returns the fraction of wrong pixels, summed over the scenes.
 fn wrong(cases: &[Case], technique: &dyn ShadowTechnique) -> f64 {
     cases.iter().map(|case| case.errors(technique).mean).sum()
 }
 
-/// Closed casters of different thickness under different lights: each has a constant that suits it,
-/// and none suits all.
+/// Closed casters of different thickness under different lights: each has a suitable constant, and
+/// none suits all.
 #[test]
 fn every_constant_is_worse_on_closed_meshes() {
     let cases = [
@@ -56,8 +56,8 @@ fn every_constant_is_worse_on_closed_meshes() {
     }
 }
 
-/// Sheets that enclose nothing: second depth loses those that face the light; a midpoint alone lies
-/// too near to them.
+/// Open sheets: second depth loses those that face the light, and a midpoint alone is too close to
+/// them.
 #[test]
 fn open_meshes_defeat_both() {
     let case = [Case::named("open-shells")];
@@ -71,7 +71,7 @@ fn open_meshes_defeat_both() {
     );
 }
 
-/// Walls one texel thick: light leaks past their far sides, and not past a midpoint or the near
+/// Walls one texel thick: light leaks past their far sides, but not past a midpoint or the near
 /// sides.
 #[test]
 fn thin_walls_leak_by_second_depth() {

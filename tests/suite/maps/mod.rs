@@ -1,4 +1,4 @@
-//! Kinds of maps and of lookups, measured against truth: comparison samplers, midpoints, cubes,
+//! Tests of kinds of maps and lookups against the reference: comparison samplers, midpoints, cubes,
 //! coarse and packed depth.
 
 mod cube;
@@ -14,7 +14,7 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::find;
 
-/// A scene with its truth.
+/// A scene with its reference.
 struct Case {
     scene: Scene,
     geometry: Geometry,
@@ -22,7 +22,7 @@ struct Case {
 }
 
 impl Case {
-    /// A built-in scene.
+    /// Returns a built-in scene.
     fn named(name: &str) -> Self {
         Self::of((find(name).expect("a built-in scene").build)())
     }
@@ -55,7 +55,7 @@ impl Case {
             .with_receivers(&self.truth.receivers)
     }
 
-    /// The CPU's mask.
+    /// Returns the CPU's mask.
     fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
         let recipe = technique
             .recipe(&self.view())
@@ -80,7 +80,7 @@ impl Case {
         .expect("masks are valid")
     }
 
-    /// Pixels that count.
+    /// Returns the evaluated pixels.
     fn counted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.pixels.len()).filter(|&i| self.truth.pixels[i] == Pixel::Counted)
     }

@@ -1,6 +1,6 @@
 //! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench`, `card` and `merge`:
-//! umbrage's commands with this repository's folder for reports. A program with techniques of its
-//! own looks just like this one.
+//! umbrage's commands with this repository's folder for reports. A program with its own techniques
+//! has the same structure.
 
 use std::{path::Path, process::ExitCode};
 

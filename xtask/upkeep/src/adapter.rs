@@ -1,4 +1,4 @@
-//! Whether there is a graphics adapter, and how to come by one.
+//! Finds or installs a graphics adapter.
 
 use crate::run::{beside, run, spell};
 use anyhow::{Context as _, Result, bail};
@@ -6,20 +6,20 @@ use std::{fs, process::Command};
 
 const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 
-/// The name of the adapter that the tests will use. `cargo test` has built the program that tells,
-/// beside this one.
+/// Returns the name of the tests' adapter. `cargo test` has built the program that reports it, next
+/// to this one.
 pub(crate) fn find() -> Result<Option<String>> {
     find_with(|_| ())
 }
 
-/// Checks that the tests' adapter is the driver on which bits are promised.
+/// Checks that the tests' adapter is the driver with the promised bits.
 pub(crate) fn check_pinned() -> Result<()> {
     let mut program = beside("adapter")?;
     run(with_runtime_dir(program.arg("--pinned"))?)
-        .context("bits can't be compared here: install Mesa 22.3.6 (Debian 12), or leave out --pinned-driver")
+        .context("bits can't be compared on this driver: install Mesa 22.3.6 (Debian 12), or omit --pinned-driver")
 }
 
-/// The same once the program's environment is prepared.
+/// Returns the name of the tests' adapter in an environment that `prepare` sets up.
 pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<String>> {
     let mut program = beside("adapter")?;
     prepare(&mut program);
@@ -30,7 +30,7 @@ pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<Str
     Ok(output.status.success().then_some(name))
 }
 
-/// Mesa complains on every start where this variable is missing.
+/// Sets `XDG_RUNTIME_DIR`, as Mesa prints a warning on every start without it.
 pub(crate) fn with_runtime_dir(command: &mut Command) -> Result<&mut Command> {
     if cfg!(not(unix)) || std::env::var_os("XDG_RUNTIME_DIR").is_some() {
         return Ok(command);
@@ -45,8 +45,8 @@ pub(crate) fn with_runtime_dir(command: &mut Command) -> Result<&mut Command> {
 /// Folders in which Vulkan's loader looks for drivers' manifests on Debian and Ubuntu.
 const MANIFESTS: [&str; 2] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
 
-/// Returns whether any Vulkan driver is installed, as far as files tell; [`find`] tells whether it
-/// has an adapter. Elsewhere than on Debian and Ubuntu files tell nothing, and the answer is yes.
+/// Reports whether any Vulkan driver is installed, judged by files on Debian and Ubuntu; `true` on
+/// other systems. [`find`] checks for an adapter.
 pub(crate) fn has_driver() -> bool {
     let holds_any =
         |folder: &str| fs::read_dir(folder).is_ok_and(|entries| entries.flatten().next().is_some());
@@ -57,12 +57,12 @@ pub(crate) fn has_driver() -> bool {
 pub(crate) fn install_driver() -> Result<()> {
     if !is_debian() {
         bail!(
-            "no graphics adapter, and --install-driver only knows Debian and Ubuntu: install a Vulkan driver"
+            "no graphics adapter, and --install-driver only supports Debian and Ubuntu: install a Vulkan driver"
         );
     }
     let Some(prefix) = privilege() else {
         bail!(
-            "no graphics adapter, and no rights to install one: as root, run `{}`",
+            "no graphics adapter, and no permission to install one: as root, run `{}`",
             by_hand()
         );
     };
@@ -79,7 +79,7 @@ pub(crate) fn install_driver() -> Result<()> {
     Ok(())
 }
 
-/// The one line that does what [`install_driver`] does.
+/// Returns the command line that does the same as [`install_driver`].
 pub(crate) fn by_hand() -> String {
     let update = spell(apt_get(&[]).arg("update"));
     let install = spell(
@@ -99,8 +99,8 @@ pub(crate) fn is_debian() -> bool {
         .any(|id| id == "debian" || id == "ubuntu")
 }
 
-/// What must stand before a command that installs: nothing for root, `sudo -n` if that works
-/// without asking.
+/// Returns the prefix of an install command: nothing for root, `sudo -n` if that works without a
+/// password.
 pub(crate) fn privilege() -> Option<&'static [&'static str]> {
     let id = Command::new("id").arg("-u").output().ok()?;
     if id.stdout.trim_ascii() == b"0" {

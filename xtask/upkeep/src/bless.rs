@@ -1,4 +1,4 @@
-//! Golden images, kept by the tests.
+//! Golden images of the tests.
 
 use crate::{
     cli::BlessOptions,
@@ -6,8 +6,8 @@ use crate::{
 };
 use anyhow::{Result, bail};
 
-/// Builds and runs the program that renders and writes golden images. It is built as the tests are,
-/// so that both share what they are built from.
+/// Builds and runs the program that renders and writes golden images. It is built like the tests,
+/// so that both share their dependencies.
 pub(crate) fn bless(options: &BlessOptions) -> Result<()> {
     run(cargo().args(["build", "--bin", "bless"]))?;
     let mut command = beside("bless")?;

@@ -1,4 +1,4 @@
-//! Everything that a change has to pass.
+//! All checks of a change.
 
 use crate::{
     cli::{CiOptions, DriverTests, TestOptions},
@@ -15,10 +15,10 @@ use std::{
     time::Instant,
 };
 
-/// A step's name, and what it does.
+/// Name of a step, and its function.
 pub(crate) type Step = (&'static str, Box<dyn Fn() -> Result<()>>);
 
-/// Runs all that a change has to pass.
+/// Runs all checks of a change.
 pub(crate) fn ci(options: &CiOptions) -> Result<()> {
     run_all(steps(options))
 }
@@ -86,7 +86,7 @@ const CLIPPY: [&str; 6] = [
     "warnings",
 ];
 
-/// What programs in browsers use.
+/// Packages that programs in browsers use.
 const IN_BROWSERS: [&str; 4] = [
     "umbrage-core",
     "umbrage-techniques",
@@ -94,17 +94,17 @@ const IN_BROWSERS: [&str; 4] = [
     "umbrage",
 ];
 
-/// What browsers run.
+/// Target of programs in browsers.
 pub(crate) const BROWSER_TARGET: &str = "wasm32-unknown-unknown";
 
-/// Installs that target if it is missing.
+/// Installs the browser target if it is missing.
 pub(crate) fn install_browser_target() -> Result<()> {
     let mut install = Command::new("rustup");
     install.args(["target", "add", BROWSER_TARGET]);
     run(&mut install).context("programs for browsers need a target, which rustup installs")
 }
 
-/// Checks that what programs in browsers use compiles for them.
+/// Checks that the packages for browsers compile for them.
 fn browser() -> Result<()> {
     install_browser_target()?;
     let mut command = cargo();
@@ -124,11 +124,11 @@ fn doc() -> Result<()> {
     run(&mut command)
 }
 
-/// Packs every published package, and checks what was packed as its users would get it: a file that
-/// a package lacks, or a dependency that it doesn't name, is an error there.
+/// Packs every published package, and checks the packed files as its users receive them. A missing
+/// file or an undeclared dependency is an error there.
 fn package() -> Result<()> {
     let folder = root().join("target").join("packed");
-    // Removes what an earlier run left; there may be nothing.
+    // Remove the files of an earlier run, if any.
     drop(fs::remove_dir_all(&folder));
     let packed = pack(&folder)?;
     check_packed(&folder, &packed)
@@ -137,7 +137,7 @@ fn package() -> Result<()> {
 /// A package that was packed and unpacked again.
 struct Packed {
     name: String,
-    /// The folder that it was unpacked to.
+    /// Folder that it was unpacked to.
     folder: PathBuf,
 }
 
@@ -145,7 +145,7 @@ struct Packed {
 fn pack(folder: &Path) -> Result<Vec<Packed>> {
     let published = published()?;
     let mut command = cargo();
-    // Uncommitted changes may be packed, too. `check_packed` verifies what was packed.
+    // Uncommitted changes may be packed, too. `check_packed` verifies the packed files.
     command.args(["package", "--allow-dirty", "--no-verify"]);
     for package in &published {
         command.args(["--package", &package.name]);
@@ -157,7 +157,7 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     for package in published {
         let stem = format!("{}-{}", package.name, package.version);
         let archive = archives.join(format!("{stem}.crate"));
-        // Files in archives are dated 2006, which cargo would take for unchanged: `m` gives them
+        // Files in archives are dated 2006, so cargo would treat them as unchanged: `m` gives them
         // the present time.
         let mut tar = Command::new("tar");
         tar.arg("-xzmf").arg(archive).arg("-C").arg(folder);
@@ -170,9 +170,9 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     Ok(packed)
 }
 
-/// Checks unpacked packages in a workspace of their own, each with the others in place of those
-/// that a registry would give. What they depend on is taken from this workspace's target folder
-/// where clippy has checked it already.
+/// Checks unpacked packages in a separate workspace, where they replace each other's versions of a
+/// registry. Dependencies that clippy has already checked are reused from this workspace's target
+/// folder.
 fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [".to_owned();
     let mut patches = String::from("[patch.crates-io]\n");
@@ -199,8 +199,8 @@ fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     run(&mut command)
 }
 
-/// Returns the profiles of a manifest, which stand at its end. What is checked with other ones is
-/// checked anew.
+/// Returns the profiles of a manifest, which are at its end. With other profiles, all would be
+/// checked again.
 fn profiles(manifest: &str) -> Result<String> {
     let start = manifest
         .find("\n[profile.")
@@ -208,13 +208,13 @@ fn profiles(manifest: &str) -> Result<String> {
     Ok(manifest[start..].to_owned())
 }
 
-/// A package that is published.
+/// A published package.
 pub(crate) struct Published {
     pub(crate) name: String,
     version: String,
 }
 
-/// Returns all packages that don't say `publish = false`.
+/// Returns all packages without `publish = false`.
 pub(crate) fn published() -> Result<Vec<Published>> {
     let metadata = metadata()?;
     let packages = metadata["packages"]

@@ -3,8 +3,8 @@
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, the
-/// viewer's page and the site.
+/// Runs umbrage's development tasks: tests, style checks, golden images, all checks of a change,
+/// the viewer's page and the site.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -20,40 +20,40 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Run all tests, with a graphics adapter
     Test(TestOptions),
-    /// Make golden images anew, after you have looked at what changed
+    /// Write golden images again, after you have reviewed the changes
     Bless(BlessOptions),
-    /// Measure functions and files, and refuse what house style refuses
+    /// Check the style: sizes of functions and files, names and text
     #[command(after_help = "Examples:\n  cargo xtask tidy")]
     Tidy,
     /// Run tests, tidy, format, clippy, docs and packaging
     Ci(CiOptions),
-    /// Pack what measures a graphics card, for a machine without a compiler or network
+    /// Pack the programs that measure a graphics card, for a machine without a compiler or network
     Card(PackOptions),
     /// Build the viewer for browsers, and serve it
     Web(WebOptions),
     /// Build the documentation as a site with the viewer in it, and serve it
     Site(SiteOptions),
-    /// Run what a release has to pass besides `ci`: the oldest Rust, licences and advisories,
+    /// Run the release checks in addition to `ci`: the oldest Rust, licences and advisories,
     /// versions, Miri, publishing
     ReleaseCheck(ReleaseOptions),
 }
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask test                                  where there is a graphics adapter
-  cargo xtask test --install-driver                 where there may be none, as in a container
-  cargo xtask test --drivers all                    all that compares an adapter with the CPU, under each model of a driver
+  cargo xtask test                                  with the installed graphics adapter
+  cargo xtask test --install-driver                 install a software driver if needed, as in a container
+  cargo xtask test --drivers all                    all tests that compare an adapter with the CPU, under each driver model
   cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
 pub(crate) struct TestOptions {
-    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or
-    /// with sudo); and fetch a second one, SwiftShader, into cargo's target folder (Debian)
+    /// If there is no graphics adapter, install a software driver (Debian and Ubuntu, as root or
+    /// with sudo). Also fetch a second one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
-    /// How much runs under each model of a driver that rounds otherwise, and on SwiftShader
+    /// Tests to run under each model of a driver with other rounding, and on SwiftShader
     #[arg(long, value_name = "HOW", value_enum, default_value = "tenth")]
     pub(crate) drivers: DriverTests,
-    /// Fail unless the adapter is the software driver on which the backends promise the same bits;
-    /// else other drivers are compared by decided pixels
+    /// Fail unless the adapter is the software driver on which the backends promise the same bits.
+    /// Without this option, other drivers are compared by decided pixels
     #[arg(long)]
     pub(crate) pinned_driver: bool,
     /// Further arguments of `cargo test`
@@ -61,10 +61,10 @@ pub(crate) struct TestOptions {
     pub(crate) arguments: Vec<String>,
 }
 
-/// What runs under models of drivers.
+/// Tests to run under driver models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DriverTests {
-    /// A fixed tenth of the cases, and all that failed once
+    /// A fixed tenth of the cases, and all cases that failed once
     Tenth,
     /// All tests that compare an adapter with the CPU
     All,
@@ -72,8 +72,8 @@ pub(crate) enum DriverTests {
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask bless            say which golden images differ from what is rendered now
-  cargo xtask bless cubes.pcf  write that one anew
+  cargo xtask bless            list the golden images that differ from the current rendering
+  cargo xtask bless cubes.pcf  write this one again
   cargo xtask bless --all      write all that differ")]
 pub(crate) struct BlessOptions {
     /// Golden images to write, by name
@@ -86,16 +86,16 @@ pub(crate) struct BlessOptions {
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask ci                    all of it
+  cargo xtask ci                    all checks
   cargo xtask ci --after-tests      all but the tests, which `cargo xtask test` has just run")]
 pub(crate) struct CiOptions {
-    /// Leave out the tests
+    /// Skip the tests
     #[arg(long)]
     pub(crate) after_tests: bool,
-    /// As `cargo xtask test --pinned-driver`
+    /// Same as `cargo xtask test --pinned-driver`
     #[arg(long, conflicts_with = "after_tests")]
     pub(crate) pinned_driver: bool,
-    /// As `cargo xtask test --install-driver`
+    /// Same as `cargo xtask test --install-driver`
     #[arg(long, conflicts_with = "after_tests")]
     pub(crate) install_driver: bool,
 }
@@ -104,12 +104,12 @@ pub(crate) struct CiOptions {
 #[command(after_help = "Examples:
   cargo xtask card --pack card    programs, Vulkan's loader and run.sh in the folder `card`")]
 pub(crate) struct PackOptions {
-    /// Folder that is packed; it is made if need be
+    /// Folder to pack into; created if needed
     #[arg(long, value_name = "FOLDER")]
     pub(crate) pack: PathBuf,
 }
 
-/// Whether and where what was built is served.
+/// Options for serving a build.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(crate) struct ServeOptions {
     /// Only build it
@@ -128,7 +128,7 @@ pub(crate) struct ServeOptions {
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
   cargo xtask web                      build the page, and serve it at http://localhost:8000/
-  cargo xtask web --port 8123          at another port; 0 for one that is free
+  cargo xtask web --port 8123          at another port; 0 selects a free one
   cargo xtask web --no-serve --out www only build it, into the folder www")]
 pub(crate) struct WebOptions {
     #[command(flatten)]
@@ -141,46 +141,46 @@ pub(crate) struct WebOptions {
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
   cargo xtask site                      build the site, and serve it at http://localhost:8000/
-  cargo xtask site --without-viewer     the pages alone: seconds instead of minutes
-  cargo xtask site --port 8123          at another port; 0 for one that is free
+  cargo xtask site --without-viewer     only the pages: seconds instead of minutes
+  cargo xtask site --port 8123          at another port; 0 selects a free one
   cargo xtask site --no-serve --out www only build it, into the folder www")]
 pub(crate) struct SiteOptions {
     #[command(flatten)]
     pub(crate) serve: ServeOptions,
-    /// Folder that the site is written into, a new one or one with an earlier site; else `site` in
-    /// cargo's target folder
+    /// Folder for the site, a new one or one with an earlier site; else `site` in cargo's target
+    /// folder
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Leave out the viewer: its page says so, and shows a picture
+    /// Skip the viewer: its page states this and shows an image instead
     #[arg(long)]
     pub(crate) without_viewer: bool,
 }
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask release-check                   all of it
+  cargo xtask release-check                   all steps
   cargo xtask release-check --only licences   one step")]
 pub(crate) struct ReleaseOptions {
-    /// Run these steps alone
+    /// Run only these steps
     #[arg(long, value_name = "STEP", value_enum, value_delimiter = ',')]
     pub(crate) only: Vec<ReleaseStep>,
 }
 
-/// What a release has to pass besides `ci`.
+/// Release checks in addition to `ci`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum ReleaseStep {
-    /// The workspace compiles with the oldest Rust that it names
+    /// The workspace compiles with the oldest Rust in its manifest
     OldestRust,
     /// `cargo deny check`: licences, advisories, sources and bans
     Licences,
     /// `cargo semver-checks` against the last release
     Versions,
-    /// Tests of umbrage-core in Miri, those that end within minutes
+    /// Tests of umbrage-core in Miri that end within minutes
     Miri,
     /// `cargo publish --dry-run` of every published package
     Publish,
-    /// The viewer's lints and tests, and its window and page played with keys and a mouse: Xvfb,
-    /// Chromium, Python
+    /// The viewer's lints and tests, and end-to-end tests of its window and page with keys and a
+    /// mouse: Xvfb, Chromium, Python
     Viewer,
 }
 

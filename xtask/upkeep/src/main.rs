@@ -1,5 +1,5 @@
 //! `cargo xtask test`, `bless`, `tidy`, `ci`, `card --pack`, `web`, `site` and `release-check`.
-//! They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! Exit codes: 0 (done), 1 (failed), 2 (wrong usage) or 141 (output closed).
 
 #[path = "../../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]
@@ -40,6 +40,6 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     };
     eprintln!("error: {error:#}");
-    // Wrong usage that only the command itself can see, such as the name of a golden image.
+    // Wrong usage that only the command itself detects, such as the name of a golden image.
     ExitCode::from(if error.is::<run::Usage>() { 2 } else { 1 })
 }

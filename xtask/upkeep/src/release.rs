@@ -1,5 +1,4 @@
-//! What a release has to pass besides `ci`: it needs programs that a change doesn't, and takes
-//! longer.
+//! Release checks in addition to `ci`: they need more programs and take longer.
 
 use crate::{
     ci::{Step, published, run_all},
@@ -11,18 +10,17 @@ use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
 use std::process::Command;
 
-/// For Miri:
-/// * tests read snapshots and tell the time;
-/// * rayon's threads outlive the tests; its queues (crossbeam-epoch) hold by the rules of tree
-///   borrows, not by those of stacked borrows
-///   (<https://github.com/crossbeam-rs/crossbeam/issues/545>), and keep numbers in pointers;
-/// * sines differ from call to call, unless told otherwise, and so would what is made of them
-///   twice.
+/// Flags for Miri:
+/// * tests read snapshots and the time;
+/// * rayon's threads outlive the tests; its queues (crossbeam-epoch) are valid under tree borrows,
+///   not under stacked borrows (<https://github.com/crossbeam-rs/crossbeam/issues/545>), and keep
+///   numbers in pointers;
+/// * sines differ from call to call without the last flag, and so would results of equal calls.
 const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-tree-borrows -Zmiri-permissive-provenance \
                           -Zmiri-deterministic-floats";
 
-/// Modules of the core whose tests end within minutes there: what traces or fits thousands of
-/// triangles takes hours.
+/// Modules of the core whose tests end within minutes in Miri. Tests that trace or fit thousands of
+/// triangles take hours.
 const MIRI_TESTS: [&str; 10] = [
     "geometry::aabb",
     "geometry::derived",
@@ -36,7 +34,7 @@ const MIRI_TESTS: [&str; 10] = [
     "snapping::",
 ];
 
-/// Runs the steps that were asked for, or all.
+/// Runs the selected steps, or all.
 pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
     let is_asked = |step: ReleaseStep| options.only.is_empty() || options.only.contains(&step);
     let steps = ReleaseStep::value_variants()
@@ -56,18 +54,18 @@ pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
     run_all(steps)
 }
 
-/// The oldest Rust that the workspace's manifest names.
+/// Oldest Rust in the workspace's manifest.
 const OLDEST_RUST: &str = env!("CARGO_PKG_RUST_VERSION");
 
 /// Checks that the workspace compiles with that Rust.
 fn oldest_rust() -> Result<()> {
-    println!("the manifest names Rust {OLDEST_RUST}");
+    println!("oldest Rust in the manifest: {OLDEST_RUST}");
     let told = cargo().arg("--version").output()?.stdout;
     let mut check = if is_of(&String::from_utf8_lossy(&told), OLDEST_RUST) {
-        println!("it is the Rust that runs this");
+        println!("it is the running toolchain");
         cargo()
     } else {
-        // The cargo that runs this program is of one toolchain; rustup's chooses another.
+        // The cargo that runs this program belongs to one toolchain; rustup's selects another.
         let mut rustup = Command::new("rustup");
         rustup.current_dir(root());
         rustup.args(["run", "--install", OLDEST_RUST, "cargo"]);
@@ -83,8 +81,8 @@ fn oldest_rust() -> Result<()> {
     run(&mut check)
 }
 
-/// Whether `cargo --version` tells a version, such as 1.95, or a correction of it, such as 1.95.1;
-/// and not one that is still to come, such as 1.95.0-nightly.
+/// Reports whether `cargo --version` printed a version, such as 1.95, or a patch of it, such as
+/// 1.95.1, but no pre-release, such as 1.95.0-nightly.
 fn is_of(told: &str, version: &str) -> bool {
     let number = told.strip_prefix("cargo ").unwrap_or_default();
     let number = number.split_whitespace().next().unwrap_or_default();
@@ -99,18 +97,16 @@ fn licences() -> Result<()> {
     run(cargo().args(checks).args(["bans", "licenses", "sources"]))?;
     // The database is fetched from the network.
     run(cargo().args(checks).arg("advisories")).context(
-        "either a dependency has a known vulnerability, which is told above, or the database of them, \
-         https://github.com/RustSec/advisory-db, can't be reached: then nothing is known of vulnerabilities. \
-         Bans, licences and sources are well",
+        "either a dependency has a known vulnerability, as printed above, or the advisory database, \
+         https://github.com/RustSec/advisory-db, can't be reached, so advisories are unchecked. \
+         Bans, licences and sources passed",
     )
 }
 
-/// Checks that version numbers say what changed since the last release.
+/// Checks that version numbers reflect the changes since the last release.
 fn versions() -> Result<()> {
     let Some(tag) = last_release()? else {
-        println!(
-            "there is no tag `v*`, and so no release to compare with: the first one breaks nothing"
-        );
+        println!("skipped: there is no tag `v*`, so no release to compare with");
         return Ok(());
     };
     needs("semver-checks", "cargo-semver-checks")?;
@@ -122,7 +118,7 @@ fn versions() -> Result<()> {
     run(&mut check)
 }
 
-/// Returns the tag of the last release; none before the first one.
+/// Returns the tag of the last release; `None` before the first one.
 fn last_release() -> Result<Option<String>> {
     let mut git = Command::new("git");
     git.current_dir(root());
@@ -135,8 +131,8 @@ fn last_release() -> Result<Option<String>> {
     Ok(tags.lines().next().map(str::to_owned))
 }
 
-/// Runs tests of the core in an interpreter that sees undefined behaviour. The workspace forbids
-/// unsafe code; what it depends on has some.
+/// Runs tests of the core in an interpreter that detects undefined behaviour. The workspace forbids
+/// unsafe code; its dependencies have some.
 fn miri() -> Result<()> {
     let mut install = Command::new("rustup");
     install.args(["component", "add", "--toolchain", "nightly"]);
@@ -144,7 +140,7 @@ fn miri() -> Result<()> {
     let mut test = Command::new("rustup");
     test.current_dir(root());
     test.env("MIRIFLAGS", MIRI_FLAGS);
-    // All runs some thousand times slower there: a few random cases have to do.
+    // Everything runs about a thousand times slower in Miri, so limit the random cases.
     test.env("PROPTEST_CASES", "2");
     test.args(["run", "nightly", "cargo", "miri", "test"]);
     test.args(["--package", "umbrage-core", "--lib", "--"]);
@@ -161,8 +157,8 @@ fn publish() -> Result<()> {
     run(&mut command)
 }
 
-/// Lints and tests the viewer, and plays its window and its page as a user would. The example
-/// `forward` takes the page's preset, too.
+/// Lints and tests the viewer, and runs the end-to-end tests of its window and its page. The
+/// example `forward` uses the page's preset, too.
 fn viewer() -> Result<()> {
     let package = ["--release", "--package", "umbrage-viewer"];
     let mut clippy = cargo();
@@ -176,13 +172,13 @@ fn viewer() -> Result<()> {
     let tried = target.join("web-tried");
     let mut on_page = python("examples/viewer/web/try.py");
     on_page.arg("--page").arg(&page).arg("--out").arg(&tried);
-    run(&mut on_page).context("the head of examples/viewer/web/try.py says what it needs")?;
+    run(&mut on_page).context("its requirements are at the head of examples/viewer/web/try.py")?;
     let mut in_window = python("examples/viewer/try.py");
     in_window.arg("--copied").arg(tried.join(COPIED));
-    run(&mut in_window).context("the head of examples/viewer/try.py says what it needs")
+    run(&mut in_window).context("its requirements are at the head of examples/viewer/try.py")
 }
 
-/// What the try of the page keeps: the preset that it copied.
+/// Preset that the end-to-end test of the page copied.
 const COPIED: &str = "copied.preset.toml";
 
 fn python(script: &str) -> Command {
@@ -191,11 +187,11 @@ fn python(script: &str) -> Command {
     command
 }
 
-/// Checks that cargo has a further command.
+/// Checks that cargo has an additional command.
 fn needs(command: &str, package: &str) -> Result<()> {
     let found = cargo().args([command, "--version"]).output()?;
     if !found.status.success() {
-        bail!("this needs {package}: `cargo install --locked {package}` brings it");
+        bail!("{package} is missing: run `cargo install --locked {package}`");
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::{
     process::Command,
 };
 
-/// The user asked for something that doesn't exist; the program ends with code 2.
+/// Error for wrong usage, such as an unknown name; the program ends with code 2.
 #[derive(Debug)]
 pub(crate) struct Usage(pub(crate) String);
 
@@ -19,7 +19,7 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// The cargo that runs this program.
+/// Returns the cargo that runs this program.
 pub(crate) fn cargo() -> Command {
     let mut command =
         Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
@@ -27,7 +27,7 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
-/// The repository's top folder.
+/// Returns the repository's top folder.
 pub(crate) fn root() -> &'static Path {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     package.ancestors().nth(2).unwrap_or(package)
@@ -48,9 +48,9 @@ pub(crate) fn target_folder() -> Result<PathBuf> {
     Ok(PathBuf::from(folder))
 }
 
-/// A program of ours that cargo has built beside this one.
+/// Returns a command of one of our programs, which cargo has built next to this one.
 pub(crate) fn beside(name: &str) -> Result<Command> {
-    let program = std::env::current_exe().context("this program does not know where it is")?;
+    let program = std::env::current_exe().context("the path of this program is unknown")?;
     Ok(Command::new(program.with_file_name(format!(
         "{name}{}",
         std::env::consts::EXE_SUFFIX
@@ -69,7 +69,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Returns what to type to run the same command.
+/// Returns a command line as typed in a shell.
 pub(crate) fn spell(command: &Command) -> String {
     let mut words = Vec::new();
     for word in std::iter::once(command.get_program()).chain(command.get_args()) {

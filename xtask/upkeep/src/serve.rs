@@ -1,4 +1,4 @@
-//! Serves a folder to the browsers of this machine, by the server that comes with Python.
+//! Serves a folder to the browsers of this machine with Python's server.
 
 use anyhow::{Context as _, Result, bail};
 use std::{
@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-/// Python's server, which tells browsers to load what was built last.
+/// Python's server, with a header that makes browsers load the latest build.
 const SERVER: &str = "
 import sys
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -22,25 +22,25 @@ class Handler(SimpleHTTPRequestHandler):
         pass
 class Server(ThreadingHTTPServer):
     def handle_error(self, *_):
-        pass  # Browsers close connections when they like to.
+        pass  # Browsers close connections at any time.
 try:
     Server(('127.0.0.1', int(sys.argv[1])), Handler).serve_forever()
 except KeyboardInterrupt:
     pass
 ";
 
-/// Takes a port of this machine, or a free one for 0. A folder is served later, but a port that is
-/// taken is reported at once.
+/// Reserves a port of this machine, or a free one for 0. Reserving before the build reports a port
+/// in use at once.
 pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
-        format!("port {port} can't be taken: name another one by --port, or use --no-serve")
+        format!("port {port} is not available: pass another --port, or use --no-serve")
     })
 }
 
 /// A running server, which ends when it is dropped.
 pub(crate) struct Server {
     python: Child,
-    /// The address of its folder.
+    /// Address of its folder.
     pub(crate) address: String,
 }
 
@@ -61,7 +61,7 @@ impl Server {
         };
         while TcpStream::connect((Ipv4Addr::LOCALHOST, port_number)).is_err() {
             if let Some(status) = server.python.try_wait()? {
-                bail!("python3 serves no folder: it ended with {status}");
+                bail!("python3 could not serve the folder: it ended with {status}");
             }
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -70,7 +70,7 @@ impl Server {
 
     /// Serves until the program is stopped.
     pub(crate) fn run(mut self) -> Result<()> {
-        println!("serving at {} (Ctrl+C ends it)", self.address);
+        println!("serving at {} (Ctrl+C to stop)", self.address);
         self.python.wait()?;
         Ok(())
     }
@@ -78,7 +78,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         drop(self.python.kill());
         drop(self.python.wait());
     }

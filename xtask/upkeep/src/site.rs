@@ -1,5 +1,4 @@
-//! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside
-//! them.
+//! The documentation as a site: mdBook's pages of `docs`, and the viewer in a separate folder.
 
 mod links;
 mod source;
@@ -20,28 +19,29 @@ use std::{
     process::Command,
 };
 
-/// Makes pages of Markdown, with a list of them and a search. It is built without what it serves
-/// and watches with.
+/// Converter of Markdown to pages with a table of contents and a search. It is built without the
+/// features for serving and watching.
 const MDBOOK: Tool<'_> = Tool {
     package: "mdbook",
     program: "mdbook",
     version: "0.5.4",
-    reason: "it makes the pages; another version may name headings otherwise",
+    reason: "it builds the pages; another version may name headings differently",
     minutes: 2,
     options: &["--no-default-features", "--features", "search"],
 };
 
-/// Checks the links of the pages that were built, since mdBook names headings by its own rules. It
-/// is a Python package, which installs in seconds.
+/// Checker of links in the built pages, since mdBook has its own rules for the names of headings.
+/// It is a Python package, which installs in seconds.
 const LINK_CHECKER: &str = "LinkChecker==10.6.0";
-/// Headings are checked, too. The viewer's page is not read.
+/// Configuration of the link checker: it checks headings, too, but not the viewer's page.
 const LINK_RULES: &str = "[AnchorCheck]\n[checking]\nmaxrequestspersecond=1000\n[filtering]\nnofollow=\n  /viewer/\n[output]\nstatus=0\n";
 
-/// Marks a folder that holds a site, so that the next one may take its place.
+/// File that marks a folder with a site, so that the next one may replace it.
 const MARK: &str = ".umbrage-site";
 
-/// Builds the site and, unless told otherwise, serves it until it is stopped.
+/// Builds the site and, unless disabled, serves it until it is stopped.
 pub(crate) fn site(options: &SiteOptions) -> Result<()> {
+    // Check the output folder, the pages and the port before minutes of building.
     let target = target_folder()?;
     let out = match &options.out {
         Some(folder) => std::path::absolute(folder)
@@ -49,7 +49,7 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
         None => target.join("site"),
     };
     check_out(&out)?;
-    // Faults of pages and port are reported before minutes of building.
+    // Check links of the Markdown pages.
     let pages = MarkdownPages::read(root())?;
     pages.check(root())?;
     let port = take_port(if options.serve.no_serve {
@@ -57,6 +57,7 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     } else {
         options.serve.port
     })?;
+    // Stage the pages, and build the book.
     let mdbook = MDBOOK.find_or_install(&target)?;
     let link_checker = find_or_install_link_checker(&target)?;
     let has_viewer = !options.without_viewer;
@@ -64,34 +65,32 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     empty(&staged)?;
     stage::write(root(), &pages, &staged, has_viewer)?;
     empty(&out)?;
-    // A run that fails leaves a folder that the next one may take, too.
+    // Mark the folder now, so that the next run may replace it after a failure.
     mark(&out)?;
     let mut book = Command::new(mdbook);
     book.arg("build").arg("--dest-dir").arg(&out).arg(&staged);
     run(&mut book)?;
-    // mdBook empties the folder first.
+    // Mark it again: mdBook empties the folder first.
     mark(&out)?;
     if has_viewer {
         web::build_page(&target, &out.join(stage::VIEWER))?;
     }
+    // Check the links of the built pages on a server.
     let server = Server::start(port, &out)?;
     println!("checking all links of the built pages: about a minute");
     let rules = target.join("linkcheckerrc");
     fs::write(&rules, LINK_RULES)?;
     let mut check = Command::new(link_checker);
     check.arg("--config").arg(&rules).arg(&server.address);
-    run(&mut check).context("links of the pages that were built are broken")?;
-    println!(
-        "the site is in {}: all links lead to something",
-        out.display()
-    );
+    run(&mut check).context("the built pages have broken links")?;
+    println!("the site is in {}; all links are valid", out.display());
     match options.serve.no_serve {
         true => Ok(()),
         false => server.run(),
     }
 }
 
-/// Returns LinkChecker of that version, in an environment of its own.
+/// Returns LinkChecker of that version in its own Python environment; installs it if needed.
 fn find_or_install_link_checker(target: &Path) -> Result<PathBuf> {
     let folder = target.join("tools").join(LINK_CHECKER);
     let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
@@ -100,7 +99,7 @@ fn find_or_install_link_checker(target: &Path) -> Result<PathBuf> {
         return Ok(program);
     }
     println!(
-        "installing {LINK_CHECKER} into {}, once: about 10 s; it checks the links of the pages that were built",
+        "installing {LINK_CHECKER} into {}, once: about 10 s; it checks the links of the built pages",
         folder.display()
     );
     let mut environment = Command::new("python3");
@@ -111,7 +110,7 @@ fn find_or_install_link_checker(target: &Path) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Refuses a folder with files that are not an earlier site's, since those would be lost.
+/// Rejects a folder with files other than an earlier site's, since those would be lost.
 fn check_out(out: &Path) -> Result<()> {
     let Ok(mut entries) = fs::read_dir(out) else {
         return Ok(());
@@ -120,7 +119,7 @@ fn check_out(out: &Path) -> Result<()> {
         return Ok(());
     }
     Err(Usage(format!(
-        "{} holds files that are not a site's, which would be lost: name a new folder by --out",
+        "{} contains other files than a site's, which would be lost: pass a new folder with --out",
         out.display()
     ))
     .into())
@@ -132,7 +131,7 @@ fn mark(folder: &Path) -> Result<()> {
         .with_context(|| format!("cannot write to {}", folder.display()))
 }
 
-/// Makes a folder, or removes all that is in it.
+/// Creates an empty folder, or empties an existing one.
 fn empty(folder: &Path) -> Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("cannot empty {}", folder.display()))?;

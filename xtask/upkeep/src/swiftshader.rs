@@ -1,8 +1,8 @@
 //! The second software driver: Google's SwiftShader, which rounds vertices to the coarsest grid
 //! that Vulkan allows.
 //!
-//! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's
-//! library is taken out of the package and put into cargo's target folder. Nothing is installed.
+//! Debian's package of Chromium's common files contains it. The browser isn't needed: the driver's
+//! library is extracted from the package into cargo's target folder. Nothing is installed.
 
 use crate::{
     adapter,
@@ -16,21 +16,21 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// Part of the name that it gives its adapter.
+/// Part of the name of its adapter.
 const ADAPTER: &str = "SwiftShader";
 const PACKAGE: &str = "chromium-common";
 const LIBRARY: &str = "libvk_swiftshader.so";
-/// Where the package has it.
+/// Path of the library in the package.
 const MEMBER: &str = "./usr/lib/chromium/libvk_swiftshader.so";
 
-/// The driver, unpacked.
+/// The unpacked driver.
 #[derive(Debug)]
 pub(crate) struct SwiftShader {
     manifest: PathBuf,
 }
 
 impl SwiftShader {
-    /// Returns the driver that an earlier run has unpacked; none if there is none.
+    /// Returns the driver that an earlier run has unpacked; `None` if there is none.
     pub(crate) fn unpacked() -> Result<Option<Self>> {
         let folder = folder()?;
         if !folder.join(LIBRARY).exists() {
@@ -45,7 +45,10 @@ impl SwiftShader {
         if folder.join(LIBRARY).exists() {
             return Ok(());
         }
-        let by_hand = format!("or put {LIBRARY} from elsewhere into {}", folder.display());
+        let by_hand = format!(
+            "or put {LIBRARY} from another source into {}",
+            folder.display()
+        );
         if !adapter::is_debian() {
             bail!(
                 "--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {by_hand}"
@@ -53,12 +56,17 @@ impl SwiftShader {
         }
         println!("fetching {ADAPTER} from Debian's package {PACKAGE}");
         fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        let package =
-            download(&folder).with_context(|| format!("no {ADAPTER}: try again, {by_hand}"))?;
+        let package = download(&folder)
+            .with_context(|| format!("{ADAPTER} could not be fetched: try again, {by_hand}"))?;
         let unpacked = unpack(&package, &folder);
         fs::remove_file(&package)
             .with_context(|| format!("cannot remove {}", package.display()))?;
-        unpacked.with_context(|| format!("{} holds no {MEMBER}: {by_hand}", package.display()))
+        unpacked.with_context(|| {
+            format!(
+                "{} contains no {MEMBER}: get another package, {by_hand}",
+                package.display()
+            )
+        })
     }
 
     /// Writes the manifest by which Vulkan's loader finds the library, and checks that its adapter
@@ -76,13 +84,13 @@ impl SwiftShader {
         );
         ensure!(
             is_ours(&name),
-            "{ADAPTER} in {} gives no adapter (found: {name}); {help}",
+            "{ADAPTER} in {} has no adapter (found: {name}); {help}",
             folder.display()
         );
         Ok(driver)
     }
 
-    /// Lets a program see this driver and no other.
+    /// Restricts a program to this driver.
     pub(crate) fn select(&self, command: &mut Command) {
         for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
             command.env(variable, &self.manifest);
@@ -91,7 +99,7 @@ impl SwiftShader {
     }
 }
 
-/// What to do where it isn't there.
+/// Help for a missing driver.
 pub(crate) const HELP: &str = "`cargo xtask test --install-driver` fetches it (Debian)";
 
 fn is_ours(adapter: &str) -> bool {
@@ -103,14 +111,14 @@ fn folder() -> Result<PathBuf> {
     Ok(target_folder()?.join("swiftshader"))
 }
 
-/// Returns the text of the manifest. Vulkan's loader takes the library's path as it is here.
+/// Returns the text of the manifest. Vulkan's loader uses the library's path as written here.
 fn manifest(library: &Path) -> String {
     let icd = serde_json::json!({ "library_path": library, "api_version": "1.0.5" });
     serde_json::json!({ "file_format_version": "1.0.0", "ICD": icd }).to_string()
 }
 
-/// Downloads the package and returns its file. The list of packages may be missing or old: then it
-/// is updated.
+/// Downloads the package and returns its file. Updates the list of packages if the download fails,
+/// as the list may be missing or old.
 fn download(folder: &Path) -> Result<PathBuf> {
     if apt_get_download(folder).is_err() {
         let prefix = adapter::privilege().context("no rights to run `apt-get update`")?;
@@ -123,7 +131,7 @@ fn download(folder: &Path) -> Result<PathBuf> {
             return Ok(path);
         }
     }
-    bail!("apt-get left no package")
+    bail!("apt-get downloaded no package")
 }
 
 fn apt_get_download(folder: &Path) -> Result<()> {
@@ -132,7 +140,7 @@ fn apt_get_download(folder: &Path) -> Result<()> {
     run(&mut command)
 }
 
-/// Takes the library out of the package.
+/// Extracts the library from the package.
 fn unpack(package: &Path, folder: &Path) -> Result<()> {
     let mut archive = Command::new("dpkg-deb");
     let mut archive = archive
@@ -141,15 +149,14 @@ fn unpack(package: &Path, folder: &Path) -> Result<()> {
         .stdout(Stdio::piped())
         .spawn()?;
     let tar = archive.stdout.take().context("no pipe")?;
-    // The whole path of its folders is left away.
+    // Strip the folders of its path.
     let mut out = Command::new("tar");
     out.args(["--extract", "--strip-components=4", "--directory"])
         .arg(folder)
         .arg(MEMBER)
         .stdin(tar);
     let unpacked = run(&mut out);
-    // `dpkg-deb` may fail if tar stops reading early, which is no error: only the end is waited
-    // for.
+    // `dpkg-deb` may fail if tar stops reading early, which is no error: only wait for it.
     archive.wait()?;
     unpacked
 }

@@ -1,6 +1,6 @@
-//! Runs all tests, on a graphics adapter that is there or gets installed, never without one. Tests
-//! that compare backends then run once more on a second driver, and some with shaders rewritten so
-//! that the first driver rounds otherwise.
+//! Runs all tests on a graphics adapter, which is installed if needed. Tests that compare backends
+//! then run again on a second driver, and some with shaders rewritten so that the first driver
+//! rounds differently.
 
 use crate::{
     adapter,
@@ -16,7 +16,7 @@ use std::{
     time::Instant,
 };
 
-/// Builds the tests, makes sure of an adapter, and runs them.
+/// Builds the tests, checks that there is an adapter, and runs them.
 pub(crate) fn test(options: &TestOptions) -> Result<()> {
     let start = Instant::now();
     build_and_fetch(options)?;
@@ -24,7 +24,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         Some(name) => name,
         None if options.install_driver => {
             adapter::install_driver()?;
-            adapter::find()?.context("the driver is installed, yet no graphics adapter is found")?
+            adapter::find()?.context("the driver is installed, but no graphics adapter is found")?
         }
         None => bail!(
             "no graphics adapter, and the tests need one: run `cargo xtask test --install-driver`, or as root `{}`",
@@ -35,6 +35,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     if options.pinned_driver {
         adapter::check_pinned()?;
     }
+    // Run all tests on the adapter.
     println!("testing on {adapter}");
     let mut command = cargo();
     command.args(["test", "--all-features", "--no-fail-fast"]);
@@ -43,6 +44,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     }
     let totals = run_tests(command.args(&options.arguments))?;
     let mut failed = told(&totals, start, &adapter);
+    // Run the tests that compare backends on the second driver.
     if let Some(driver) = second {
         println!("testing on SwiftShader");
         let start = Instant::now();
@@ -53,9 +55,10 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         }
         let totals = run_tests(&mut command)?;
         failed += told(&totals, start, "SwiftShader");
-        // Filters that match no test are a fault, too.
+        // Filters that match no test are a failure, too.
         failed += usize::from(totals.passed == 0);
     }
+    // Run some tests under each model of a driver.
     if plays_second_driver(options) {
         for model in DRIVER_MODELS {
             failed += test_under(model, options.drivers, &adapter)?;
@@ -64,17 +67,17 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     if failed == 0 {
         Ok(())
     } else {
-        bail!("{failed} tests or programs failed; what each says stands above")
+        bail!("{failed} tests or programs failed; see their output above")
     }
 }
 
-/// Builds the tests. Where drivers are to be installed their packages come meanwhile: building
-/// takes the cores, and fetching the network.
+/// Builds the tests, and meanwhile fetches the packages of drivers to install: building uses the
+/// cores, and fetching the network.
 fn build_and_fetch(options: &TestOptions) -> Result<()> {
     let fetch_second = plays_second_driver(options) && options.install_driver;
     std::thread::scope(|scope| {
         let fetching = scope.spawn(|| {
-            // One after the other, since apt-get runs once at a time.
+            // One after the other: apt-get runs once at a time.
             if options.install_driver && !adapter::has_driver() {
                 adapter::install_driver()?;
             }
@@ -92,31 +95,31 @@ fn build_and_fetch(options: &TestOptions) -> Result<()> {
     })
 }
 
-/// Whether some tests run once more on the second driver: unless the user chose some tests.
+/// Reports whether some tests run again on the second driver: unless the user selected tests.
 const fn plays_second_driver(options: &TestOptions) -> bool {
     options.arguments.is_empty()
 }
 
-/// The nets that are played on the second driver, too, and its own.
+/// Arguments for the tests on the second driver: tests that compare backends, and its own.
 #[rustfmt::skip]
 const SECOND: [&str; 11] = [
     "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
     "agreement::", "rasterisers::", "light_set::alike::", "light_set::masks::", "on_the_second_driver",
 ];
 
-/// Environment variable that names how the tests' shaders are rewritten, and its values: see
+/// Environment variable with the rewriting of the tests' shaders, and its values: see
 /// `tests/driver_model.rs`.
 const DRIVER_MODEL: &str = "UMBRAGE_DRIVER_MODEL";
 const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 
 /// Environment variable that makes tests run each Nth of their cases: see `tests/driver_model.rs`.
 const NTH_CASE: &str = "UMBRAGE_EVERY_NTH_CASE";
-/// Of the cases of each test, one in so many runs on the second driver and under each model of a
-/// driver: drivers that run on the CPU compile each case's shaders for longer than they run them.
+/// Divisor of the number of cases on the second driver and under each model of a driver. Drivers on
+/// the CPU take longer to compile each case's shaders than to run them.
 const TENTH: &str = "10";
 
-/// The tests that run once more with shaders rewritten so: some of each kind, and all that compare
-/// an adapter with the CPU.
+/// Arguments for the tests with rewritten shaders: some of each kind, and all that compare an
+/// adapter with the CPU.
 #[rustfmt::skip]
 const TENTH_ON_EVERY_DRIVER: [&str; 15] = [
     "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--", "every_driver::", "agreement::random_scenes",
@@ -129,7 +132,7 @@ const ALL_ON_EVERY_DRIVER: [&str; 15] = [
     "exact::", "soft::", "cascades::", "light_set::", "cut_outs::", "on_the_second_driver",
 ];
 
-/// Runs tests with shaders rewritten as a model of drivers says. Returns how many failed.
+/// Runs tests with shaders rewritten by a model of drivers. Returns the number of failures.
 fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     println!("testing with shaders rewritten to model a driver: {model} arithmetic");
     let start = Instant::now();
@@ -144,7 +147,7 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
             command.args(ALL_ON_EVERY_DRIVER);
         }
     }
-    // Tests of a second driver run on an adapter by name: the same one.
+    // Tests of a second driver run on an adapter by name: select the same one.
     let name = adapter.split(" (").next().unwrap_or(adapter);
     command.env("WGPU_ADAPTER_NAME", name);
     let totals = run_tests(&mut command)?;
@@ -152,8 +155,8 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     Ok(failed + usize::from(totals.passed == 0))
 }
 
-/// Returns the driver on which some tests run once more. Where it is missing a message says so.
-/// None for tests that the user chose.
+/// Returns the driver on which some tests run again, and prints a message if it is missing. `None`
+/// if the user selected tests.
 fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     if !plays_second_driver(options) {
         return Ok(None);
@@ -161,14 +164,14 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     let there = SwiftShader::unpacked()?;
     if there.is_none() {
         println!(
-            "no tests on SwiftShader, a second driver that rounds otherwise: {}",
+            "no tests on SwiftShader, a second driver with other rounding: {}",
             swiftshader::HELP
         );
     }
     Ok(there)
 }
 
-/// Prints the result of tests, and returns how many failed.
+/// Prints the result of tests, and returns the number of failures.
 fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
     let minutes = start.elapsed().as_secs_f64() / 60.0;
     let verdict = if totals.good { "passed" } else { "FAILED" };
@@ -176,17 +179,17 @@ fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
         "tests {verdict}: {} passed, {} failed in {} programs, {minutes:.1} min, on {adapter}",
         totals.passed, totals.failed, totals.programs
     );
-    // Programs that don't even start count as one failure.
+    // Programs that don't start count as one failure.
     totals.failed.max(usize::from(!totals.good))
 }
 
-/// The results of all test programs together.
+/// Sums over all test programs.
 #[derive(Debug, Default, PartialEq)]
 struct Totals {
     passed: usize,
     failed: usize,
     programs: usize,
-    /// Whether cargo ended with success.
+    /// Whether cargo succeeded.
     good: bool,
 }
 
@@ -209,13 +212,13 @@ impl Totals {
     }
 }
 
-/// Tests at a time, for each core. Many wait for a shared graphics device or for its driver's
+/// Number of parallel tests per core. Many wait for a shared graphics device or for its driver's
 /// threads, and leave their core idle.
 const TESTS_A_CORE: usize = 3;
 
-/// Runs tests, passing on what they print.
+/// Runs tests and prints their output.
 fn run_tests(command: &mut Command) -> Result<Totals> {
-    // Whoever has chosen a number keeps it.
+    // Keep a number that the user has set.
     const THREADS: &str = "RUST_TEST_THREADS";
     if std::env::var_os(THREADS).is_none() {
         let cores = std::thread::available_parallelism().map_or(1, NonZero::get);

@@ -1,5 +1,5 @@
-//! Third-party programs that commands need: each of one version, installed into cargo's target
-//! folder when it is first used. CI uses none of them.
+//! Third-party programs that commands need. Each has a fixed version, and is installed into cargo's
+//! target folder on first use. CI uses none of them.
 
 use crate::run::{cargo, run};
 use anyhow::{Context as _, Result};
@@ -10,22 +10,22 @@ use std::{
 
 /// A program that cargo can install.
 pub(crate) struct Tool<'a> {
-    /// The name of its package.
+    /// Name of its package.
     pub(crate) package: &'a str,
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub(crate) program: &'a str,
     pub(crate) version: &'a str,
-    /// What it is needed for, and why in that version, for the one who waits.
+    /// Purpose and reason for the version, for the user who waits.
     pub(crate) reason: &'a str,
-    /// Minutes that installing takes on two cores.
+    /// Duration of the installation on two cores, minutes.
     pub(crate) minutes: u32,
-    /// Further options of `cargo install`.
+    /// Additional options of `cargo install`.
     pub(crate) options: &'a [&'a str],
 }
 
 impl Tool<'_> {
-    /// Returns the program: the one in the target folder or on the PATH if either is of that
-    /// version; else installs it.
+    /// Returns the program in the target folder or on the PATH if it has this version; otherwise
+    /// installs it.
     pub(crate) fn find_or_install(&self, target: &Path) -> Result<PathBuf> {
         let tools = target.join("tools");
         let name = format!("{}{}", self.program, std::env::consts::EXE_SUFFIX);
@@ -53,13 +53,12 @@ impl Tool<'_> {
             run(install.args(how).arg("--root").arg(&tools))
         };
         if let Err(error) = install(&["--force", "--locked"]) {
-            // Mirrors of crates.io may lack what was locked.
+            // Mirrors of crates.io may lack locked versions.
             println!(
-                "{error:#}, as told above; trying again with the newest releases of what {program} depends on instead of those it was \
-                 locked to"
+                "{error:#}, as printed above; trying again with the newest dependencies of {program} instead of the locked ones"
             );
             install(&["--force"]).with_context(|| {
-                format!("put {program} {version} on the PATH by hand, or connect to crates.io")
+                format!("put {program} {version} on the PATH, or connect to crates.io")
             })?;
             println!("{program} {version} is installed");
         }
@@ -67,7 +66,7 @@ impl Tool<'_> {
     }
 }
 
-/// Returns whether a program is there, and is of that version.
+/// Reports whether a program exists and has that version.
 fn is_version(program: &Path, version: &str) -> bool {
     let Ok(output) = Command::new(program).arg("--version").output() else {
         return false;
@@ -75,7 +74,7 @@ fn is_version(program: &Path, version: &str) -> bool {
     names_version(&String::from_utf8_lossy(&output.stdout), version)
 }
 
-/// Returns whether what a program says of itself, such as `mdbook v0.5.4`, names that version.
+/// Reports whether a program's version output, such as `mdbook v0.5.4`, contains that version.
 fn names_version(said: &str, version: &str) -> bool {
     said.split_whitespace()
         .nth(1)

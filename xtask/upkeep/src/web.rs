@@ -1,4 +1,4 @@
-//! The viewer as a page: built, made small, and served.
+//! The viewer as a web page: built, optimised for size, and served.
 
 use crate::{
     ci::{BROWSER_TARGET, install_browser_target},
@@ -16,29 +16,30 @@ use std::{
 };
 
 const PACKAGE: &str = "umbrage-viewer";
-/// 4 MB compressed, half of [`MOST_COMPRESSED`]. Optimising across all crates as they are linked
-/// (`lto = "fat"`) had not ended after 15 minutes on two shared cores.
+/// Profile of the build: 4 MB compressed, half of [`MOST_COMPRESSED`]. With optimisation across
+/// crates at link time (`lto = "fat"`) the build had not ended after 15 minutes on two shared
+/// cores.
 const PROFILE: &str = "release";
-/// What the page's script imports: `umbrage.js`, which loads `umbrage_bg.wasm`.
+/// Name that the page's script imports: `umbrage.js`, which loads `umbrage_bg.wasm`.
 const STEM: &str = "umbrage";
 const PAGE: &str = "examples/viewer/web/index.html";
-/// The script of the page's workers.
+/// Script of the page's workers.
 const WORKER: &str = "examples/viewer/web/worker.js";
 
-/// What the page shows where it can't run.
+/// Images that the page shows if it can't run.
 const PICTURES: [&str; 1] = ["docs/failures/acne.png"];
 
-/// Most bytes of the page, compressed, without the pictures.
+/// Greatest compressed size of the page without the images, bytes.
 const MOST_COMPRESSED: u64 = 8_000_000;
 
-/// Builds the page and, unless told otherwise, serves it until it is stopped.
+/// Builds the page and, unless disabled, serves it until it is stopped.
 pub(crate) fn web(options: &WebOptions) -> Result<()> {
     let target = target_folder()?;
     let out = match &options.out {
         Some(folder) => folder.clone(),
         None => target.join("web"),
     };
-    // A port that is taken is reported before minutes of building.
+    // Report a port in use before minutes of building.
     let serve = &options.serve;
     let port = (!serve.no_serve)
         .then(|| take_port(serve.port))
@@ -76,20 +77,20 @@ pub(crate) fn build_page(target: &Path, out: &Path) -> Result<()> {
 fn bind(target: &Path, wasm: &Path, out: &Path) -> Result<()> {
     let mut command = Command::new(bindgen(target)?);
     command.args(["--target", "web", "--no-typescript", "--out-name", STEM]);
-    // Names of functions are a tenth of the page.
+    // Remove the names of functions, which are a tenth of the page.
     command.args(["--remove-name-section", "--remove-producers-section"]);
     run(command.arg("--out-dir").arg(out).arg(wasm))
 }
 
-/// Returns the program `wasm-bindgen` of the version that the viewer is built with; installs it if
-/// there is none.
+/// Returns the program `wasm-bindgen` in the version that the viewer is built with; installs it if
+/// needed.
 fn bindgen(target: &Path) -> Result<PathBuf> {
     let version = locked_version(&fs::read_to_string(root().join("Cargo.lock"))?)?;
     let tool = Tool {
         package: "wasm-bindgen-cli",
         program: "wasm-bindgen",
         version: &version,
-        reason: "it writes the script that loads the viewer, and must be of the version in Cargo.lock",
+        reason: "it writes the script that loads the viewer, and must have the version in Cargo.lock",
         minutes: 3,
         options: &[],
     };
@@ -108,15 +109,15 @@ fn locked_version(lock: &str) -> Result<String> {
                 .strip_suffix('"')
         })
         .map(str::to_owned)
-        .context("Cargo.lock names no wasm-bindgen: run `cargo check -p umbrage-viewer`")
+        .context("Cargo.lock has no wasm-bindgen: run `cargo check -p umbrage-viewer`")
 }
 
-/// Makes a module smaller where `wasm-opt` is installed. Old releases of it don't know what
-/// compilers write today: then the module stays as it is.
+/// Reduces the size of a module if `wasm-opt` is installed. Old releases of it don't support the
+/// output of current compilers; then the module stays unchanged.
 fn optimise(wasm: &Path) -> Result<()> {
     if Command::new("wasm-opt").arg("--version").output().is_err() {
         println!(
-            "wasm-opt is not on the PATH: it would make the page some percent smaller (Debian's package binaryen)"
+            "wasm-opt is not on the PATH: the page is a few percent larger without it (Debian's package binaryen)"
         );
         return Ok(());
     }
@@ -128,21 +129,23 @@ fn optimise(wasm: &Path) -> Result<()> {
             fs::rename(&smaller, wasm).with_context(|| format!("cannot replace {}", wasm.display()))
         }
         Err(error) => {
-            println!("{error:#}; the page works without, some percent larger");
+            println!("{error:#}; the page works without it, a few percent larger");
             Ok(())
         }
     }
 }
 
 fn copy(file: &Path, folder: &Path) -> Result<()> {
-    let name = file.file_name().context("what is copied is a file")?;
+    let name = file
+        .file_name()
+        .context("the path to copy has no file name")?;
     let to = folder.join(name);
     fs::copy(file, &to)
         .with_context(|| format!("cannot copy {} to {}", file.display(), to.display()))?;
     Ok(())
 }
 
-/// Prints what has to be loaded before the first picture.
+/// Prints the sizes of the files to load before the first image.
 fn print_sizes(out: &Path) -> Result<()> {
     let mut table = Table::new();
     table.set_header(["file", "bytes", "compressed (gzip)"]);
@@ -160,7 +163,7 @@ fn print_sizes(out: &Path) -> Result<()> {
     println!("{table}");
     match sum {
         Some(sum) if sum > MOST_COMPRESSED => bail!(
-            "the page has {sum} bytes compressed, over {MOST_COMPRESSED}: see what grew in {}",
+            "the page has {sum} bytes compressed, limit {MOST_COMPRESSED}: find the file that grew in {}",
             out.display()
         ),
         _ => Ok(()),
@@ -171,7 +174,7 @@ fn told(bytes: Option<u64>) -> String {
     bytes.map_or("gzip is missing".to_owned(), |bytes| bytes.to_string())
 }
 
-/// Returns the bytes of a file as servers send it; none where there is no `gzip`.
+/// Returns the compressed size of a file as servers send it, bytes; `None` without `gzip`.
 fn compressed(file: &Path) -> Option<u64> {
     let mut gzip = Command::new("gzip");
     gzip.args(["-9", "-c"]).arg(file).stderr(Stdio::null());

@@ -1,4 +1,4 @@
-//! What the camera sees: receivers, and how pixels become them.
+//! Visible surface points: receivers, and their computation from pixels.
 
 pub(crate) mod receivers;
 pub mod resolve;

@@ -1,20 +1,20 @@
-//! What the camera sees, pixel by pixel.
+//! Visible surface points, one per pixel.
 
 use crate::invalid::Invalid;
 use crate::parallel::prelude::*;
 use glam::{UVec2, Vec3};
 use std::ops::Range;
 
-/// The triangle id of a pixel that shows nothing.
+/// Triangle id of an empty pixel.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Seen surface points, in rows from the top; one array a component, so that kernels can run along
-/// a row. All arrays are `width * height` long.
+/// Visible surface points, rows from the top. Each component has its own array, so that kernels can
+/// process a row at a time. All arrays have `width * height` entries.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Receivers {
     /// Image size, pixels.
     pub size: UVec2,
-    /// World position x, metres; 0 where nothing is seen (as all other fields).
+    /// World position x, metres; 0 in empty pixels, as in all other fields.
     pub x: Vec<f32>,
     /// World position y.
     pub y: Vec<f32>,
@@ -26,21 +26,21 @@ pub struct Receivers {
     pub ny: Vec<f32>,
     /// Geometric normal z.
     pub nz: Vec<f32>,
-    /// Interpolated unit shading normals, turned to the camera; empty when nobody asked for them.
+    /// Interpolated unit shading normals, turned to the camera; empty if not requested.
     pub shading_normals: Vec<Vec3>,
-    /// Camera depth after projection, 0 near to 1 far; 1 where nothing is seen.
+    /// Camera depth after projection, 0 near to 1 far; 1 in empty pixels.
     pub depth: Vec<f32>,
-    /// Distance from the eye (or, without perspective, from the near plane) along the unit ray,
-    /// metres.
+    /// Distance along the unit ray from the eye, metres; for an orthographic camera, from the near
+    /// plane.
     pub distance: Vec<f32>,
-    /// Triangle id; [`NO_TRIANGLE`] where nothing is seen.
+    /// Triangle id; [`NO_TRIANGLE`] in empty pixels.
     pub triangle: Vec<u32>,
-    /// Whether a shadow may fall here: something is seen, and it receives.
+    /// True if the pixel shows a surface that receives shadows.
     pub receives: Vec<bool>,
 }
 
 impl Receivers {
-    /// Returns an image in which nothing is seen.
+    /// Returns an image of empty pixels.
     pub fn empty(size: UVec2) -> Self {
         let pixels = size.x as usize * size.y as usize;
         let zeros = vec![0.0; pixels];
@@ -63,8 +63,9 @@ impl Receivers {
     /// Checks that kernels can read the receivers.
     ///
     /// # Errors
-    /// Errors with the first fault found: an array that is not as long as the image has pixels, or
-    /// a position or normal that is not finite where a shadow may fall.
+    /// Errors with the first fault found: an array whose length is not the number of pixels, or a
+    /// number that is not finite. Positions and normals must be finite at pixels that receive
+    /// shadows.
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
         let lengths = [
@@ -79,13 +80,13 @@ impl Receivers {
         ];
         if lengths.iter().any(|&length| length != pixels) {
             let why = format!(
-                "are an image of {} x {} pixels, and not all arrays are as long",
+                "are for an image of {} x {} pixels, but an array has another length",
                 self.size.x, self.size.y
             );
             return Err(Invalid::new(
                 "receivers",
                 why,
-                format!("make all {pixels} long"),
+                format!("give every array {pixels} entries"),
             ));
         }
         let width = (self.size.x as usize).max(1);
@@ -102,16 +103,15 @@ impl Receivers {
         let row = i as u32 / self.size.x;
         let what = format!("receiver at pixel ({column}, {row})");
         let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
-        let help = "use finite numbers, or say in `receives` that no shadow falls there";
+        let help = "use finite numbers, or set `receives` to false for this pixel";
         Err(Invalid::new(what, why, help))
     }
 
-    /// Returns whether all positions and normals of a range of pixels are finite where a shadow may
-    /// fall.
+    /// Returns whether positions and normals are finite at all pixels of a range that receive
+    /// shadows.
     fn is_finite_within(&self, pixels: Range<usize>) -> bool {
         let count = pixels.len();
-        // Slices of one length, and no early return, so that the loop becomes one of vector
-        // instructions.
+        // Use slices of equal length and no early return, so that the loop is vectorised.
         let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| &all[pixels.clone()][..count]);
         let [nx, ny, nz] = [&self.nx, &self.ny, &self.nz].map(|all| &all[pixels.clone()][..count]);
         let receives = &self.receives[pixels.clone()][..count];
@@ -130,7 +130,7 @@ impl Receivers {
         self.triangle.len()
     }
 
-    /// Returns whether the image has no pixel.
+    /// Returns whether the image has no pixels.
     pub fn is_empty(&self) -> bool {
         self.triangle.is_empty()
     }
@@ -145,14 +145,14 @@ impl Receivers {
         Vec3::new(self.nx[i], self.ny[i], self.nz[i])
     }
 
-    /// Returns the world positions of all pixels on which a shadow may fall.
+    /// Returns the world positions of all pixels that receive shadows.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
         (0..self.len())
             .filter(|&i| self.receives[i])
             .map(|i| self.position(i))
     }
 
-    /// Returns the pixels `first..first + count`, which must lie in one row.
+    /// Returns the pixels `first..first + count`, which must be in one row.
     pub fn span(&self, first: usize, count: usize) -> Span<'_> {
         let width = self.size.x as usize;
         let range = first..first + count;
@@ -169,12 +169,11 @@ impl Receivers {
     }
 }
 
-/// A part of one row of [`Receivers`]: what a receive kernel's Rust half sees. All slices are
-/// equally long. Pixels that show nothing are among them with zeros; what the kernel writes for
-/// them is thrown away.
+/// Part of a row of [`Receivers`]: the input of a receive kernel's Rust half. All slices have the
+/// same length. Empty pixels are included, with zeros; the kernel's output for them is discarded.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<'a> {
-    /// Pixel coordinates of the first entry; the others lie to the right.
+    /// Pixel coordinates of the first entry; the others follow to its right.
     pub first: UVec2,
     /// World position x.
     pub x: &'a [f32],
@@ -188,28 +187,28 @@ pub struct Span<'a> {
     pub ny: &'a [f32],
     /// Geometric unit normal z.
     pub nz: &'a [f32],
-    /// Triangle id, [`NO_TRIANGLE`] where nothing is seen.
+    /// Triangle id, [`NO_TRIANGLE`] in empty pixels.
     pub triangle: &'a [u32],
 }
 
 impl Span<'_> {
-    /// How many pixels.
+    /// Returns the number of pixels.
     pub fn len(&self) -> usize {
         self.x.len()
     }
 
-    /// Whether there is no pixel.
+    /// Returns whether there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// World position.
+    /// Returns the world position of a pixel.
     #[inline(always)]
     pub fn position(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Geometric unit normal.
+    /// Returns the geometric unit normal of a pixel.
     #[inline(always)]
     pub fn normal(&self, i: usize) -> Vec3 {
         Vec3::new(self.nx[i], self.ny[i], self.nz[i])

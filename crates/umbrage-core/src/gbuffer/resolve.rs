@@ -1,8 +1,8 @@
-//! From "this pixel shows that triangle" to a receiver: where the pixel's ray meets the triangle's
-//! plane.
+//! Computation of a receiver from a pixel's triangle id: the intersection of the pixel's ray with
+//! the triangle's plane.
 //!
-//! Both backends rasterise triangle ids and then resolve them with these formulas. So receivers
-//! agree wherever the ids do, whatever a driver's interpolation rounds to.
+//! Both backends rasterise triangle ids and then resolve them with these formulas. Receivers are
+//! therefore equal wherever the ids are, however a driver rounds interpolated values.
 
 use crate::{
     math::{cross3, dot3, unit3},
@@ -14,27 +14,28 @@ use glam::{Vec3, Vec4};
 /// The WGSL half.
 pub const RESOLVE: Module = crate::module!("resolve");
 
-/// A plane through three points: its normal (twice the triangle's area long, right-handed).
+/// Normal of the plane through three points; its length is twice the triangle's area
+/// (right-handed).
 #[inline(always)]
 pub fn plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     cross3(b - a, c - a)
 }
 
-/// Where along the ray `o + t d` the plane through `a` with normal `n` is met; not finite when they
-/// are parallel.
+/// Parameter `t` at which the ray `o + t d` meets the plane through `a` with normal `n`; not finite
+/// if they are parallel.
 #[inline(always)]
 pub fn plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32 {
     dot3(n, a - o) / dot3(n, d)
 }
 
-/// The unit normal, turned against the ray.
+/// Unit normal, turned against the ray.
 #[inline(always)]
 pub fn facing_normal(n: Vec3, d: Vec3) -> Vec3 {
     let unit = unit3(n);
     if dot3(n, d) > 0.0 { -unit } else { unit }
 }
 
-/// A ray's start or direction at the centre of a pixel.
+/// Origin or direction of the ray through a pixel's centre.
 #[inline(always)]
 pub fn at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3 {
     let fx = x as f32 + 0.5;
@@ -46,19 +47,19 @@ pub fn at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3 {
     )
 }
 
-/// A receiver: position, facing unit normal, and distance along the pixel's (not unit) ray.
+/// A resolved receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolved {
     /// World position, metres.
     pub position: Vec3,
     /// Geometric unit normal, turned to the camera.
     pub normal: Vec3,
-    /// Multiples of the ray's direction.
+    /// Position along the pixel's ray, in multiples of its direction, which is not a unit vector.
     pub t: f32,
 }
 
-/// Returns the receiver at pixel (x, y) on the triangle with these corners (world space); none if
-/// the ray runs along its plane.
+/// Returns the receiver at pixel (x, y) on the triangle with these corners (world space). `None` if
+/// the ray is parallel to its plane.
 #[inline(always)]
 pub fn resolve(rays: &CameraRays, x: u32, y: u32, corners: [Vec3; 3]) -> Option<Resolved> {
     let [a, b, c] = corners;
@@ -75,7 +76,7 @@ pub fn resolve(rays: &CameraRays, x: u32, y: u32, corners: [Vec3; 3]) -> Option<
     })
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(RESOLVE, plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3, needs [crate::math::MATH]),

@@ -41,7 +41,7 @@ fn at_pixel(base: vec4f, dx: vec4f, dy: vec4f, x: u32, y: u32) -> vec3f {
     );
 }
 
-// Where the ray runs along the plane, t is not below 3e38 in size and the pixel counts as empty.
+// Where the ray is parallel to the plane, abs(t) is not below 3e38 and the pixel counts as empty.
 fn resolve(rays: CameraRays, x: u32, y: u32, a: vec3f, b: vec3f, c: vec3f) -> Resolved {
     let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, x, y);
     let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);

@@ -1,5 +1,5 @@
-//! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed
-//! over.
+//! Receiving points in tiles of the image, with boxes around them, so that whole tiles can be
+//! skipped.
 
 use crate::{
     gbuffer::receivers::Receivers,
@@ -13,19 +13,19 @@ use crate::{
 use glam::Vec3;
 use std::{ops::Range, sync::Arc};
 
-/// Side of a tile, pixels. A tile is a run of the tree of boxes.
+/// Side of a tile, pixels. A tile is one run of the box tree.
 const TILE: usize = 8;
 
 const _: () = assert!(TILE * TILE == RUN as usize, "a tile is a run");
 
-/// The points of an image on which a shadow may fall, tile by tile, tiles in rows from the top.
-/// Entries of its list are places in tiles: [`RUN`] a tile, whether something is seen there or not.
+/// The shadow-receiving points of an image, tile by tile, tiles in rows from the top. Every tile
+/// has [`RUN`] entries, one for each of its pixels, empty ones included.
 #[derive(Clone, Debug)]
 pub(crate) struct SeenPoints<'a> {
     receivers: &'a Receivers,
     tiles_across: usize,
     tree: Arc<BoxTree>,
-    /// Where points count; everywhere if none.
+    /// Slice of the view that contains the points; `None` for the whole view.
     slice: Option<SliceOfView>,
 }
 
@@ -51,7 +51,7 @@ impl<'a> SeenPoints<'a> {
         }
     }
 
-    /// Returns those of the points that lie in a slice of a camera's view.
+    /// Returns the points within a slice of a camera's view.
     pub(crate) fn within(&self, slice: SliceOfView) -> Self {
         let unboxed = Self {
             slice: Some(slice),
@@ -80,7 +80,7 @@ impl<'a> SeenPoints<'a> {
         }
     }
 
-    /// Returns the same receivers' points, whose tree was made before.
+    /// Returns the points of the receivers, with a tree built earlier.
     pub(crate) fn with_tree(receivers: &'a Receivers, tree: Arc<BoxTree>) -> Self {
         Self {
             receivers,
@@ -90,18 +90,18 @@ impl<'a> SeenPoints<'a> {
         }
     }
 
-    /// Returns the boxes around the points of tiles.
+    /// Returns the tree of boxes around the tiles' points.
     pub(crate) fn tree(&self) -> &Arc<BoxTree> {
         &self.tree
     }
 
-    /// Returns all entries of the list.
+    /// Returns the range of all entries.
     pub(crate) fn entries(&self) -> Range<u32> {
         let tiles_down = (self.receivers.size.y as usize).div_ceil(TILE);
         0..(self.tiles_across * tiles_down) as u32 * RUN
     }
 
-    /// Returns the world positions of a tile's points. `tile` is its entries.
+    /// Returns the world positions of a tile's points. `tile` is its range of entries.
     pub(crate) fn points_in(&self, tile: &Range<u32>) -> impl Iterator<Item = Vec3> + use<'a> {
         let index = (tile.start / RUN) as usize;
         let slice = self.slice;
@@ -128,7 +128,7 @@ fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
         .into_iter()
         .enumerate()
     {
-        // Column by column, for vector instructions.
+        // Reduce column by column, so that the loop is vectorised.
         let mut least = [f32::INFINITY; TILE];
         let mut greatest = [f32::NEG_INFINITY; TILE];
         for y in 0..TILE {

@@ -14,13 +14,13 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
     };
 
-    /// Returns the smallest box around the points. It holds NaN where one of them does, so that
+    /// Returns the smallest box around the points. A NaN coordinate makes the box NaN, so that
     /// [`Aabb::validate`] fails.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
@@ -28,7 +28,7 @@ impl Aabb {
             .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
     }
 
-    /// Returns whether the box holds nothing; true of a box that holds NaN, too.
+    /// Returns whether the box is empty; also true if it contains NaN.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
@@ -45,7 +45,7 @@ impl Aabb {
         invalid::finite("box's max", &self.max.to_array())
     }
 
-    /// Returns the smallest box around both; NaN stays.
+    /// Returns the smallest box around both; NaN is kept.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl Aabb {
         }
     }
 
-    /// Returns the box common to both, maybe empty.
+    /// Returns the intersection of both boxes, which may be empty.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         Self {
@@ -63,18 +63,18 @@ impl Aabb {
         }
     }
 
-    /// The middle of the box; meaningless for an empty one.
+    /// Returns the centre of the box; meaningless for an empty one.
     pub fn center(&self) -> Vec3 {
         (self.min + self.max) * 0.5
     }
 
-    /// Edge lengths; zero for an empty box.
+    /// Returns the edge lengths; zero for an empty box.
     pub fn extent(&self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
-    /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m
-    /// are not.
+    /// Returns the length of the diagonal. Finite whenever the box is, although squares of lengths
+    /// beyond 1e19 m overflow.
     pub fn diagonal(&self) -> f32 {
         let extent = self.extent();
         let length = extent.length();
@@ -85,20 +85,20 @@ impl Aabb {
         }
     }
 
-    /// The eight corners; none for an empty box.
+    /// Returns the eight corners; no corners for an empty box.
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
         let b = *self;
         let count = if self.is_empty() { 0 } else { 8 };
         (0..count).map(move |i| {
-            // Bit 0 of the corner's number says whether it has the greatest x, bit 1 y, bit 2 z.
+            // Bits 0, 1 and 2 of the corner's index select the greatest x, y and z.
             let is_max = BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
             Vec3::select(is_max, b.max, b.min)
         })
     }
 }
 
-/// The lesser of each component, NaN if either is: `min` would drop it, and a box around NaN would
-/// be empty.
+/// Returns the componentwise minimum, NaN if either operand is. `min` would drop NaN, and the box
+/// around it would be empty.
 fn lesser(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::select(a.is_nan_mask() | a.cmplt(b), a, b)
 }

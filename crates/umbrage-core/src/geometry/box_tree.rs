@@ -1,8 +1,8 @@
-//! Boxes around runs of a list, around groups of these boxes, and so on up to one box: so that
-//! whole groups can be passed over.
+//! Tree of boxes over a list: boxes around runs of entries, around groups of these boxes, and so on
+//! up to one box. Searches skip whole groups.
 //!
-//! Runs are in the order of the list, which meshes give some locality, so that the tree is made in
-//! one pass.
+//! Runs follow the order of the list, which is spatially coherent in meshes. The tree is therefore
+//! built in one pass.
 
 use crate::geometry::{Geometry, aabb::Aabb};
 use crate::parallel::prelude::*;
@@ -10,16 +10,16 @@ use crate::parallel::prelude::*;
 use std::sync::atomic::{self, AtomicU64};
 use std::{cmp::Ordering, collections::BinaryHeap, ops::Range};
 
-/// Entries of the list a run. Fewer make more boxes to test, more make them looser.
+/// Entries per run. Fewer entries mean more boxes to test; more entries mean looser boxes.
 pub(crate) const RUN: u32 = 64;
-/// Boxes a group.
+/// Boxes per group.
 const GROUP: usize = 8;
 
 /// The boxes, level by level.
 #[derive(Debug)]
 pub(crate) struct BoxTree {
-    /// First the boxes of the runs; each level's boxes hold [`GROUP`] boxes of the level before;
-    /// the last level has one box. A single empty level for an empty list.
+    /// The boxes of the runs come first; each box of the next level holds [`GROUP`] boxes of the
+    /// level before. The last level has one box. An empty list has a single empty level.
     levels: Vec<Vec<Aabb>>,
     /// See [`BoxTree::count`].
     #[cfg(feature = "testing")]
@@ -31,8 +31,8 @@ pub(crate) struct BoxTree {
 pub(crate) struct Block {
     node: Node,
     pub(crate) bounds: Aabb,
-    /// The entries of the list, if it is the box of a run. At the ends of the asked range, the box
-    /// may be larger than these.
+    /// Entries of the list, if this is the box of a run. At the ends of the walked range, the box
+    /// may be larger than they need.
     pub(crate) run: Option<Range<u32>>,
 }
 
@@ -43,7 +43,7 @@ struct Node {
 }
 
 impl BoxTree {
-    /// Returns the tree over these boxes of runs.
+    /// Builds the tree over these boxes of runs.
     pub(crate) fn new(runs: Vec<Aabb>) -> Self {
         let mut levels = vec![runs];
         while let Some(below) = levels.last()
@@ -61,7 +61,7 @@ impl BoxTree {
         }
     }
 
-    /// Returns the tree over a geometry's list of triangles.
+    /// Builds the tree over a geometry's triangles.
     pub(crate) fn of_triangles(geometry: &Geometry) -> Self {
         let count = geometry.triangles().len() as u32;
         let box_of = |run: u32| {
@@ -77,7 +77,7 @@ impl BoxTree {
         &self.levels[0]
     }
 
-    /// Says that entries were looked at one by one, which tests count.
+    /// Counts entries that were tested one by one, for tests.
     pub(crate) fn count(&self, entries: &Range<u32>) {
         #[cfg(feature = "testing")]
         self.counted
@@ -86,13 +86,13 @@ impl BoxTree {
         let _ = entries;
     }
 
-    /// Returns how many entries were looked at one by one so far.
+    /// Returns the number of entries tested one by one so far.
     #[cfg(feature = "testing")]
     pub(crate) fn counted(&self) -> u64 {
         self.counted.load(atomic::Ordering::Relaxed)
     }
 
-    /// Returns the box around the runs in which entries of a range lie.
+    /// Returns the box around the runs that contain entries of a range.
     pub(crate) fn around(&self, entries: Range<u32>) -> Aabb {
         let mut all = Aabb::EMPTY;
         let mut walk = self.walk(entries.clone());
@@ -109,7 +109,7 @@ impl BoxTree {
         all
     }
 
-    /// Returns a walk over the boxes in which entries of a range lie, in the order of the list.
+    /// Returns a walk over the boxes that contain entries of a range, in the order of the list.
     pub(crate) fn walk(&self, entries: Range<u32>) -> Walk<'_> {
         let mut walk = Walk {
             tree: self,
@@ -120,11 +120,11 @@ impl BoxTree {
         walk
     }
 
-    /// Returns the least value that runs of a range have; infinity where none has any. `least_in`
-    /// returns a run's value, from its entries and its box; no run in a box may have less than the
-    /// `bound` of the box.
+    /// Returns the least value among the runs of a range; infinity if there is none. `least_in`
+    /// computes a run's value from its entries and its box. `bound` returns a lower bound for all
+    /// runs in a box.
     ///
-    /// Boxes are taken in the order of their bounds, so that few runs are looked at.
+    /// Boxes are visited in the order of their bounds, so that few runs are evaluated.
     pub(crate) fn least(
         &self,
         entries: Range<u32>,
@@ -156,7 +156,7 @@ impl BoxTree {
         least
     }
 
-    /// Returns the topmost box; none if no entry of a range lies there.
+    /// Returns the topmost box; `None` if it contains no entry of the range.
     fn root(&self, entries: &Range<u32>) -> Option<Node> {
         let level = self.levels.len() - 1;
         let root = Node { level, index: 0 };
@@ -167,7 +167,7 @@ impl BoxTree {
         self.levels[node.level][node.index]
     }
 
-    /// Returns the boxes in a group in which entries of a range lie, in order.
+    /// Returns the boxes of a group that contain entries of a range, in order.
     fn children(&self, group: Node, entries: &Range<u32>) -> impl Iterator<Item = Node> {
         let level = group.level - 1;
         let first = group.index * GROUP;
@@ -177,7 +177,7 @@ impl BoxTree {
             .filter(|&node| self.meets(node, entries))
     }
 
-    /// Returns the entries of a box, as if the list were long enough to fill it.
+    /// Returns the entries of a box, assuming that the list fills it.
     fn entries(&self, node: Node) -> Range<u64> {
         let length = u64::from(RUN) * (GROUP as u64).pow(node.level as u32);
         let first = node.index as u64 * length;
@@ -189,7 +189,7 @@ impl BoxTree {
         of_node.start < u64::from(entries.end) && u64::from(entries.start) < of_node.end
     }
 
-    /// Returns the entries of a range that lie in a run.
+    /// Returns the entries of a range that are in a run.
     fn run(&self, node: Node, entries: &Range<u32>) -> Range<u32> {
         let first = node.index as u32 * RUN;
         let end = first.saturating_add(RUN);
@@ -197,12 +197,12 @@ impl BoxTree {
     }
 }
 
-/// A walk that goes only into the groups that its owner enters.
+/// A walk over the tree, which descends only into groups that the caller enters.
 #[derive(Clone, Debug)]
 pub(crate) struct Walk<'a> {
     tree: &'a BoxTree,
     entries: Range<u32>,
-    /// The boxes to come, the next one last.
+    /// The boxes still to visit, the next one last.
     open: Vec<Node>,
 }
 
@@ -218,9 +218,9 @@ impl Walk<'_> {
         })
     }
 
-    /// Lets the boxes in a group come next.
+    /// Visits the boxes of a group next.
     ///
-    /// Panics if it is the box of a run.
+    /// Panics if the block is the box of a run.
     pub(crate) fn enter(&mut self, group: &Block) {
         let first_child = self.open.len();
         let children = self.tree.children(group.node, &self.entries);
@@ -229,14 +229,14 @@ impl Walk<'_> {
     }
 }
 
-/// A box that waits to be opened.
+/// A box in the search queue.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     bound: f64,
     node: Node,
 }
 
-/// The greatest is the one with the least bound: a heap gives it first.
+/// Reversed order, because a heap pops the greatest entry first.
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound)

@@ -1,11 +1,11 @@
-//! Clipping of small convex polygons by planes, without allocating: Sutherland and Hodgman 1974,
+//! Clipping of small convex polygons by planes, without allocation: Sutherland and Hodgman 1974,
 //! "Reentrant Polygon Clipping".
 //!
-//! The CPU rasteriser has a clipper of its own, whose bits must be those of Mesa.
+//! The CPU rasteriser has its own clipper, which must be bit-equal to Mesa's.
 
 use glam::DVec3;
 
-/// A convex polygon of at most `MAX` corners, in order around it.
+/// A convex polygon of at most `MAX` corners, in order.
 #[derive(Clone, Copy, Debug)]
 pub struct Polygon<P, const MAX: usize> {
     corners: [P; MAX],
@@ -26,7 +26,7 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         Self::of(corners)
     }
 
-    /// Returns the polygon with these corners, of which there are at most `MAX`.
+    /// Returns the polygon with these corners, at most `MAX`.
     pub fn of<const COUNT: usize>(corners: [P; COUNT]) -> Self {
         let mut polygon = Self::empty();
         for corner in corners {
@@ -48,13 +48,12 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         }
     }
 
-    /// Returns the part of the polygon on the side of a plane where `signed_distance` is not
-    /// negative.
+    /// Returns the part of the polygon where `signed_distance` is not negative.
     ///
     /// `crossing(p, q, distance_p, distance_q)` returns the corner at which the edge from `p` to
-    /// `q` crosses the plane, or none if it doesn't; the last two parameters are the signed
-    /// distances of its ends. It stands with the callers, since they interpolate by different
-    /// formulas, whose bits differ.
+    /// `q` crosses the plane, or `None` if it doesn't. The last two parameters are the signed
+    /// distances of its ends. Callers provide `crossing` because they interpolate by different
+    /// formulas, with different rounding.
     pub fn clip(
         &self,
         signed_distance: impl Fn(P) -> f64,
@@ -75,10 +74,10 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         inside
     }
 
-    /// Appends a corner. A plane takes at least one corner from a convex polygon that it cuts and
-    /// gives it two, so `MAX` is to be three and the number of planes. Where an edge runs along a
-    /// plane, rounding may make more crossings: corners beyond `MAX` are left out, which lie on the
-    /// outline anyway.
+    /// Appends a corner. A plane that cuts a convex polygon removes at least one corner and adds
+    /// two, so `MAX` must be three plus the number of planes. Where an edge runs along a plane,
+    /// rounding may add more crossings. Corners beyond `MAX` are dropped; they are on the outline
+    /// anyway.
     fn push(&mut self, corner: P) {
         if let Some(slot) = self.corners.get_mut(self.count) {
             *slot = corner;
@@ -88,8 +87,8 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
 }
 
 /// Returns the point at which the edge from `p` to `q` crosses a plane, given the signed distances
-/// of both; none if both are on one side. An end on the plane counts as inside, so an edge that
-/// leaves or enters there gets that end as its crossing.
+/// of both. `None` if both are on one side. An end on the plane counts as inside, so an edge that
+/// leaves or enters there has that end as its crossing.
 pub fn edge_crossing(p: DVec3, q: DVec3, distance_p: f64, distance_q: f64) -> Option<DVec3> {
     if (distance_p >= 0.0) == (distance_q >= 0.0) {
         return None;

@@ -1,29 +1,32 @@
-//! Holes in triangles, cut out by alpha textures: one rule for rays and for pixels.
+//! Alpha-tested triangles: one rule for rays and pixels.
 //!
-//! A segment's line meets a triangle's plane at a point, whose barycentric coordinates are the
-//! areas of the triangle test (`ray_triangle.rs`) over their sum. They give the point's uv, the uv
-//! its nearest texel (textures repeat), and one bit says whether the texel's alpha is less than the
-//! material's cut-off: then there is no surface, and the segment goes on.
+//! A segment's line meets a triangle's plane at a point. The point's barycentric coordinates are
+//! the areas of the triangle test (`ray_triangle.rs`) over their sum. They determine the point's
+//! uv, and the uv determines its nearest texel (textures repeat). One bit per texel is set unless
+//! its alpha is less than the material's cut-off. A clear bit is a hole: the segment passes
+//! through.
 //!
-//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`]). So what a
-//! rasteriser interpolates, and how it rounds that, decides nothing: CPU, GPU and truth have the
-//! same holes, to the last bit where a driver's arithmetic is that of WGSL as it is written.
+//! Pixels use the same test, along the ray through the pixel's centre ([`CameraRays`]). Rasteriser
+//! interpolation therefore has no influence. CPU, GPU and truth have bit-equal holes, if the driver
+//! evaluates WGSL arithmetic as written.
 //!
-//! All of it is one table of rows of four words, the same for both backends:
+//! Both backends use the same table, with rows of four words:
 //!
-//! * Row 0: the two runs of triangles that are cut out, as first, end, first, end.
-//! * Two rows a cut-out triangle, in the order of ids: uvs of its corners as x, y, x, y and x, y;
-//!   width and height of its texture (the lower and the upper 16 bits of a word); the row at which
-//!   the texture begins.
-//! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is.
-//!   Each begins with a row of the table.
+//! * Row 0: the two runs of alpha-tested triangles, as first, end, first, end.
+//! * Two rows per alpha-tested triangle, in the order of ids. They contain the uvs of its corners
+//!   as x, y, x, y and x, y; width and height of its texture (the lower and the upper 16 bits of a
+//!   word); and the row at which the texture begins.
+//! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 for opaque texels. Each
+//!   texture begins with a row of the table.
 //!
-//! `Geometry::bake` puts triangles with holes beside each other. A geometry without holes has none
-//! of this: its casts, rays and shaders are those of opaque casters. `umbrage-cpu`'s
-//! `raster/holes.rs` is a test beside `NoHoles`, `umbrage-wgpu` has pipelines of its own for the
-//! two runs, and `traced`, `exact` and `soft` have other tests of a caster. Techniques that take
-//! casters for whole refuse holes (`check_no_holes`). What images may use instead, where their
-//! pixels are larger than texels, is `hashed_alpha.rs`; rays and truth don't.
+//! `Geometry::bake` sorts triangles so that alpha-tested ones are adjacent. A geometry without them
+//! has no table, and uses the code and shaders of opaque casters. `umbrage-cpu` has a separate test
+//! in `raster/holes.rs` in addition to `NoHoles`. `umbrage-wgpu` has separate pipelines for the two
+//! runs. `traced`, `exact` and `soft` have separate caster tests. Techniques that treat casters as
+//! opaque reject alpha-tested ones (`check_no_holes`).
+//!
+//! Images may use the test in `hashed_alpha.rs` instead if their pixels are larger than texels;
+//! rays and truth don't.
 
 use crate::{
     gbuffer::resolve::at_pixel,
@@ -43,40 +46,39 @@ use crate::{
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-/// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX) and
+/// The WGSL half. It calls [`RAY_BOX`](super::bvh::RAY_BOX) and
 /// [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
 pub const CUT_OUT: Module = crate::module!("cut_out");
 
-/// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into
-/// `fn cut_out_row(i: u32) -> vec4u`, which whoever has the table declares.
+/// The WGSL of [`CutOuts::is_hole`]. It calls [`CUT_OUT`] and `fn cut_out_row(i: u32) -> vec4u`,
+/// which the shader that binds the table must declare.
 pub const HOLE: Module = crate::module!("hole");
 
-/// Greatest side of an alpha texture, texels: what 16 bits hold.
+/// Greatest side of an alpha texture, texels: the range of 16 bits.
 pub const MAX_ALPHA_SIDE: u32 = 65_535;
 
-/// Texels whose bits a row of the table holds.
+/// Texels per row of the table.
 const TEXELS_A_ROW: u32 = 128;
 
-/// From here on floats are whole numbers.
+/// Floats from here on are whole numbers.
 pub(super) const WHOLE_NUMBERS: f32 = 8_388_608.0;
 
-/// The cut-out triangles of a [`Geometry`](crate::Geometry).
+/// The alpha-tested triangles of a [`Geometry`](crate::Geometry).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutOuts {
-    /// Ids of the triangles that are cut out: in rising order, without common ones. Either may be
-    /// empty.
+    /// Ids of the alpha-tested triangles: rising and disjoint. Either may be empty.
     runs: [Range<u32>; 2],
     /// The table.
     rows: Arc<[[u32; 4]]>,
-    /// Mipmapped coverages of textures; none if no material asks for them.
+    /// Mipmapped coverages of textures; `None` if no material uses them.
     coverage: Option<Coverage>,
 }
 
-/// What the table holds of one triangle.
+/// Table record of one triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Record {
     uvs: [Vec2; 3],
-    /// Of the texture, texels.
+    /// Size of the texture, texels.
     size: UVec2,
     /// The row at which the texture begins.
     first_row: u32,
@@ -117,32 +119,32 @@ fn pixel_ray(rays: &CameraRays, x: u32, y: u32) -> Segment {
     Segment::new(o, d)
 }
 
-/// Returns the texel, among `n` along one axis, that holds a texture coordinate. What is not finite
-/// has no fraction, as whole numbers have none.
+/// Returns the texel, among `n` along one axis, that contains a texture coordinate. Numbers that
+/// are not finite have fraction 0, as whole numbers do.
 #[inline(always)]
 pub(super) fn nearest_texel(t: f32, n: u32) -> u32 {
     if t.abs() < WHOLE_NUMBERS {
         let part = t - t.floor();
-        // The part of a tiny negative number rounds to 1, and a product may round to n.
+        // The fraction of a tiny negative number rounds to 1, and the product may round to n.
         ((part * n as f32) as u32).min(n.wrapping_sub(1))
     } else {
         0
     }
 }
 
-/// Returns the uv where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a
-/// and b. Not finite where the segment runs along the plane.
+/// Returns the uv at which a segment's line meets a triangle's plane. `uv_ab` are the uvs of
+/// corners a and b. Not finite if the segment is parallel to the plane.
 #[inline(always)]
 pub(super) fn uv_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2) -> Vec2 {
     let areas = segment.areas(corners);
     let whole = areas.x + areas.y + areas.z;
-    // Sums run from left to right, as in the twin.
+    // Add from left to right, as in the twin.
     let across = (uv_ab.x * areas.x + uv_ab.z * areas.y + uv_c.x * areas.z) / whole;
     let down = (uv_ab.y * areas.x + uv_ab.w * areas.y + uv_c.y * areas.z) / whole;
     Vec2::new(across, down)
 }
 
-/// Returns the number of the texel nearest to a uv in a texture of this size; 0 along an axis where
+/// Returns the index of the texel nearest to a uv in a texture of this size; 0 along an axis where
 /// the uv is not finite.
 #[inline(always)]
 pub(super) fn texel_at(uv: Vec2, size: UVec2) -> u32 {
@@ -157,14 +159,12 @@ impl CutOuts {
         &self.rows
     }
 
-    /// Returns the ids of the triangles that are cut out: two runs, in rising order; either may be
-    /// empty.
+    /// Returns the ids of the alpha-tested triangles: two rising runs; either may be empty.
     pub fn runs(&self) -> &[Range<u32>; 2] {
         &self.runs
     }
 
-    /// Returns the parts of rising runs of triangles without holes, and those that are cut out:
-    /// rising, none empty.
+    /// Splits rising runs of triangles into opaque and alpha-tested parts: rising, none empty.
     pub fn split(&self, runs: &[Range<u32>]) -> [Vec<Range<u32>>; 2] {
         let mut whole = Vec::new();
         let mut cut_out = Vec::new();
@@ -182,7 +182,7 @@ impl CutOuts {
         [whole, cut_out].map(|runs| runs.into_iter().filter(|run| !run.is_empty()).collect())
     }
 
-    /// Returns the row at which a triangle's record begins; none if it has no holes.
+    /// Returns the row at which a triangle's record begins; `None` if it is opaque.
     #[inline]
     pub fn record_row(&self, triangle: u32) -> Option<u32> {
         let [first, second] = &self.runs;
@@ -195,14 +195,13 @@ impl CutOuts {
         }
     }
 
-    /// Returns whether there is a hole where the line of the segment from `o` to `o + d` meets a
-    /// triangle's plane, given its corners. False for triangles that are not cut out. Never where a
-    /// number is not finite.
+    /// Returns whether the line of the segment from `o` to `o + d` meets a hole of a triangle,
+    /// given its corners. False for opaque triangles.
     pub fn is_hole(&self, triangle: u32, corners: [Vec3; 3], o: Vec3, d: Vec3) -> bool {
         self.is_hole_met(triangle, &Corners::new(corners), &Segment::new(o, d))
     }
 
-    /// The same of what is ready for many tests.
+    /// [`is_hole`](Self::is_hole) with precomputed arguments, for many tests.
     pub(crate) fn is_hole_met(&self, triangle: u32, corners: &Corners, segment: &Segment) -> bool {
         let Some(record) = self.record(triangle) else {
             return false;
@@ -211,10 +210,10 @@ impl CutOuts {
         self.is_clear(&record, texel_at(uv, record.size))
     }
 
-    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, given its
-    /// corners. `rays` are those of the pixels' image, be it a camera's or a map. Where a
-    /// material's [`AlphaFilter`] says so, the pixel's footprint on the texture chooses what is
-    /// compared; else the answer is that of [`is_hole`](Self::is_hole).
+    /// Returns whether the ray through a pixel's centre meets a hole of a triangle, given its
+    /// corners. `rays` are those of the pixels' image, a camera's or a map's. If the material's
+    /// [`AlphaFilter`] requests it, the alpha depends on the pixel's footprint on the texture;
+    /// otherwise the result is that of [`is_hole`](Self::is_hole).
     pub fn is_hole_at_pixel(
         &self,
         triangle: u32,
@@ -235,7 +234,7 @@ impl CutOuts {
         let right = record.uv_met(&pixel_ray(rays, x.wrapping_add(1), y), &corners);
         let below = record.uv_met(&pixel_ray(rays, x, y.wrapping_add(1)), &corners);
         let squared = squared_footprint(uv, right, below, record.size);
-        // False of what is not a number, too.
+        // Also false for NaN.
         if squared > 1.0 {
             let is_clear = |texel| self.is_clear(&record, texel);
             levels.is_hole(uv, squared, triangle, is_clear)
@@ -244,14 +243,14 @@ impl CutOuts {
         }
     }
 
-    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`]
-    /// asks for it.
+    /// Returns the table of mipmapped coverages, for shaders; `None` if no material's
+    /// [`AlphaFilter`] requests it.
     pub fn coverage_rows(&self) -> Option<&Arc<[[u32; 4]]>> {
         self.coverage.as_ref().map(Coverage::rows)
     }
 
-    /// Returns the levels of a triangle's texture; none if it has no holes or they are not to be
-    /// hashed.
+    /// Returns the mipmap levels of a triangle's texture; `None` if it is opaque or doesn't use
+    /// hashed alpha.
     fn levels_of(&self, triangle: u32) -> Option<Levels<'_>> {
         let coverage = self.coverage.as_ref()?;
         let record = (self.record_row(triangle)? - 1) / 2;
@@ -269,10 +268,9 @@ impl CutOuts {
         word >> (texel % 32) & 1 == 0
     }
 
-    /// Returns whether all texels that a triangle shows within a box of barycentric uvs are alike:
-    /// `Some(true)` if all are holes, `Some(false)` if none is, as for triangles that are not cut
-    /// out; none if there are both, or too many to look at. `weights` are barycentric coordinates
-    /// of points of the triangle; the box is that around their uvs.
+    /// Classifies the texels of a triangle in the box around some uvs: `Some(true)` if all are
+    /// holes, `Some(false)` if none is or the triangle is opaque. `None` if there are both, or too
+    /// many texels to test. `weights` are barycentric coordinates of points of the triangle.
     pub fn is_hole_around(&self, triangle: u32, weights: &[[f64; 3]]) -> Option<bool> {
         const MAX_TEXELS: f64 = 4096.0;
         let Some(record) = self.record(triangle) else {
@@ -287,7 +285,7 @@ impl CutOuts {
             low = low.min(place);
             high = high.max(place);
         }
-        // What 32 bits round of a uv, texels.
+        // Rounding of a uv in 32 bits, texels.
         let rounding = 8.0 * f64::from(f32::EPSILON) * (size + low.abs().max(high.abs()));
         let low = (low - rounding).floor();
         let high = (high + rounding).floor();
@@ -313,7 +311,7 @@ impl CutOuts {
         found
     }
 
-    /// Returns the table of these runs of placed triangles; none if they are empty.
+    /// Builds the table of these runs of placed triangles; `None` if they are empty.
     ///
     /// # Errors
     /// Errors if a texture is too large.
@@ -329,7 +327,7 @@ impl CutOuts {
         let header = [runs[0].start, runs[0].end, runs[1].start, runs[1].end];
         let mut rows = vec![header];
         rows.resize(1 + 2 * count, [0; 4]);
-        // The first row of each texture, for each cut-off that is used with it.
+        // The first row of each texture, for each cut-off used with it.
         let mut places: BTreeMap<(usize, u32), u32> = BTreeMap::new();
         let mut coverage = CoverageBuilder::new(count);
         for (k, id) in runs.iter().cloned().flatten().enumerate() {
@@ -363,12 +361,12 @@ impl CutOuts {
         })))
     }
 
-    /// Returns the cut-outs that a table and one of coverages describe, of a geometry with so many
-    /// triangles; none if it is empty.
+    /// Restores alpha-tested triangles from a table and a table of coverages, for a geometry with
+    /// this number of triangles. `None` if the table is empty.
     ///
     /// # Errors
-    /// Errors if they are not tables as [`CutOuts::rows`] and [`CutOuts::coverage_rows`] return
-    /// them.
+    /// Errors if they are not tables as returned by [`CutOuts::rows`] and
+    /// [`CutOuts::coverage_rows`].
     #[cfg(feature = "serde")]
     pub(super) fn from_rows(
         rows: &[[u32; 4]],
@@ -378,10 +376,10 @@ impl CutOuts {
         let Some(&[first, first_end, second, second_end]) = rows.first() else {
             return Ok(None);
         };
-        let bad = |why: &str| Err(Invalid::new("geometry's cut-outs", why, "write them anew"));
+        let bad = |why: &str| Err(Invalid::new("geometry's cut-outs", why, "write it again"));
         let rise = first <= first_end && first_end <= second && second <= second_end;
         if !rise || second_end as usize > triangles {
-            return bad("name triangles that are not there");
+            return bad("refer to triangles that don't exist");
         }
         let runs = [first..first_end, second..second_end];
         let records = runs[0].len() + runs[1].len();
@@ -395,7 +393,7 @@ impl CutOuts {
             let texels = u64::from(record.size.x) * u64::from(record.size.y);
             let end = u64::from(record.first_row) + texels.div_ceil(u64::from(TEXELS_A_ROW));
             if texels == 0 || end > rows.len() as u64 {
-                return bad("have a texture without texels, or one that ends beyond the table");
+                return bad("have a texture without texels or beyond the end of the table");
             }
         }
         Ok(Some(Arc::new(Self {
@@ -406,7 +404,7 @@ impl CutOuts {
     }
 }
 
-/// Returns the holes that a material has, given its place in the scene's list.
+/// Returns the alpha test of a material, given its index in the scene's list.
 fn alpha_of(scene: &Scene, material: Option<&u32>) -> Option<AlphaCutout> {
     let material = scene.materials.get(*material? as usize)?;
     material.alpha
@@ -439,13 +437,13 @@ fn append_texture(
     u32::try_from(first_row).map_err(|_| {
         Invalid::new(
             "alpha textures",
-            "have more texels than a table holds",
-            "use smaller ones",
+            "have more texels than fit in a table",
+            "use smaller textures",
         )
     })
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(CUT_OUT, nearest_texel(t: f32, n: u32) -> u32,

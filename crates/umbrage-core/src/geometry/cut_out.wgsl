@@ -1,5 +1,5 @@
-// Twin of cut_out.rs: which texel of an alpha texture lies where a segment's line meets a triangle,
-// and whether it is a hole. Calls into ray_box.wgsl and ray_triangle.wgsl.
+// Twin of cut_out.rs: which texel of an alpha texture a segment's line meets, and whether it is a
+// hole. Calls ray_box.wgsl and ray_triangle.wgsl.
 
 fn nearest_texel(t: f32, n: u32) -> u32 {
     if abs(t) < 8388608.0 {
@@ -28,7 +28,7 @@ fn cut_out_texel(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec
     return nearest_texel(uv.y, size.y) * size.x + nearest_texel(uv.x, size.x);
 }
 
-// `row` is the row of the table that holds the texel's bit.
+// `row` is the row of the table that contains the texel's bit.
 fn is_texel_clear(row: vec4u, texel: u32) -> bool {
     let word = row[(texel >> 5u) & 3u];
     return ((word >> (texel & 31u)) & 1u) == 0u;

@@ -5,7 +5,7 @@ use crate::{
 };
 use glam::Affine3A;
 
-/// A texture whose texels are there where `is_there` says so.
+/// Returns a texture whose texels are opaque where `is_there` returns true.
 fn texture(size: UVec2, is_there: impl Fn(u32, u32) -> bool) -> Texture {
     let mut texels = Vec::new();
     for y in 0..size.y {
@@ -20,8 +20,8 @@ fn texture(size: UVec2, is_there: impl Fn(u32, u32) -> bool) -> Texture {
     }
 }
 
-/// A slanted card, its lower left corner at the origin, over whose width a texture repeats
-/// `repeats` times.
+/// Returns a slanted card, its lower left corner at the origin. The texture repeats `repeats` times
+/// over its width.
 fn card(texture: Option<Texture>, repeats: f32) -> Scene {
     let corner = |x: f32, y: f32| Vec3::new(3.0 * x, 2.0 * y, x + 0.5 * y);
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
@@ -57,7 +57,7 @@ fn baked(scene: &Scene) -> Geometry {
     Geometry::bake(scene).unwrap()
 }
 
-/// Rays meet the texels that 64 bits say, and pass through those that are clear.
+/// Rays hit opaque texels and pass through clear ones, compared with a 64-bit reference.
 #[test]
 fn rays_pass_through_clear_texels() {
     let size = UVec2::new(13, 7);
@@ -68,7 +68,7 @@ fn rays_pass_through_clear_texels() {
     let mut met = 0;
     for _ in 0..4000 {
         let [x, y] = [random.unit(), random.unit()];
-        // Away from borders between texels, where 32 bits may choose either.
+        // Skip points near borders between texels, where 32 bits may choose either.
         let place = Vec2::new(2.5 * x, 1.0 - y) * size.as_vec2();
         let to_border = (place - place.round()).abs().min_element();
         if to_border < 1e-3 {
@@ -98,7 +98,7 @@ fn rays_pass_through_clear_texels() {
     assert!(passed > 500 && met > 1000, "{passed} passed, {met} met");
 }
 
-/// A ray goes on behind a hole, to what is there.
+/// A ray that passes through a hole hits the geometry behind it.
 #[test]
 fn what_is_behind_a_hole_is_hit() {
     let mut scene = card(Some(texture(UVec2::splat(2), |_, _| false)), 1.0);
@@ -108,15 +108,15 @@ fn what_is_behind_a_hole_is_hit() {
     });
     let g = baked(&scene);
     let o = Vec3::new(1.5, 1.0, -3.0);
-    // The cut-out card comes first in the list, and is passed at z = .75.
+    // The alpha-tested card comes first in the list, and is passed at z = 0.75.
     assert_eq!(g.cut_outs().unwrap().runs(), &[0..2, 4..4]);
     let met = g.bvh().nearest(&g, o, Vec3::Z * 10.0, u32::MAX).unwrap();
     assert!((met - 0.875).abs() < 1e-6, "{met}");
     assert!(!g.bvh().occluded(o, Vec3::Z * 5.0, u32::MAX));
 }
 
-/// What shows no hole is hit as if there were no alpha texture, and what is all holes as if it were
-/// not there.
+/// A texture without visible holes behaves like no alpha texture, and a clear texture like no
+/// geometry.
 #[test]
 fn textures_without_holes_and_without_anything() {
     // The card shows three quarters of the texture's width, and the hole is in its last fifth.
@@ -140,8 +140,8 @@ fn textures_without_holes_and_without_anything() {
     assert!(hits > 100, "{hits}");
 }
 
-/// An alpha texture without a texel below the cut-off is left aside, whatever the filter: one such
-/// texel makes the difference, and so does a cut-off that is the next float above all alphas.
+/// An alpha texture without a texel below the cut-off is ignored, for every filter. One such texel
+/// changes this, and so does a cut-off that is the next float above all alphas.
 #[test]
 fn textures_without_a_hole_cut_nothing_out() {
     let has_holes = |alphas: [f32; 4], cutoff, filter| {
@@ -154,7 +154,7 @@ fn textures_without_a_hole_cut_nothing_out() {
             cutoff,
             filter,
         });
-        // One without an alpha texture stands before it in the list of materials.
+        // A material without an alpha texture precedes it in the list.
         scene.materials.insert(0, Material::default());
         scene.instances[0].material = Some(1);
         let geometry = baked(&scene);
@@ -172,7 +172,7 @@ fn textures_without_a_hole_cut_nothing_out() {
     }
 }
 
-/// What lies around a point is told by all texels around it.
+/// `is_hole_around` considers all texels in the box.
 #[test]
 fn what_is_around_a_point() {
     let g = baked(&card(Some(texture(UVec2::splat(2), |x, y| x == y)), 1.0));
@@ -200,8 +200,8 @@ fn uvs_that_are_no_numbers_have_a_texel() {
     assert_eq!(nearest_texel(0.25, 4), 1);
 }
 
-/// Materials that share a texture share its bits, unless they cut off at another alpha; other
-/// geometries' fingerprints differ.
+/// Materials share the bits of a texture unless their cut-offs differ; the fingerprints of the
+/// geometries differ.
 #[test]
 fn textures_are_kept_once_for_each_cut_off() {
     let rows = |cutoffs: [f32; 2]| {
@@ -222,7 +222,7 @@ fn textures_are_kept_once_for_each_cut_off() {
         let g = baked(&scene);
         (g.cut_outs().unwrap().rows().len(), g.fingerprint())
     };
-    // A row, two for each of four triangles, and 200 bits in two rows of 128.
+    // One row, two for each of four triangles, and 200 bits in two rows of 128.
     assert_eq!(rows([0.5, 0.5]).0, 1 + 8 + 2);
     assert_eq!(rows([0.5, 0.25]).0, 1 + 8 + 4);
     assert_ne!(rows([0.5, 0.5]).1, rows([0.5, 0.25]).1);
@@ -240,14 +240,14 @@ fn tables_are_read_back_and_spoilt_ones_refused() {
         rows[row][word] = value;
         CutOuts::from_rows(&rows, &[], 2).is_err()
     };
-    assert!(spoilt(0, 1, 9), "triangles that are not there");
+    assert!(spoilt(0, 1, 9), "triangles that don't exist");
     assert!(spoilt(0, 2, 1), "runs that do not rise");
     assert!(spoilt(2, 2, 0), "a texture without texels");
     assert!(spoilt(2, 2, 200 | 200 << 16), "a texture beyond the table");
     assert!(spoilt(4, 3, u32::MAX), "bits beyond the table");
     assert!(
         CutOuts::from_rows(&rows[..4], &[], 2).is_err(),
-        "a table cut off"
+        "a truncated table"
     );
 }
 
@@ -257,7 +257,7 @@ fn textures_that_are_too_large_are_refused() {
     let error = Geometry::bake(&card(Some(long(false)), 1.0)).unwrap_err();
     let expected = "texture `holes`: is 65536 x 1 texels; use at most 65535 on each side where it is an alpha texture";
     assert_eq!(error.to_string(), expected);
-    // Nothing is asked of one without holes.
+    // A texture without holes may have any size.
     assert!(Geometry::bake(&card(Some(long(true)), 1.0)).is_ok());
 }
 

@@ -1,4 +1,4 @@
-//! What is made of a geometry's triangles once, by type.
+//! Values derived from a geometry's triangles and cached by type.
 
 use std::{
     any::{Any, TypeId},
@@ -8,27 +8,27 @@ use std::{
 
 type Anything = Arc<dyn Any + Send + Sync>;
 
-/// Values of any types, one each. A clone has the values that were made so far.
+/// Values of different types, at most one per type. A clone contains the values computed so far.
 #[derive(Default)]
 pub(super) struct Derived {
     values: Mutex<HashMap<TypeId, Anything>>,
 }
 
 impl Derived {
-    /// Returns the value of a type, which `make` makes the first time. Threads that ask at once may
-    /// each make one; all get the same.
+    /// Returns the value of a type; `make` computes it on first use. Concurrent first calls may
+    /// each compute it; all return the same value.
     pub(super) fn get_or_make<T: Any + Send + Sync>(&self, make: impl FnOnce() -> T) -> Arc<T> {
         if let Some(known) = self.get() {
             return known;
         }
-        // Made without the lock: it may take seconds, and may ask for other types.
+        // Compute without the lock: `make` may take seconds and may call this for other types.
         let made = Arc::new(make());
         let mut values = self.lock();
         values
             .entry(TypeId::of::<T>())
             .or_insert_with(|| made.clone());
         drop(values);
-        // Another thread may have been first.
+        // Another thread may have stored its value first.
         self.get().unwrap_or(made)
     }
 
@@ -38,7 +38,7 @@ impl Derived {
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<TypeId, Anything>> {
-        // Values are whole, whatever happened to another thread.
+        // A panic in another thread leaves no partial value.
         self.values.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -65,9 +65,9 @@ mod tests {
     fn each_type_is_made_once() {
         let derived = Derived::default();
         assert_eq!(*derived.get_or_make(|| 1_u32), 1);
-        assert_eq!(*derived.get_or_make(|| 2_u32), 1, "it is kept");
+        assert_eq!(*derived.get_or_make(|| 2_u32), 1, "the cached value");
         assert_eq!(*derived.get_or_make(|| 3_u64), 3, "another type");
-        // What is made may need something else that is made.
+        // `make` may use another derived value.
         let length = derived.get_or_make(|| derived.get_or_make(|| "four").len());
         assert_eq!(*length, 4);
         let clone = derived.clone();

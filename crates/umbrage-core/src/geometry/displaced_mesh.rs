@@ -1,4 +1,4 @@
-//! Meshes displaced by a texture: see [`displacement`](crate::geometry::displacement).
+//! Meshes displaced by a texture, see [`displacement`](crate::geometry::displacement).
 
 use crate::{
     geometry::{
@@ -12,15 +12,15 @@ use crate::{
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
-/// Least cosine between the normals of two vertices at one place between which the surface is
-/// smooth: 60 degrees, between the seams of bent surfaces and the edges of boxes.
+/// Least cosine between the normals of two vertices at one position that counts as smooth: 60
+/// degrees, between the seams of curved surfaces and the edges of boxes.
 const MIN_SMOOTH_COSINE: f32 = 0.5;
-/// Greatest number of vertices at one place whose normals are compared. More are a fan, not an
-/// edge, and comparing each with each would take forever.
+/// Greatest number of vertices at one position whose normals are compared pairwise. More vertices
+/// are a fan, not an edge, and the comparison is quadratic.
 const MAX_COMPARED: usize = 64;
 
-/// Returns the mesh of a valid scene's instance, displaced if its material says so. `baked` is how
-/// many triangles the geometry has already.
+/// Returns the mesh of a valid scene's instance, displaced if its material requires it. `baked` is
+/// the number of triangles that the geometry already has.
 pub(crate) fn applied<'a>(
     scene: &'a Scene,
     instance: &Instance,
@@ -47,20 +47,20 @@ pub(crate) fn applied<'a>(
 }
 
 impl Mesh {
-    /// Returns the mesh with each vertex moved along its unit normal by `lambda (2 h - 1)` metres,
-    /// where h is the first channel of `heights` at its texture coordinates; shading normals fit
-    /// the result. See [`displacement`](crate::geometry::displacement).
+    /// Returns the mesh with each vertex moved along its unit normal by `lambda (2 h - 1)` metres.
+    /// Here h is the first channel of `heights` at the vertex's texture coordinate. Shading normals
+    /// fit the result. See [`displacement`](crate::geometry::displacement).
     ///
     /// # Errors
-    /// Errors if the mesh or the texture is invalid, if the mesh has no texture coordinates, and if
-    /// lambda is not finite.
+    /// Errors if the mesh or the texture is invalid, the mesh has no texture coordinates, or lambda
+    /// is not finite.
     pub fn displaced(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
         self.validate()?;
         heights.validate()?;
         crate::invalid::finite("lambda of the displacement", &[lambda])?;
         if self.uvs.is_empty() {
             let what = format!("mesh `{}`", self.name);
-            let why = "has no texture coordinates to look up heights with";
+            let why = "has no texture coordinates for its heights";
             return Err(Invalid::new(what, why, "give it uvs"));
         }
         let mesh = with_normals(self).into_owned();
@@ -83,8 +83,8 @@ fn with_normals(mesh: &Mesh) -> Cow<'_, Mesh> {
     })
 }
 
-/// Returns, for each vertex, the sum of its triangles' normals, each as long as twice the
-/// triangle's area.
+/// Returns, for each vertex, the sum of its triangles' normals, weighted by twice the triangle's
+/// area.
 fn normal_sums(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for (vertex, normal) in corner_normals(mesh) {
@@ -93,7 +93,7 @@ fn normal_sums(mesh: &Mesh) -> Vec<DVec3> {
     sums
 }
 
-/// Returns the displaced positions of the vertices; those that stood at one place stay together.
+/// Returns the displaced positions of the vertices; those that share a position stay together.
 fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
     let places = WeldedVertices::new(&mesh.positions);
     let mut offsets = Vec::with_capacity(mesh.positions.len());
@@ -101,7 +101,7 @@ fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3>
         let normal = unit(normal.as_dvec3());
         offsets.push(displaced(Vec3::ZERO, normal, height(heights, uv), lambda));
     }
-    // A mean of one is itself: a lone vertex goes where `displaced` would send it, bit for bit.
+    // Use the exact offset for a lone vertex, so that it is bit-equal to `displaced`.
     let mut positions = mesh.positions.clone();
     for (position, offset) in positions.iter_mut().zip(places.shared_mean(&offsets)) {
         *position += offset;
@@ -109,8 +109,8 @@ fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3>
     positions
 }
 
-/// Returns the mesh at new positions, its normals averaged from them: over all vertices of a place
-/// between which the surface was smooth.
+/// Returns the mesh at new positions, with normals averaged from them. Averages all vertices of one
+/// original position between which the surface was smooth.
 fn with_fitting_normals(mesh: Mesh, positions: Vec<Vec3>) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let old: Vec<Vec3> = mesh.normals.iter().map(|n| unit(n.as_dvec3())).collect();

@@ -17,7 +17,7 @@ fn texture(size: u32, height: impl Fn(u32, u32) -> f32) -> Texture {
     }
 }
 
-/// A unit square in x and z that faces up, u along x, v along z.
+/// Returns a unit square in x and z that faces up, u along x, v along z.
 fn square() -> Mesh {
     let positions = vec![Vec3::ZERO, Vec3::Z, Vec3::X + Vec3::Z, Vec3::X];
     let uvs = positions.iter().map(|p| Vec2::new(p.x, p.z)).collect();
@@ -27,7 +27,7 @@ fn square() -> Mesh {
     }
 }
 
-/// A box of six squares with normals of their own; `uv` tells the coordinates of each side's
+/// Returns a box of six squares with separate normals; `uv` returns the coordinates of each side's
 /// corners.
 fn cube(uv: impl Fn(usize, usize) -> Vec2) -> Mesh {
     let mut mesh = Mesh {
@@ -53,7 +53,7 @@ fn cube(uv: impl Fn(usize, usize) -> Vec2) -> Mesh {
     mesh
 }
 
-/// Whether each directed edge, by position, has its counterpart.
+/// Returns whether each directed edge, by position, has its opposite.
 fn is_closed(mesh: &Mesh) -> bool {
     let key = |v: u32| {
         mesh.positions[v as usize]
@@ -91,7 +91,7 @@ fn scene(mesh: Mesh, texture: Texture, lambda: f32, subdivisions: u32) -> Scene 
     }
 }
 
-/// Waves along u that fit a repeat of 32 texels.
+/// Waves along u with a period of 32 texels.
 fn waves() -> Texture {
     texture(32, |x, _| {
         0.5 + 0.5 * (x as f32 / 32.0 * std::f32::consts::TAU).sin()
@@ -108,7 +108,7 @@ fn the_baked_list_has_the_relief() {
         assert_eq!(
             *p,
             displaced(Vec3::new(p.x, 0.0, p.z), Vec3::Y, h, 0.1),
-            "bit for bit what a shader would do"
+            "bit-equal to the shader's result"
         );
     }
     let low = baked.bounds().min.y;
@@ -140,7 +140,7 @@ fn normals_fit_the_slope() {
         .filter(|(p, _)| p.x > 0.1 && p.x < 0.9);
     let expected = Vec3::new(-1.0, 1.0, 0.0).normalize();
     let off = inner.map(|(_, n)| n.distance(expected)).fold(0.0, f32::max);
-    // Roundings of positions at 1e-7 over triangles of 1/32.
+    // Rounding of positions at 1e-7 over triangles of 1/32.
     assert!(off < 1e-5, "{off}");
 }
 
@@ -166,7 +166,7 @@ fn seams_do_not_tear() {
     let moved = scene(seamed.clone(), waves(), 0.2, 3);
     let applied = applied(&moved, &moved.instances[0], 0).unwrap();
     assert!(is_closed(&applied));
-    // The control: each vertex alone would tear it.
+    // Negative control: displacing each vertex alone tears the mesh.
     let fine = seamed.subdivided(3).unwrap();
     let alone = fine.positions.iter().zip(&fine.normals).zip(&fine.uvs);
     let positions = alone
@@ -240,12 +240,12 @@ fn too_many_triangles_are_refused_for_the_scene_as_a_whole() {
         .to_string();
     assert_eq!(
         error,
-        "mesh `square`: would have 128 triangles of 2 after 3 subdivisions, and there is room for 127; use at most 2 \
+        "mesh `square`: would have 128 triangles after 3 subdivisions of 2, and at most 127 fit; use at most 2 \
          subdivisions"
     );
     scene.materials[0].displacement = None;
     assert!(
         applied(&scene, &scene.instances[0], room(0)).is_ok(),
-        "what is not subdivided needs no room"
+        "a mesh that is not subdivided has no limit"
     );
 }

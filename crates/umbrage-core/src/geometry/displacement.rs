@@ -1,22 +1,22 @@
 //! Displacement mapping (Cook 1984, "Shade trees"): a vertex moves along its unit normal by
 //! `lambda (2 h - 1)`, where h is a texture's first channel at its uv, bilinear and repeating.
 //!
-//! [`Geometry::bake`](crate::Geometry::bake) displaces meshes whose material has a displacement:
-//! first each triangle is split in four, as often as the material says, since a coarse mesh cannot
-//! show relief; then vertices move. Both backends, truth, the depth pass and the camera pass draw
-//! that one list, and so they see the same relief.
+//! [`Geometry::bake`](crate::Geometry::bake) displaces meshes whose material has a displacement. It
+//! first splits each triangle in four, as often as the material requires, since a coarse mesh
+//! cannot show relief. Then it moves the vertices. Both backends, truth, the depth pass and the
+//! camera pass draw the resulting list, so they show the same relief.
 //!
-//! * **Seams.** Where texture coordinates part, several vertices stand at one place and read
-//!   different heights. They move together, by the mean of their offsets: the surface never tears.
-//! * **Shading normals** are averaged anew from the moved triangles, so that they fit any relief
-//!   and any lambda without the derivatives of the texture; edges that were sharp before stay
-//!   sharp. With a normal map they stay what they were: a map that fits the relief holds its slopes
-//!   over the smooth surface, and both together would tilt twice.
-//! * **Known failures.** Relief finer than the triangles is aliased; vertices of a hollow may cross
-//!   when |lambda| exceeds its radius of curvature; an open mesh shows its rim.
+//! * **Seams.** At a texture seam, several vertices share a position and read different heights.
+//!   They are moved together, by the mean of their offsets, so the surface never tears.
+//! * **Shading normals** are averaged from the moved triangles, so that they fit any relief and any
+//!   lambda without the derivatives of the texture. Sharp edges stay sharp. With a normal map the
+//!   old normals are kept: a map that fits the relief already contains its slopes, and both
+//!   together would tilt twice.
+//! * **Known failures.** Relief finer than the triangles is aliased. Vertices of a hollow may cross
+//!   if |lambda| exceeds its radius of curvature. An open mesh shows its rim.
 //!
-//! A program that displaces in its own vertex shader uses [`DISPLACEMENT`], whose halves are
-//! bit-equal:
+//! A program that displaces in its own vertex shader can use [`DISPLACEMENT`], which is bit-equal
+//! to the Rust half:
 //!
 //! ```
 //! use umbrage_core::{displacement::DISPLACEMENT, join, Module};
@@ -31,7 +31,12 @@
 //!         let a = bilinear_first(uv, size);
 //!         let b = bilinear_second(a, size);
 //!         let h = bilinear_blend(
-//!             height(a), height(vec2u(b.x, a.y)), height(vec2u(a.x, b.y)), height(b), bilinear_weights(uv, size));
+//!             height(a),
+//!             height(vec2u(b.x, a.y)),
+//!             height(vec2u(a.x, b.y)),
+//!             height(b),
+//!             bilinear_weights(uv, size),
+//!         );
 //!         return displaced(position, normal, h, lambda);
 //!     }
 //! "# };
@@ -42,19 +47,19 @@
 use crate::{recipe::shader::Module, scene::material::Texture};
 use glam::{UVec2, Vec2, Vec3};
 
-/// The WGSL half: needs no other module.
+/// The WGSL half; it needs no other module.
 pub const DISPLACEMENT: Module = crate::module!("displacement");
 
-/// Returns the fraction of a texture coordinate after whole repeats: 0 to below 1.
+/// Returns the fractional part of a repeating texture coordinate: 0 to below 1.
 #[inline(always)]
 pub fn repeated(t: f32) -> f32 {
     let part = t - t.floor();
-    // The part of a tiny negative number rounds to 1.
+    // The fraction of a tiny negative number rounds to 1.
     if part >= 1.0 { 0.0 } else { part }
 }
 
-/// Returns how many texels a texture coordinate is from the centre of the first of `n`, along one
-/// axis: -0.5 to below n - 0.5.
+/// Returns the distance of a texture coordinate from the centre of the first of `n` texels, along
+/// one axis, in texels: -0.5 to below n - 0.5.
 #[inline(always)]
 pub fn from_first_centre(t: f32, n: u32) -> f32 {
     repeated(t) * n as f32 - 0.5
@@ -84,7 +89,7 @@ pub fn bilinear_second(first: UVec2, size: UVec2) -> UVec2 {
     )
 }
 
-/// Returns how far `uv` is from the first texel's centre towards the second's, each 0 to 1.
+/// Returns the position of `uv` between the first texel's centre and the second's, each 0 to 1.
 #[inline(always)]
 pub fn bilinear_weights(uv: Vec2, size: UVec2) -> Vec2 {
     let x = from_first_centre(uv.x, size.x);
@@ -134,7 +139,7 @@ fn first_channel(texture: &Texture, x: u32, y: u32) -> f32 {
     texture.texels[index as usize][0]
 }
 
-/// All twins of this module, for the tests that compare them.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(DISPLACEMENT, repeated(t: f32) -> f32),

@@ -2,7 +2,7 @@
 
 fn repeated(t: f32) -> f32 {
     let part = t - floor(t);
-    // The part of a tiny negative number rounds to 1.
+    // The fraction of a tiny negative number rounds to 1.
     if part >= 1.0 {
         return 0.0;
     }

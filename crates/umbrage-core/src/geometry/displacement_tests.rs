@@ -1,6 +1,6 @@
 use super::*;
 
-/// Heights 0, 0.1, .. in rows.
+/// Heights 0, 0.1, .. row by row.
 fn texture(width: u32, height: u32) -> Texture {
     let texels = (0..width * height)
         .map(|i| [0.1 * i as f32, 9.0, 9.0, 9.0])
@@ -12,7 +12,7 @@ fn texture(width: u32, height: u32) -> Texture {
     }
 }
 
-/// The textbook's formula in f64: a sum over all texels of all repeats nearby, weighted by tents.
+/// The textbook formula in f64: a sum over all texels of all nearby repeats, weighted by tents.
 fn tents(t: &Texture, uv: Vec2) -> f64 {
     let w = t.size.x as i64;
     let h = t.size.y as i64;
@@ -31,7 +31,7 @@ fn heights_are_bilinear_with_centres_at_halves_and_rows_from_the_top() {
     let t = texture(2, 3);
     assert_eq!(height(&t, Vec2::new(0.25, 0.5 / 3.0)), 0.0);
     assert_eq!(height(&t, Vec2::new(0.75, 2.5 / 3.0)), 0.5);
-    // Half way between the first two texels, and across the repeat.
+    // Halfway between the first two texels, and across the repeat.
     assert!((height(&t, Vec2::new(0.5, 0.5 / 3.0)) - 0.05).abs() < 1e-6);
     assert!((height(&t, Vec2::new(0.0, 0.5 / 3.0)) - 0.05).abs() < 1e-6);
     assert!(
@@ -45,7 +45,7 @@ fn heights_agree_with_a_sum_of_tents() {
     let t = texture(4, 3);
     for i in -40..40 {
         let uv = Vec2::new(i as f32 * 0.0473, 0.3 - i as f32 * 0.0291);
-        // Coordinates below 2, of texels below 8: a few roundings of 2^-22.
+        // Coordinates are below 2, texels below 8: a few roundings of 2^-22.
         assert!(
             (f64::from(height(&t, uv)) - tents(&t, uv)).abs() < 4e-6,
             "{uv}"

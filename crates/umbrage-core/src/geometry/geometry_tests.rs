@@ -77,7 +77,7 @@ fn what_some_have_is_padded_for_the_others() {
     assert_eq!([g.tangents()[2], g.tangents()[11]], [Vec4::ZERO; 2]);
 }
 
-/// Casters come first in the list, whatever the scene's order: attributes must follow.
+/// Attributes follow the triangles when casters are moved to the front of the list.
 #[test]
 fn attributes_follow_the_order_of_roles() {
     let neither = Instance {
@@ -98,8 +98,7 @@ fn attributes_follow_the_order_of_roles() {
     );
 }
 
-/// On the surface, the tangent must stay on the way of u and the bitangent against that of v,
-/// however it is placed.
+/// On the surface, the tangent points along u and the bitangent against v, for every placement.
 #[test]
 fn frames_follow_turns_scales_and_mirrors() {
     let turned = Affine3A::from_rotation_x(0.7) * Affine3A::from_rotation_z(1.1);
@@ -128,7 +127,7 @@ fn long_names_are_refused_by_their_beginning() {
         ..Scene::default()
     };
     assert!(named("x", crate::scene::MAX_NAME_BYTES).validate().is_ok());
-    // Letters of two bytes count twice, and are not cut in half.
+    // Two-byte letters count twice, and are not split.
     for (scene, length) in [
         (named("x", 201), 201),
         (named("x", 5000), 5000),

@@ -1,34 +1,34 @@
-//! Holes where a pixel is larger than the texels of an alpha texture: mipmapped coverage against a
-//! hashed threshold, after Wyman and McGuire 2017, "Hashed Alpha Testing"
+//! Alpha test for pixels that are larger than a texel: mipmapped coverage against a hashed
+//! threshold, after Wyman and McGuire 2017, "Hashed Alpha Testing"
 //! ([`AlphaFilter::Hashed`](crate::AlphaFilter::Hashed)).
 //!
-//! * **Footprint.** The rays through the centres of a pixel and of the next ones along the row and
-//!   down meet the triangle's plane at three uvs (`cut_out.rs`). The longer of the two steps
-//!   between them, in texels, is s.
-//! * s is 1 or less: the nearest texel decides, as it does for rays.
-//! * **Coverage.** Else a pixel takes the two levels with 2^L <= s < 2^(L + 1). A texel of level L
-//!   says how much of the texture is there over 2^L x 2^L texels: what is averaged is whether alpha
-//!   reaches the cut-off, since alpha that is averaged before it is cut off makes thin leaves
-//!   vanish. Of each level the nearest texel counts; the two answers are weighed by (s^2 / 4^L - 1)
-//!   / 3, which is 0 at the finer level and 1 at the coarser one.
-//! * **Threshold.** Each level's texel, in each repeat of the texture, on each triangle has a
-//!   threshold from 0 to 1 of its own, hashed from whole numbers. That of a pixel is the mean of
-//!   the two levels' with the same weights, made even again by the mean's distribution (there,
-//!   section 3.3). There is a hole where the coverage is less than the threshold.
+//! * **Footprint.** The rays through the centres of a pixel, its right neighbour and the one below
+//!   meet the triangle's plane at three uvs (`cut_out.rs`). The longer of the two steps between
+//!   them, in texels, is s.
+//! * If s is 1 or less, the nearest texel decides, as for rays.
+//! * **Coverage.** Otherwise a pixel uses the two levels with 2^L <= s < 2^(L + 1). A texel of
+//!   level L stores the opaque share of 2^L x 2^L texels. The cut-off is applied before averaging,
+//!   since averaging alpha first makes thin leaves vanish. The nearest texel of each level is used.
+//!   The two values are blended by (s^2 / 4^L - 1) / 3, which is 0 at the finer level and 1 at the
+//!   coarser one.
+//! * **Threshold.** Each level's texel, in each repeat of the texture, on each triangle has its own
+//!   threshold from 0 to 1, hashed from integers. The pixel's threshold is the mean of the two
+//!   levels' thresholds with the same weights, remapped to a uniform distribution (Wyman and
+//!   McGuire, section 3.3). There is a hole where the coverage is less than the threshold.
 //!
-//! So a triangle of which one half is there shows at one half of its pixels, from any distance; and
-//! which half follows from places on the triangle alone, so that it stays where the camera or a map
-//! moves, and gives way to another little by little where they come nearer. From s = 1 on the
-//! answers depart from the nearest texel's, without a step.
+//! A triangle with coverage one half is therefore visible in half of its pixels, at any distance.
+//! The pattern depends only on positions on the triangle. It stays in place when the camera or a
+//! map moves, and blends gradually into another as they come closer. At s = 1 the transition from
+//! the nearest texel is continuous.
 //!
-//! All of it is explicit arithmetic: levels are taken from a float's exponent, without logarithms,
-//! and hashes are whole numbers'.
+//! The arithmetic is explicit: levels are computed from a float's exponent, without logarithms, and
+//! hashes use integers.
 //!
-//! The table: a word for each cut-out triangle in the order of ids, which is the row where its
-//! levels begin, or 0 if the nearest texel is to decide; then for each texture a row for each level
-//! (its width and height as the lower and the upper 16 bits; the row where its texels begin; the
-//! number of the last level), and its texels, 8 bits each, from level 1 on: level 0 is the texture,
-//! whose bits are elsewhere.
+//! The table begins with a word for each alpha-tested triangle in the order of ids: the row where
+//! its levels begin, or 0 if the nearest texel decides. Each texture has a row for each level: its
+//! width and height as the lower and the upper 16 bits; the row where its texels begin; the number
+//! of the last level. Its texels follow, 8 bits each, from level 1 on. Level 0 is the texture
+//! itself, whose bits are in the other table.
 
 use crate::{
     geometry::cut_out::{WHOLE_NUMBERS, nearest_texel, texel_at},
@@ -39,22 +39,22 @@ use crate::{
 use glam::{UVec2, Vec2};
 use std::{collections::BTreeMap, sync::Arc};
 
-/// The WGSL half. It calls into [`CUT_OUT`](super::cut_out::CUT_OUT).
+/// The WGSL half. It calls [`CUT_OUT`](super::cut_out::CUT_OUT).
 pub const HASHED_ALPHA: Module = crate::module!("hashed_alpha");
 
-/// The WGSL of the rule, for a pixel whose footprint is larger than a texel. It calls into
-/// [`HASHED_ALPHA`], into [`HOLE`](super::cut_out::HOLE), and into
-/// `fn coverage_row(i: u32) -> vec4u`, which whoever has the table declares.
+/// The WGSL of the test, for a pixel whose footprint is larger than a texel. It calls
+/// [`HASHED_ALPHA`], [`HOLE`](super::cut_out::HOLE), and `fn coverage_row(i: u32) -> vec4u`, which
+/// the shader that binds the table must declare.
 pub const HASHED_HOLE: Module = crate::module!("hashed_hole");
 
-/// Texels whose coverages a row of the table holds.
+/// Coverage texels per row of the table.
 const TEXELS_A_ROW: u32 = 16;
 
-/// The coverage of what is there all over.
+/// Coverage of an opaque texel.
 const WHOLLY_THERE: f32 = 255.0;
 
-/// Returns the square of a pixel's extent on a texture of this size, texels: of the longer one of
-/// the steps from its uv to those of the next pixels.
+/// Returns the square of a pixel's extent on a texture of this size, texels: of the longer step
+/// from its uv to those of the next pixels.
 #[inline(always)]
 pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32 {
     let across = (right - uv) * size.as_vec2();
@@ -68,24 +68,24 @@ pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2)
     }
 }
 
-/// Returns the finer one of the two levels between which a footprint lies, given its square, 1 or
-/// more: half the exponent is the logarithm of its root. At most `last`.
+/// Returns the finer of the two levels around a footprint, given its square, 1 or more: half the
+/// exponent is the logarithm of its root. At most `last`.
 #[inline(always)]
 fn finer_level(squared: f32, last: u32) -> u32 {
     let exponent = (squared.to_bits() >> 23).wrapping_sub(127);
     (exponent >> 1).min(last)
 }
 
-/// Returns how far a footprint is on the way from a level to the next, 0 to 1, given its square.
-/// The exponent is lessened by twice the level.
+/// Returns the position of a footprint between a level and the next, 0 to 1, given its square.
+/// Subtracts twice the level from the exponent.
 #[inline(always)]
 fn part_to_next_level(squared: f32, level: u32) -> f32 {
     let scaled = f32::from_bits(squared.to_bits().wrapping_sub(level << 24));
     (scaled - 1.0) / 3.0
 }
 
-/// Returns how often a texture has repeated before a texture coordinate; 0 where the coordinate is
-/// not finite.
+/// Returns the number of whole repeats before a texture coordinate; 0 where the coordinate is not
+/// finite.
 #[inline(always)]
 fn whole_repeats(t: f32) -> i32 {
     if t.abs() < WHOLE_NUMBERS {
@@ -95,8 +95,8 @@ fn whole_repeats(t: f32) -> i32 {
     }
 }
 
-/// Returns the threshold of the texel that holds a uv, of a level of this size: more than 0, less
-/// than 1.
+/// Returns the threshold of the texel that contains a uv, in a level of this size: more than 0,
+/// less than 1.
 #[inline(always)]
 fn cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32 {
     let repeats = [uv.x, uv.y].map(|t| whole_repeats(t).cast_unsigned());
@@ -106,12 +106,12 @@ fn cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32 {
     let row = repeats[1]
         .wrapping_mul(size.y)
         .wrapping_add(nearest_texel(uv.y, size.y));
-    // 23 bits and a half: exact.
+    // 23 bits plus one half: exact.
     ((mixed_words(column, row, level, triangle) >> 9) as f32 + 0.5) * 1.192_092_9e-7
 }
 
-/// Mixes four words into one: the first of the four that `pcg4d` makes (Jarzynski and Olano 2020,
-/// "Hash Functions for GPU Rendering").
+/// Mixes four words into one: the first word of `pcg4d` (Jarzynski and Olano 2020, "Hash Functions
+/// for GPU Rendering").
 #[inline(always)]
 fn mixed_words(column: u32, row: u32, level: u32, triangle: u32) -> u32 {
     let [mut x, mut y, mut z, mut w] = [column, row, level, triangle]
@@ -126,9 +126,9 @@ fn mixed_words(column: u32, row: u32, level: u32, triangle: u32) -> u32 {
     x.wrapping_add(y.wrapping_mul(w))
 }
 
-/// Returns a threshold `part` of the way between those of two levels, made even: the share of all
-/// pairs whose mean, with these weights, is less than theirs. The weighted mean of two even numbers
-/// is distributed as a trapezium, whose integral this is, piece by piece.
+/// Returns the threshold `part` of the way between those of two levels, remapped to a uniform
+/// distribution. The weighted mean of two uniform numbers has a trapezoidal distribution; this is
+/// its integral, piece by piece.
 #[inline(always)]
 fn threshold_between(fine: f32, coarse: f32, part: f32) -> f32 {
     let rest = 1.0 - part;
@@ -152,19 +152,19 @@ pub(super) struct Coverage {
     rows: Arc<[[u32; 4]]>,
 }
 
-/// The levels of one texture.
+/// The mipmap levels of one texture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Levels<'a> {
     rows: &'a [[u32; 4]],
-    /// The row of the first one.
+    /// The row of the first level.
     first: u32,
 }
 
-/// What the table says of a level.
+/// Table entry of a level.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     size: UVec2,
-    /// The row at which its texels begin.
+    /// The row at which the level's texels begin.
     row: u32,
     /// The number of the last level.
     last: u32,
@@ -190,8 +190,8 @@ impl Levels<'_> {
         Level::of_row(self.rows[(self.first + number) as usize])
     }
 
-    /// Returns whether there is a hole at a uv where the footprint's square is `squared`, more than
-    /// 1. `is_clear` tells whether a texel of the texture itself is one.
+    /// Returns whether there is a hole at a uv where the square of the footprint is `squared`, more
+    /// than 1. `is_clear` returns whether a texel of level 0 is clear.
     pub(super) fn is_hole(
         &self,
         uv: Vec2,
@@ -212,7 +212,7 @@ impl Levels<'_> {
         coverage < WHOLLY_THERE * threshold_between(fine_threshold, coarse_threshold, part)
     }
 
-    /// Returns the coverage at a uv, 0 to [`WHOLLY_THERE`], and the threshold of the texel there.
+    /// Returns the coverage at a uv, 0 to [`WHOLLY_THERE`], and the threshold of its texel.
     fn coverage_and_threshold(
         &self,
         uv: Vec2,
@@ -235,13 +235,13 @@ impl Levels<'_> {
 }
 
 impl Coverage {
-    /// The table.
+    /// Returns the table.
     pub(super) fn rows(&self) -> &Arc<[[u32; 4]]> {
         &self.rows
     }
 
-    /// Returns the levels of the texture of the cut-out triangle number `record`; none where the
-    /// nearest texel decides.
+    /// Returns the levels of the texture of alpha-tested triangle `record`; `None` if the nearest
+    /// texel decides.
     pub(super) fn levels_of(&self, record: u32) -> Option<Levels<'_>> {
         let first = self.rows[record as usize / 4][record as usize % 4];
         (first != 0).then_some(Levels {
@@ -250,18 +250,18 @@ impl Coverage {
         })
     }
 
-    /// Returns the coverages that a table describes, of cut-out triangles with textures of these
-    /// sizes; none if it is empty.
+    /// Restores coverages from a table, for alpha-tested triangles with textures of these sizes.
+    /// `None` if the table is empty.
     ///
     /// # Errors
-    /// Errors if it is not a table as [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows)
-    /// returns it.
+    /// Errors if it is not a table as returned by
+    /// [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows).
     #[cfg(feature = "serde")]
     pub(super) fn from_rows(rows: &[[u32; 4]], sizes: &[UVec2]) -> Result<Option<Self>, Invalid> {
         if rows.is_empty() {
             return Ok(None);
         }
-        let bad = |why: &str| Invalid::new("geometry's coverages", why, "write them anew");
+        let bad = |why: &str| Invalid::new("geometry's coverages", why, "write it again");
         let heads = rows.get(..sizes.len().div_ceil(4));
         let heads = heads.ok_or_else(|| bad("are shorter than their list of triangles"))?;
         for (&first, &size) in heads.as_flattened().iter().zip(sizes) {
@@ -294,25 +294,25 @@ fn are_levels(rows: &[[u32; 4]], first: usize, size: UVec2) -> bool {
     true
 }
 
-/// Returns the number of the level that is one texel.
+/// Returns the number of the level that has one texel.
 fn last_level(size: UVec2) -> u32 {
     size.max_element().max(1).ilog2()
 }
 
-/// Returns the size of the next level: sides are halved and rounded down, to no less than 1.
+/// Returns the size of the next level: sides are halved and rounded down, but at least 1.
 fn halved(size: UVec2) -> UVec2 {
     (size / 2).max(UVec2::ONE)
 }
 
-/// Makes a [`Coverage`].
+/// Builder of a [`Coverage`].
 pub(super) struct CoverageBuilder {
     rows: Vec<[u32; 4]>,
-    /// Where the levels of each texture begin, for each cut-off that is used with it.
+    /// First row of the levels of each texture, for each cut-off used with it.
     places: BTreeMap<(usize, u32), usize>,
 }
 
 impl CoverageBuilder {
-    /// Begins a table for so many cut-out triangles.
+    /// Begins a table for this number of alpha-tested triangles.
     pub(super) fn new(triangles: usize) -> Self {
         Self {
             rows: vec![[0; 4]; triangles.div_ceil(4)],
@@ -320,7 +320,7 @@ impl CoverageBuilder {
         }
     }
 
-    /// Says that a triangle's holes are hashed. `key` is the texture's number and the bits of the
+    /// Enables hashed alpha for a triangle. `key` is the texture's index and the bits of the
     /// cut-off.
     pub(super) fn add(&mut self, triangle: usize, key: (usize, u32), texture: &Texture) {
         let rows = &mut self.rows;
@@ -328,11 +328,11 @@ impl CoverageBuilder {
             .places
             .entry(key)
             .or_insert_with(|| append_levels(rows, texture, f32::from_bits(key.1)));
-        // Checked by `finish`.
+        // The range is checked by `finish`.
         self.rows[triangle / 4][triangle % 4] = first as u32;
     }
 
-    /// Returns the table; none if nothing was added.
+    /// Returns the table; `None` if nothing was added.
     ///
     /// # Errors
     /// Errors if it has too many rows.
@@ -341,8 +341,8 @@ impl CoverageBuilder {
             return Ok(None);
         }
         if u32::try_from(self.rows.len()).is_err() {
-            let why = "have more texels than a table holds";
-            return Err(Invalid::new("alpha textures", why, "use smaller ones"));
+            let why = "have more texels than fit in a table";
+            return Err(Invalid::new("alpha textures", why, "use smaller textures"));
         }
         let rows = self.rows.into();
         Ok(Some(Coverage { rows }))
@@ -384,8 +384,7 @@ fn append_texels(rows: &mut Vec<[u32; 4]>, coverages: &[f32]) {
     }
 }
 
-/// Returns the means of a level's texels over those of the next one: of each as much as lies there,
-/// as sides need not be even.
+/// Downsamples a level to the size of the next one. Averages by area, since sides may be odd.
 fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
     let [width, height] = from.to_array().map(|n| n as usize);
     let columns = shares(from.x, to.x);
@@ -403,15 +402,15 @@ fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
     out
 }
 
-/// Texels of a line, and the share of each.
+/// Texels of a line, and the weight of each.
 type Shares = Vec<(usize, f32)>;
 
 fn weighed(shares: &Shares, coverage: impl Fn(usize) -> f32) -> f32 {
     shares.iter().map(|&(i, share)| share * coverage(i)).sum()
 }
 
-/// Returns which of `from` texels of a line lie in each of `to` equal parts of it, and what share
-/// of the part they are.
+/// Returns the texels of a line of `from` texels in each of `to` equal parts, and their share of
+/// the part.
 fn shares(from: u32, to: u32) -> Vec<Shares> {
     let length = f64::from(from) / f64::from(to);
     let part = |i: u32| {
@@ -428,7 +427,7 @@ fn shares(from: u32, to: u32) -> Vec<Shares> {
     (0..to).map(part).collect()
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = {
     use crate::geometry::cut_out::CUT_OUT;

@@ -1,5 +1,5 @@
-// Twin of hashed_alpha.rs: how large a pixel is on an alpha texture, and the threshold that its
-// cell has. Calls into math.wgsl and cut_out.wgsl.
+// Twin of hashed_alpha.rs: the size of a pixel on an alpha texture, and the threshold of its cell.
+// Calls math.wgsl and cut_out.wgsl.
 
 fn squared_footprint(uv: vec2f, right: vec2f, below: vec2f, size: vec2u) -> f32 {
     let across = (right - uv) * vec2f(size);

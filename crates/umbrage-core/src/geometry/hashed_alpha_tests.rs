@@ -11,13 +11,13 @@ use crate::{
 };
 use glam::{Affine3A, Vec3};
 
-/// Sides of the texture, texels: odd ones are halved with a remainder.
+/// Sides of the texture, texels. They are odd at some levels, which then leave a remainder.
 const SIZE: UVec2 = UVec2::new(104, 77);
 
 /// Repeats of the texture along each side of the card, which is 4 x 4 units large.
 const REPEATS: f32 = 3.0;
 
-/// A texture whose texels are there by chance, in so many of 256.
+/// Returns a texture of random texels, of which `there` in 256 are opaque.
 fn speckled(there: u32) -> Texture {
     let texel = |i: u32| {
         let alpha = if hash(i) % 256 < there { 0.8 } else { 0.3 };
@@ -30,7 +30,7 @@ fn speckled(there: u32) -> Texture {
     }
 }
 
-/// A card in the plane z = 0, from -2 to 2 both ways.
+/// Returns a card in the plane z = 0, from -2 to 2 both ways.
 fn card(there: u32, filter: AlphaFilter) -> Geometry {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let place = |(x, y): (f32, f32)| Vec3::new(2.0 * x, 2.0 * y, 0.0);
@@ -60,8 +60,8 @@ fn card(there: u32, filter: AlphaFilter) -> Geometry {
     Geometry::bake(&scene).unwrap()
 }
 
-/// Returns a camera before the card whose image is `pixels` wide and shows the middle half of it,
-/// moved by parts of a pixel.
+/// Returns a camera facing the card whose image is `pixels` wide and shows the middle half of it,
+/// shifted by `moved` pixels.
 fn camera(pixels: u32, moved: f32) -> Camera {
     let eye = Vec3::new(moved * 2.0 / pixels as f32, 0.0, 5.0);
     let extents = Extents {
@@ -76,14 +76,14 @@ fn camera(pixels: u32, moved: f32) -> Camera {
     Camera::orthographic(eye, target, Vec3::Y, extents, UVec2::splat(pixels)).unwrap()
 }
 
-/// Returns for each pixel of a camera that shows nothing but the card whether it is there.
+/// Returns whether the card is opaque at each pixel of a camera that shows only the card.
 fn shown(geometry: &Geometry, camera: &Camera) -> Vec<bool> {
     let cut_outs: &CutOuts = geometry.cut_outs().unwrap();
     let rays = camera.rays();
     let mut out = Vec::new();
     for y in 0..camera.size.y {
         for x in 0..camera.size.x {
-            // The diagonal from the lower left to the upper right parts the triangles.
+            // The diagonal from the lower left to the upper right separates the triangles.
             let triangle = u32::from(x + y < camera.size.x);
             let corners = geometry.corners(triangle);
             out.push(!cut_outs.is_hole_at_pixel(triangle, corners, &rays, x, y));
@@ -96,7 +96,7 @@ fn share(shown: &[bool]) -> f64 {
     shown.iter().filter(|&&is_there| is_there).count() as f64 / shown.len() as f64
 }
 
-/// From any distance as many pixels show the card as its texture is there.
+/// The share of opaque pixels equals the texture's coverage, at any distance.
 #[test]
 fn coverage_is_kept_from_any_distance() {
     for there in [20, 100, 230] {
@@ -105,14 +105,14 @@ fn coverage_is_kept_from_any_distance() {
         let count = texels.iter().filter(|texel| texel[3] > 0.5).count();
         let expected = count as f64 / texels.len() as f64;
         for pixels in [200, 90, 61, 40] {
-            // Moved pictures have other pixels, so that there are enough of them.
+            // Shift the image to collect more samples.
             let moves = (0..8).map(|i| 0.37 * i as f32);
             let all: Vec<bool> = moves
                 .flat_map(|moved| shown(&geometry, &camera(pixels, moved)))
                 .collect();
             let found = share(&all);
-            // Five times the deviation of one picture's pixels, which are not independent from
-            // picture to picture.
+            // Five standard deviations of one image, as the pixels of shifted images are not
+            // independent.
             let deviation = (expected * (1.0 - expected)).sqrt() / f64::from(pixels);
             assert!(
                 (found - expected).abs() < 5.0 * deviation,
@@ -122,8 +122,8 @@ fn coverage_is_kept_from_any_distance() {
     }
 }
 
-/// Levels of a texture without holes have none, which is why [`Geometry::bake`] leaves such
-/// textures aside; of a texture with one they do.
+/// Mipmap levels of a texture without holes have none, which is why [`Geometry::bake`] ignores such
+/// textures. With one hole they do.
 #[test]
 fn levels_of_whole_textures_have_no_holes() {
     let holes = |texture: &Texture| {
@@ -135,7 +135,7 @@ fn levels_of_whole_textures_have_no_holes() {
         let is_hole = |i: u32| {
             let unit = |k| hash(3 * i + k) as f32 / u32::MAX as f32;
             let uv = Vec2::new(4.0 * unit(0) - 2.0, 4.0 * unit(1) - 2.0);
-            // Footprints from one texel to far more than the texture.
+            // Test footprints from one texel to far more than the texture.
             let squared = 4.0_f32.powf(9.0 * unit(2)).next_up();
             levels.is_hole(uv, squared, i % 7, is_clear)
         };
@@ -147,13 +147,12 @@ fn levels_of_whole_textures_have_no_holes() {
     assert!(holes(&texture) > 0);
 }
 
-/// Where a pixel is no larger than a texel, the nearest one decides, and where all is holes,
-/// nothing is made.
+/// Pixels no larger than a texel use the nearest texel, and a clear texture leaves no pixel opaque.
 #[test]
 fn near_pixels_and_clear_textures_are_as_without_hashes() {
     let hashed = card(120, AlphaFilter::Hashed);
     let nearest = card(120, AlphaFilter::Nearest);
-    // The card's half is 1.5 textures across.
+    // Half of the card shows 1.5 repeats of the texture.
     let near = camera(SIZE.x * 3 / 2 + 1, 0.2);
     assert_eq!(shown(&hashed, &near), shown(&nearest, &near));
     let far = camera(40, 0.2);
@@ -165,7 +164,7 @@ fn near_pixels_and_clear_textures_are_as_without_hashes() {
     }
 }
 
-/// What a picture shows moves with the camera: fewer pixels change than do with the nearest texel.
+/// The image moves with the camera: fewer pixels change than with the nearest texel.
 #[test]
 fn moved_cameras_see_the_same() {
     let changes = |filter| {
@@ -186,7 +185,7 @@ fn moved_cameras_see_the_same() {
     assert!(2 * hashed < nearest, "{hashed} and {nearest}");
 }
 
-/// Each level has the mean of the texture, and is what its texels cover of it.
+/// Each level has the mean of the texture, and each texel the coverage of its area.
 #[test]
 fn levels_keep_the_mean() {
     let texture = speckled(77);
@@ -210,7 +209,7 @@ fn levels_keep_the_mean() {
     assert!((halves[0] - 0.2).abs() < 1e-6 && (halves[1] - 1.0).abs() < 1e-6);
 }
 
-/// Thresholds are even from 0 to 1, between two levels, too.
+/// Thresholds are uniform from 0 to 1, also between two levels.
 #[test]
 fn thresholds_are_even() {
     const BINS: usize = 16;
@@ -228,7 +227,7 @@ fn thresholds_are_even() {
                 total += 1;
             }
         }
-        // Six deviations.
+        // Six standard deviations.
         let expected = f64::from(total) / BINS as f64;
         for count in counts {
             let off = (f64::from(count) - expected).abs();

@@ -1,10 +1,9 @@
-// Whether a pixel lies in a hole of a triangle whose alpha texture is mipmapped and hashed. Calls
-// into hashed_alpha.wgsl, hole.wgsl, and into `fn coverage_row(i: u32) -> vec4u` of whoever has the
-// table of hashed_alpha.rs.
+// Hashed alpha test of a pixel. Calls hashed_alpha.wgsl, hole.wgsl, and
+// `fn coverage_row(i: u32) -> vec4u`, which the shader that binds the table of hashed_alpha.rs
+// declares.
 
-// The coverage of a level, 0 to 255, and the threshold of its cell. `levels` is the row of the
-// table at which a texture's levels begin, `bits` the row of the other table at which its texels
-// do.
+// Returns the coverage of a level, 0 to 255, and the threshold of its cell. `levels` is the row at
+// which a texture's levels begin, `bits` the row of the other table at which its texels do.
 fn coverage_and_threshold(uv: vec2f, level: u32, levels: u32, bits: u32, triangle: u32) -> vec2f {
     let head = coverage_row(levels + level);
     let size = vec2u(head.x & 0xffffu, head.x >> 16u);
@@ -20,7 +19,7 @@ fn coverage_and_threshold(uv: vec2f, level: u32, levels: u32, bits: u32, triangl
     return vec2f(f32(coverage), threshold);
 }
 
-// `squared` is the footprint's square, more than 1.
+// Returns whether there is a hole. `squared` is the square of the footprint, more than 1.
 fn is_hashed_hole(uv: vec2f, squared: f32, levels: u32, bits: u32, triangle: u32) -> bool {
     let last = coverage_row(levels).z;
     let level = finer_level(squared, last);

@@ -1,6 +1,6 @@
-// Whether there is a hole where a segment's line meets a triangle. `record` is the row of the
-// triangle's record in the table of cut_out.rs, 0 if it has none. Calls into cut_out.wgsl, and into
-// `fn cut_out_row(i: u32) -> vec4u` of whoever has the table.
+// Returns whether a segment's line meets a hole of a triangle. `record` is the row of the
+// triangle's record in the table of cut_out.rs, 0 if it is opaque. Calls cut_out.wgsl and
+// `fn cut_out_row(i: u32) -> vec4u`, which the shader that binds the table declares.
 
 fn is_hole_met(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, record: u32) -> bool {
     if record == 0u {

@@ -1,4 +1,4 @@
-//! A scene's triangles in world space: the one list that truth and every backend share.
+//! World-space triangles of a scene: one list, shared by truth and every backend.
 
 pub(crate) mod aabb;
 pub(crate) mod box_tree;
@@ -47,20 +47,20 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-/// Triangles a box of [`Geometry::run_boxes`]; the last one may have fewer.
+/// Triangles per box of [`Geometry::run_boxes`]; the last box may have fewer.
 pub const TRIANGLES_A_RUN: u32 = RUN;
 
 /// World-space triangles, ordered so that casters and receivers are each one contiguous range.
-/// Copies share the triangles.
+/// Clones share the triangles.
 ///
-/// `serde` writes the triangles, without what is found on first use; what is read back has the same
-/// [fingerprint](Geometry::fingerprint).
+/// `serde` writes the triangles, without values computed on first use. The deserialized geometry
+/// has the same [fingerprint](Geometry::fingerprint).
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     placed: Arc<PlacedMeshes>,
     casters: Range<u32>,
     receivers: Range<u32>,
-    /// Of casters and of all else; none if nothing is cut out.
+    /// Alpha-tested casters and other triangles; `None` if all are opaque.
     cut_outs: Option<Arc<CutOuts>>,
     fingerprint: u64,
     #[cfg(feature = "rays")]
@@ -73,16 +73,16 @@ pub struct Geometry {
     derived: Derived,
 }
 
-/// Instances whose triangles follow each other.
+/// Instances whose triangles are contiguous.
 struct Group {
     casts: bool,
     receives: bool,
     has_holes: bool,
 }
 
-/// The order of triangles. In it casters and receivers are each one range, which overlap, and what
-/// has holes is two: the last of what only casts and the first of what does both; the last of what
-/// only receives and the first of what does neither.
+/// Order of the triangles. Casters and receivers are each one range, and the ranges overlap.
+/// Alpha-tested triangles form two runs. One joins the last cast-only triangles and the first that
+/// do both. The other joins the last receive-only triangles and the first that do neither.
 #[rustfmt::skip]
 const GROUPS: [Group; 8] = [
     Group { casts: true, receives: false, has_holes: false },
@@ -96,7 +96,7 @@ const GROUPS: [Group; 8] = [
 ];
 
 impl Group {
-    /// `has_holes` is that of [`materials_with_holes`].
+    /// `has_holes` is the result of [`materials_with_holes`].
     fn has(&self, instance: &Instance, has_holes: &[bool]) -> bool {
         instance.casts == self.casts
             && instance.receives == self.receives
@@ -104,17 +104,18 @@ impl Group {
     }
 }
 
-/// Rows of four words, as shaders' tables hold them.
+/// Table rows of four words, for shaders.
 #[cfg(feature = "rays")]
 type Rows = Arc<[[u32; 4]]>;
 
 impl Geometry {
-    /// Places every instance of a scene into the world, displaced if its material says so.
-    /// Mirroring instances keep their outside out.
+    /// Transforms every instance of a scene to world space, and displaces it if its material
+    /// requires it. Mirrored instances keep their orientation.
     ///
     /// # Errors
-    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha
-    /// texture with holes is too large; and if a placement leaves the range of `f32`.
+    /// Errors if [`Scene::validate`] does, if subdivision results in too many triangles, if an
+    /// alpha texture with holes is too large, or if a transformed vertex exceeds the range of
+    /// `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut placed = PlacedMeshes::default();
@@ -129,10 +130,10 @@ impl Geometry {
             return Err(Invalid::new(
                 format!("scene `{}`, world vertex {i}", scene.name),
                 format!("is {}", placed.positions[i]),
-                "use smaller matrices: the product left the range of 32-bit floats",
+                "use smaller matrices: the product exceeds the range of 32-bit floats",
             ));
         }
-        // Where `GROUPS` has each of these.
+        // Positions of these ranges in `GROUPS`.
         let casters = starts[0]..starts[4];
         let receivers = starts[2]..starts[6];
         let runs_with_holes = [starts[1]..starts[3], starts[5]..starts[7]];
@@ -147,7 +148,7 @@ impl Geometry {
         Ok(out)
     }
 
-    /// Returns a hash of all that the backends draw.
+    /// Returns a hash of everything that the backends draw.
     fn hash(&self) -> u64 {
         let mut hash = self.placed.hash;
         for end in [
@@ -173,7 +174,7 @@ impl Geometry {
         hash
     }
 
-    /// Returns the same triangles, none of which casts: the negative control of every comparison.
+    /// Returns the same triangles without casters: the negative control of every comparison.
     #[must_use]
     pub fn without_casters(&self) -> Self {
         let mut out = Self {
@@ -189,8 +190,8 @@ impl Geometry {
         out
     }
 
-    /// Returns the same triangles without the hierarchies that were built over them, as if they had
-    /// just been placed: for those who time what is built once a scene.
+    /// Returns the same triangles without the hierarchies built so far, for benchmarks of work done
+    /// once per scene.
     #[must_use]
     pub fn without_hierarchies(&self) -> Self {
         Self {
@@ -206,52 +207,54 @@ impl Geometry {
         }
     }
 
-    /// World positions of the vertices, metres.
+    /// Returns the world positions of the vertices, metres.
     pub fn positions(&self) -> &[Vec3] {
         &self.placed.positions
     }
 
-    /// World-space unit shading normals, one a vertex; zero where no triangle gives one.
+    /// Returns the world-space unit shading normals, one per vertex; zero for vertices whose
+    /// triangles have no area.
     pub fn normals(&self) -> &[Vec3] {
         &self.placed.normals
     }
 
-    /// Texture coordinates, one a vertex, origin top left; empty when no mesh has any, zero where a
-    /// mesh has none.
+    /// Returns the texture coordinates, one per vertex, origin top left. Empty if no mesh has any,
+    /// zero for meshes that have none.
     pub fn uvs(&self) -> &[Vec2] {
         &self.placed.uvs
     }
 
-    /// World-space tangents, one a vertex: xyz of unit length along growing u, w the handedness
-    /// (bitangent = w n x t); empty when no mesh has any, zero where a mesh has none.
+    /// Returns the world-space tangents, one per vertex: xyz of unit length along growing u, w the
+    /// handedness (bitangent = w n x t). Empty if no mesh has any, zero for meshes that have none.
     pub fn tangents(&self) -> &[Vec4] {
         &self.placed.tangents
     }
 
-    /// Indices into [`Scene::materials`], one a triangle, [`NO_MATERIAL`] for the default one;
-    /// empty when no instance names any.
+    /// Returns indices into [`Scene::materials`], one per triangle, [`NO_MATERIAL`] for the default
+    /// material. Empty if no instance has a material.
     pub fn materials(&self) -> &[u32] {
         &self.placed.materials
     }
 
-    /// Vertex indices of all triangles. A triangle's place in this list is its id everywhere.
+    /// Returns the vertex indices of all triangles. A triangle's index in this list is its id
+    /// everywhere.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.placed.triangles
     }
 
     /// Returns the vertex indices of a range of triangles.
     ///
-    /// Panics if the range reaches beyond the list.
+    /// Panics if the range exceeds the list.
     pub fn run(&self, run: &Range<u32>) -> &[[u32; 3]] {
         &self.placed.triangles[run.start as usize..run.end as usize]
     }
 
-    /// Holes that alpha textures cut into triangles; none if nothing is cut out.
+    /// Returns the alpha-tested triangles; `None` if all are opaque.
     pub fn cut_outs(&self) -> Option<&Arc<CutOuts>> {
         self.cut_outs.as_ref()
     }
 
-    /// Returns whether anything is cut out of casters.
+    /// Returns whether any caster is alpha-tested.
     pub fn has_cut_out_casters(&self) -> bool {
         let casters = self.casters();
         self.cut_outs.as_ref().is_some_and(|cut_outs| {
@@ -260,19 +263,20 @@ impl Geometry {
         })
     }
 
-    /// Returns whether a triangle's alpha texture has holes. They need not lie on the triangle.
+    /// Returns whether a triangle's alpha texture has holes. They may be outside the triangle's
+    /// uvs.
     #[inline]
     pub fn has_holes(&self, triangle: u32) -> bool {
         let cut_outs = self.cut_outs.as_ref();
         cut_outs.is_some_and(|cut_outs| cut_outs.record_row(triangle).is_some())
     }
 
-    /// Ids of the triangles that cast.
+    /// Returns the ids of the casters.
     pub fn casters(&self) -> Range<u32> {
         self.casters.clone()
     }
 
-    /// Returns the casters without holes, as ranges of ids that rise.
+    /// Returns the opaque casters, as rising ranges of ids.
     pub fn casters_without_holes(&self) -> Vec<Range<u32>> {
         let casters = self.casters();
         match &self.cut_outs {
@@ -284,7 +288,7 @@ impl Geometry {
         }
     }
 
-    /// Ids of the triangles that receive.
+    /// Returns the ids of the receivers.
     pub fn receivers(&self) -> Range<u32> {
         self.receivers.clone()
     }
@@ -304,7 +308,7 @@ impl Geometry {
         ]
     }
 
-    /// Returns the vertices of a range of triangles, each as often as it is used.
+    /// Returns the vertices of a range of triangles, repeated if shared.
     pub fn vertices_of(&self, triangles: Range<u32>) -> impl Iterator<Item = Vec3> + '_ {
         let range = triangles.start as usize..triangles.end as usize;
         self.placed.triangles[range]
@@ -313,14 +317,14 @@ impl Geometry {
             .map(|&v| self.placed.positions[v as usize])
     }
 
-    /// Returns the box around everything. It is found on first use.
+    /// Returns the box around all triangles, computed on first use.
     pub fn bounds(&self) -> Aabb {
         *self
             .bounds
             .get_or_init(|| Aabb::around(self.placed.positions.iter().copied()))
     }
 
-    /// Returns the box around the casters. The boxes that it is made of are found on first use.
+    /// Returns the box around the casters. Its parts are computed on first use.
     pub fn caster_bounds(&self) -> Aabb {
         self.bounds_of(self.casters())
     }
@@ -344,27 +348,27 @@ impl Geometry {
         before.union(&whole).union(&after)
     }
 
-    /// Returns a number that is equal for bit-equal triangles in the same order with the same
-    /// roles, and otherwise differs.
+    /// Returns a hash that is equal for bit-equal triangles in the same order with the same roles,
+    /// and differs otherwise.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
 
-    /// Returns the hierarchy over the casters, which is built on first use (the one costly step of
-    /// ray tracing).
+    /// Returns the hierarchy over the casters, built on first use: the expensive step of ray
+    /// tracing.
     #[cfg(feature = "rays")]
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
     }
 
-    /// Returns what `make` makes of the triangles: once for each type, and from then on the same.
-    /// It is for what techniques need again and again and no light or camera changes, such as
-    /// welded edges. `make` must not ask for the same type.
+    /// Returns a value computed by `make` from the triangles, and cached by type. Use it for data
+    /// that depends on no light or camera, such as welded edges. `make` must not request the same
+    /// type.
     pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
         self.derived.get_or_make(|| make(self))
     }
 
-    /// Returns the greatest extent of a receiving triangle along an axis, metres; found on first
+    /// Returns the greatest extent of a receiving triangle along an axis, metres; computed on first
     /// use.
     pub fn max_receiver_extent(&self) -> f32 {
         *self.max_receiver_extent.get_or_init(|| {
@@ -376,7 +380,7 @@ impl Geometry {
         })
     }
 
-    /// Returns the boxes around runs of [`TRIANGLES_A_RUN`] triangles, found on first use.
+    /// Returns the boxes around runs of [`TRIANGLES_A_RUN`] triangles, computed on first use.
     pub fn run_boxes(&self) -> &[Aabb] {
         self.box_tree().runs()
     }
@@ -387,14 +391,14 @@ impl Geometry {
             .get_or_init(|| Arc::new(BoxTree::of_triangles(self)))
     }
 
-    /// Returns how many triangles fits looked at one by one so far, each as often as they did.
+    /// Returns the number of triangle tests by fits so far.
     #[cfg(feature = "testing")]
     pub fn triangles_looked_at(&self) -> u64 {
         self.box_tree().counted()
     }
 
-    /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from
-    /// then on.
+    /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], computed on first use and then
+    /// shared.
     #[cfg(feature = "rays")]
     pub fn bvh_tables(&self) -> &[Rows; 2] {
         self.bvh_tables.get_or_init(|| {
@@ -404,13 +408,12 @@ impl Geometry {
     }
 }
 
-/// Returns, for each material of a valid scene, whether its alpha texture has a hole: a texel that
-/// is less than its cut-off. Without one every [`AlphaFilter`](crate::AlphaFilter) answers that the
-/// surface is there: the nearest texel is, and the coverage that is compared with a threshold is 1
-/// on all levels, which no threshold exceeds. So such a material is baked as one without alpha, and
-/// costs as little.
+/// Returns, for each material of a valid scene, whether its alpha texture has a hole: a texel below
+/// the cut-off. Without one, every [`AlphaFilter`](crate::AlphaFilter) returns opaque: the nearest
+/// texel is opaque, and the coverage is 1 on all levels, which no threshold exceeds. Such a
+/// material is therefore baked as one without alpha.
 fn materials_with_holes(scene: &Scene) -> Vec<bool> {
-    // Materials often share a texture, and textures have millions of texels.
+    // Cache by texture: materials often share one, and textures have millions of texels.
     let mut known: BTreeMap<(usize, u32), bool> = BTreeMap::new();
     let mut has_holes = |alpha: &AlphaCutout| {
         let key = (alpha.texture, alpha.cutoff.to_bits());

@@ -1,4 +1,4 @@
-//! The meshes of a scene's instances, placed into the world.
+//! The meshes of a scene's instances, transformed to world space.
 
 use crate::{
     geometry::displaced_mesh,
@@ -7,11 +7,11 @@ use crate::{
 };
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-/// The material of triangles whose instance names none:
+/// Material index of triangles whose instance has none:
 /// [`Material::default`](crate::Material::default).
 pub const NO_MATERIAL: u32 = u32::MAX;
 
-/// Vertices and triangles in world space. [`Geometry`](super::Geometry) says what each list holds.
+/// Vertices and triangles in world space. See [`Geometry`](super::Geometry) for the lists.
 #[derive(Debug, Default)]
 pub(super) struct PlacedMeshes {
     pub(super) positions: Vec<Vec3>,
@@ -20,7 +20,7 @@ pub(super) struct PlacedMeshes {
     pub(super) tangents: Vec<Vec4>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) materials: Vec<u32>,
-    /// Of positions and triangles.
+    /// Hash of positions and triangles.
     pub(super) hash: u64,
 }
 
@@ -39,7 +39,7 @@ impl PlacedMeshes {
         Ok(())
     }
 
-    /// Returns the id of the triangle that is appended next.
+    /// Returns the id of the next triangle to be appended.
     pub(super) fn next_id(&self) -> u32 {
         self.triangles.len() as u32
     }
@@ -66,7 +66,7 @@ impl PlacedMeshes {
 
     fn append_normals(&mut self, mesh: &Mesh, instance: &Instance, first_triangle: usize) {
         if !mesh.normals.is_empty() {
-            // Normals stay normal under the inverse transpose.
+            // Transform normals by the inverse transpose.
             let m = Mat3::from(instance.world_from_local.matrix3);
             let world_from_local = m.inverse().transpose();
             for &normal in &mesh.normals {
@@ -75,7 +75,7 @@ impl PlacedMeshes {
             }
             return;
         }
-        // Area-weighted: the cross product's length is twice the triangle's area.
+        // Weight by area: the cross product's length is twice the triangle's area.
         self.normals.resize(self.positions.len(), Vec3::ZERO);
         for triangle in &self.triangles[first_triangle..] {
             let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
@@ -90,8 +90,8 @@ impl PlacedMeshes {
         }
     }
 
-    /// Appends what only shading reads. Such an attribute stays empty until a mesh has it; what
-    /// came before is padded then.
+    /// Appends the attributes that only shading reads. Such an attribute stays empty until a mesh
+    /// has it; earlier entries are then padded.
     fn append_attributes(&mut self, mesh: &Mesh, instance: &Instance, mirrored: bool) {
         let first = self.positions.len() - mesh.positions.len();
         if !mesh.uvs.is_empty() {
@@ -100,7 +100,7 @@ impl PlacedMeshes {
         }
         if !mesh.tangents.is_empty() {
             let m = Mat3::from(instance.world_from_local.matrix3);
-            // A mirror keeps u and v where they are on the surface, but turns n x t around.
+            // A mirror keeps u and v on the surface, but flips n x t.
             let handedness = if mirrored { -1.0 } else { 1.0 };
             self.tangents.resize(first, Vec4::ZERO);
             for tangent in &mesh.tangents {
@@ -115,8 +115,8 @@ impl PlacedMeshes {
         }
     }
 
-    /// Makes attributes that some meshes have as long as the lists of vertices or triangles, and
-    /// finds the hash.
+    /// Pads the attributes that some meshes have to the number of vertices or triangles, and
+    /// computes the hash.
     pub(super) fn finish(&mut self) {
         let vertices = self.positions.len();
         let triangles = self.triangles.len();
@@ -146,10 +146,10 @@ impl PlacedMeshes {
     }
 }
 
-/// The hash of nothing.
+/// The hash of an empty list.
 const FIRST_HASH: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// Returns a hash with another word in it: FNV-1a (Fowler, Noll, Vo), a word at a time.
+/// Returns a hash with another word mixed in: FNV-1a (Fowler, Noll, Vo), a word at a time.
 pub(super) fn hash_word(hash: u64, word: u32) -> u64 {
     (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
 }

@@ -1,9 +1,9 @@
-//! Numbers for tests that look random, and are the same on every run.
+//! Deterministic pseudo-random numbers for tests.
 
 use crate::scene::light_sample::hash;
 use glam::Vec3;
 
-/// A sequence of numbers: each is the hash of the one before.
+/// A sequence of numbers: each is the hash of its predecessor.
 pub(in crate::geometry) struct Random(pub(in crate::geometry) u32);
 
 impl Random {
@@ -13,13 +13,13 @@ impl Random {
         self.0 as f32 / 2_147_483_648.0 - 1.0
     }
 
-    /// Returns the next number, 0 to 1, but for 1.
+    /// Returns the next number, 0 to below 1.
     pub(in crate::geometry) fn unit(&mut self) -> f32 {
         self.0 = hash(self.0);
         (self.0 >> 8) as f32 / 16_777_216.0
     }
 
-    /// Returns a vector of three [`Random::signed`].
+    /// Returns a vector of three [`Random::signed`] numbers.
     pub(in crate::geometry) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.signed(), self.signed(), self.signed())
     }

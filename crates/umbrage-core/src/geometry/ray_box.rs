@@ -1,16 +1,16 @@
-//! Whether a segment enters an axis-aligned box, and the box around a triangle.
+//! Segment-box test, and the box around a triangle.
 //!
-//! The slab test of Kay, Kajiya 1986, "Ray Tracing Complex Scenes". It only subtracts, multiplies
-//! and takes the least and the greatest. These are monotone, and so is rounding: where `x <= y`,
-//! the rounded `x` is at most the rounded `y`. Hence of two boxes, one within the other, a segment
-//! that enters the inner one enters the outer one, **to the last bit**, however far away it starts.
-//! A hierarchy in which every box holds those below it, asked by this test alone, never passes over
-//! a triangle whose own box is entered. No margin for rounding is needed for that.
+//! The slab test of Kay and Kajiya 1986, "Ray Tracing Complex Scenes". It uses only subtraction,
+//! multiplication, minimum and maximum. These are monotone, and so is rounding: if `x <= y`, the
+//! rounded `x` is at most the rounded `y`. A segment that enters a box therefore enters every box
+//! around it, **to the last bit**, at any distance. A search with this test never skips a triangle
+//! whose own box is entered, if every box of the hierarchy contains those below it. This needs no
+//! margin for rounding.
 //!
-//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit;
-//! `ray_triangle.rs` shows how large. One is in proportion to the triangle ([`padded_box`]), the
-//! other to the distance from the segment's start ([`EXIT_SLACK`], as in Ize 2013, "Robust BVH Ray
-//! Traversal").
+//! Margins are needed so that a segment enters the box of every triangle that it hits;
+//! `ray_triangle.rs` derives their size. One is proportional to the size of the triangle
+//! ([`padded_box`]). The other is proportional to the distance from the segment's start
+//! ([`EXIT_SLACK`], as in Ize 2013, "Robust BVH Ray Traversal").
 
 use crate::recipe::shader::Module;
 use glam::{Vec3, Vec3A};
@@ -18,7 +18,7 @@ use glam::{Vec3, Vec3A};
 /// The WGSL half.
 pub const RAY_BOX: Module = crate::module!("ray_box");
 
-/// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
+/// Factor by which a segment may enter a box later than it leaves it: 32 roundings of 2^-24.
 pub(crate) const EXIT_SLACK: f32 = 1.0 + 1.0 / 524_288.0;
 
 /// 16 roundings of 2^-24.
@@ -27,8 +27,8 @@ const SIZE_PAD: f32 = 1.0 / 1_048_576.0;
 /// 4 roundings of 2^-24.
 const REACH_PAD: f32 = 1.0 / 4_194_304.0;
 
-/// One over a segment's vector, for [`span`]. A component of zero gets a huge inverse instead of an
-/// infinite one, whose product with 0 is not a number.
+/// Returns the inverse of a segment's vector, for [`span`]. A component of zero gets a huge
+/// inverse, since the product of infinity and 0 is NaN.
 #[inline(always)]
 pub(crate) fn slab_inverse(d: Vec3) -> Vec3A {
     Vec3A::new(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z))
@@ -43,8 +43,8 @@ pub(crate) fn safe_inverse(x: f32) -> f32 {
     }
 }
 
-/// Returns where the segment from `o` is within a box, the least and the greatest corner of which
-/// are given: from which to which fraction of its vector. It enters the box if the first is at most
+/// Returns the range of fractions of a segment's vector at which it is within a box, given the
+/// box's least and greatest corner. The segment enters the box if the first is at most
 /// [`EXIT_SLACK`] times the second. `inverse` is [`slab_inverse`] of the vector.
 #[inline(always)]
 pub(crate) fn span(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> [f32; 2] {
@@ -57,16 +57,16 @@ pub(crate) fn span(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> [f32; 2] {
     ]
 }
 
-/// Whether a segment enters a box, the least and the greatest corner of which are given.
+/// Returns whether a segment enters a box, given its least and greatest corner.
 #[inline(always)]
 pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool {
     let [entry, exit] = span(o, inverse, corners);
     entry <= exit * EXIT_SLACK
 }
 
-/// Returns the box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its
-/// longest side or by 2^-22 of its greatest coordinate, whichever is more. (Not by a sum: see
-/// `SUM_ORDER` in umbrage-wgpu's drivers.rs.)
+/// Returns the least and greatest corner of the box around a triangle. It is grown on all sides by
+/// the greater of 2^-20 of its longest side and 2^-22 of its greatest coordinate. (It is not grown
+/// by their sum: see `SUM_ORDER` in umbrage-wgpu's drivers.rs.)
 #[inline(always)]
 pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     let [a, b, c] = corners;
@@ -78,8 +78,8 @@ pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     [low - pad, high + pad]
 }
 
-/// Whether the least rectangle around a triangle holds the origin; the triangle as the x and the y
-/// of its corners.
+/// Returns whether the bounding rectangle of a triangle contains the origin, given the x and the y
+/// of the triangle's corners.
 #[inline(always)]
 pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
     x.min_element() <= 0.0
@@ -88,13 +88,14 @@ pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
         && y.max_element() >= 0.0
 }
 
-/// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored. Products with it are exact.
+/// Returns 2^-e for a number of size m 2^e, 1 <= m < 2: its exponent, negated. Products with it are
+/// exact.
 #[inline(always)]
 pub(crate) fn inverse_power(x: f32) -> f32 {
     f32::from_bits(0x7f00_0000_u32.wrapping_sub(x.to_bits() & 0x7f80_0000))
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub(crate) const TWINS: [crate::recipe::twin::Twin; 6] = [
     crate::twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
     use crate::scene::light_sample::hash;
 
-    /// -1..1 times a power of ten from 1e-4 to 1e6, and often a round number.
+    /// Returns -1..1 times a power of ten from 1e-4 to 1e6, and often a round number.
     fn random(state: &mut u32) -> f32 {
         let mut next = || {
             *state = hash(*state);
@@ -156,7 +157,8 @@ mod tests {
         Vec3::new(random(state), random(state), random(state))
     }
 
-    /// What searches rest on: whoever enters a box enters every box around it, to the last bit.
+    /// The invariant of searches: a segment that enters a box enters every box around it, to the
+    /// last bit.
     #[test]
     fn boxes_around_a_box_that_is_entered_are_entered() {
         let mut state = 9;
@@ -165,7 +167,7 @@ mod tests {
             let p = vector(&mut state);
             let q = vector(&mut state);
             let inner = [p.min(q), p.max(q)].map(Vec3A::from);
-            // Often just one unit in the last place wider, on one side.
+            // Often widen the box by only one unit in the last place, on one side.
             let outer = match i % 3 {
                 0 => [inner[0].map(f32::next_down), inner[1]],
                 1 => [
@@ -177,7 +179,7 @@ mod tests {
                     inner[1].max(vector(&mut state).into()),
                 ],
             };
-            // Towards a point of the box's surface, where rounding decides.
+            // Aim at a point of the box's surface, where rounding decides.
             let o = vector(&mut state);
             let target = p
                 .lerp(q, random(&mut state).abs().min(1.0))
@@ -194,7 +196,7 @@ mod tests {
         }
         assert!(
             (50_000..350_000).contains(&entered),
-            "the test tells little: {entered}"
+            "too few hits to be meaningful: {entered}"
         );
     }
 

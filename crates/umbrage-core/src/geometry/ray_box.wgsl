@@ -1,4 +1,4 @@
-// Twin of slab.rs.
+// Twin of ray_box.rs.
 
 // 1 + 2^-19.
 const EXIT_SLACK = 1.0000019;
@@ -42,14 +42,14 @@ fn padded_high(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     return high + box_pad(low, high);
 }
 
-// Whether the least rectangle around a triangle holds the origin.
+// Returns whether the bounding rectangle of a triangle contains the origin.
 fn holds_origin(a: vec2f, b: vec2f, c: vec2f) -> bool {
     let low = min(min(a, b), c);
     let high = max(max(a, b), c);
     return low.x <= 0.0 && low.y <= 0.0 && high.x >= 0.0 && high.y >= 0.0;
 }
 
-// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored.
+// Returns 2^-e for a number of size m 2^e, 1 <= m < 2: its exponent, negated.
 fn inverse_power(x: f32) -> f32 {
     return bitcast<f32>(0x7f000000u - (bitcast<u32>(x) & 0x7f800000u));
 }

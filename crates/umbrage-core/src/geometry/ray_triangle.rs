@@ -1,46 +1,46 @@
-//! Whether a segment meets a triangle: without cracks between triangles, not from afar, and in any
-//! order.
+//! Segment-triangle test: without cracks between triangles, without distant false hits, and
+//! independent of order.
 //!
-//! A segment from `o` along `d` hits a triangle if three tests agree. They know the segment and the
-//! triangle, and nothing else: not the hierarchy, nor what was asked before.
+//! A segment from `o` along `d` hits a triangle if three tests pass. They depend only on the
+//! segment and the triangle, not on the hierarchy or on earlier tests.
 //!
-//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the
-//!    segment alone turns it into the z axis, and the rest happens in the plane. A corner lands on
-//!    the same point for every triangle that has it. The sign of `x0 y1 - y0 x1` is never wrong,
-//!    since rounding is monotone: at worst it is 0. Edges count as inside here, so 0 needs no
-//!    second look (the paper's double precision).
-//! 2. The least rectangle around the triangle in that plane holds the origin.
-//! 3. The segment enters the triangle's own box, by the test that the hierarchies ask of theirs
-//!    (`slab.rs`).
+//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". A shear that depends only
+//!    on the segment maps it to the z axis; the test then happens in the xy plane. A corner is
+//!    mapped to the same point for every triangle that shares it. The sign of `x0 y1 - y0 x1` is
+//!    never wrong, since rounding is monotone: at worst it is 0. Edges count as inside here, so 0
+//!    needs no fallback to double precision as in the paper.
+//! 2. The bounding rectangle of the triangle in that plane contains the origin.
+//! 3. The segment enters the triangle's own box, by the box test of the hierarchies (`ray_box.rs`).
 //!
-//! **No cracks.** In a closed mesh some triangle holds the plane's origin once its corners are
-//! rounded: neighbours share rounded corners. It passes test 1, as no sign is wrong, and test 2. It
-//! passes test 3, too, if the segment meets it:
+//! **No cracks.** In a closed mesh, some triangle contains the plane's origin after its corners are
+//! rounded, because neighbours share rounded corners. It passes test 1, as no sign is wrong, and
+//! test 2. It also passes test 3 if the segment meets it:
 //!
 //! * Let z be the longest axis of `d`, `r = d.x / d.z` (at most 1), `u = 2^-24` the greatest
-//!   relative error of one rounding, and (X, Y, Z) a corner less `o`. The sheared `x = X - r Z`
-//!   errs by at most `2u |X| + 4u |r Z|`: the roundings of X, of r, Z and their product, and of the
-//!   sum, whose size is at most `|X| + |r Z|`.
-//! * Weigh the exact corners as the origin is weighed by the rounded ones: this gives a point Q of
-//!   the triangle. The segment's line passes it, at Q's z, within the mean of those errors. With
-//!   `w` the longest side of the triangle's box and `D` the distance between Q and `o` along x,
-//!   `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The same holds along y.
-//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence
-//!   by at least `8u w + 2u c`; its own rounding takes about `u c` of that. What is left covers the
-//!   part with w.
-//! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab
+//!   relative error of one rounding, and (X, Y, Z) a corner minus `o`. The sheared `x = X - r Z`
+//!   has an error of at most `2u |X| + 4u |r Z|`: the roundings of X, of r, Z and their product,
+//!   and of the sum, whose size is at most `|X| + |r Z|`.
+//! * Apply the barycentric weights of the origin among the rounded corners to the exact corners:
+//!   this gives a point Q of the triangle. At Q's z, the distance from the segment's line to Q is
+//!   at most the mean of those errors. With `w` the longest side of the triangle's box and `D` the
+//!   distance between Q and `o` along x, `|X|` and `|r Z|` are at most `D + w`, so the distance is
+//!   `6u (D + w)`. The same holds along y.
+//! * The box is grown by the greater of `16u w` and `4u c` (c: its greatest coordinate), hence by
+//!   at least `8u w + 2u c`. Its own rounding uses about `u c` of that. The rest covers the part
+//!   with w.
+//! * The other part moves the parameter `t` at which a side is crossed by at most `6u t`. The slab
 //!   test's difference, inverse and product add `3u t`. So the box is entered before `t (1 + 9u)`
 //!   and left after `t (1 - 9u)`, and `EXIT_SLACK = 1 + 32u` is more than their ratio.
 //!
-//! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to
-//! each other, a small or thin triangle is "hit" from anywhere on the lines of its edges. Test 2
-//! keeps the origin within a triangle's size of its corners. There a sign that is 0 by rounding
-//! puts it within a few `u` times that size of the edge, so a segment that hits comes within a few
-//! roundings of the triangle.
+//! **No distant false hits.** Test 1 alone accepts undecided cases. Where all products round to 0
+//! or to each other, a small or thin triangle is "hit" from any distance on the lines of its edges.
+//! Test 2 keeps the origin within a triangle's size of its corners. There, a sign that is 0 by
+//! rounding means that the origin is within a few `u` times that size of the edge. A segment that
+//! hits therefore comes within a few roundings of the triangle.
 //!
-//! **In any order.** By test 3 whatever is hit has a box that is entered, and so are all boxes
-//! around it (`slab.rs`). Every search that skips boxes by that test alone finds a hit if brute
-//! force does.
+//! **Independent of order.** By test 3, the box of a triangle that is hit is entered, and so are
+//! all boxes around it (`ray_box.rs`). Every search that skips boxes only by that test finds a hit
+//! if brute force does.
 
 use crate::{
     geometry::ray_box::{enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
@@ -48,20 +48,20 @@ use crate::{
 };
 use glam::{Vec3, Vec3A};
 
-/// The WGSL half of the triangle test. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
+/// The WGSL half of the triangle test. It calls [`RAY_BOX`](super::bvh::RAY_BOX).
 pub const RAY_TRIANGLE: Module = crate::module!("ray_triangle");
 
-/// A segment, ready for many tests.
+/// A segment, prepared for many tests.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     pub(crate) origin: Vec3A,
-    /// One over its vector, for boxes.
+    /// Inverse of its vector, for box tests.
     pub(crate) inverse: Vec3A,
     /// Rows of the shear that maps its vector to (0, 0, 1).
     rows: [Vec3A; 3],
 }
 
-/// A triangle, ready for many tests: the x of its three corners, their y, their z.
+/// A triangle, prepared for many tests: the x of its three corners, their y, their z.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corners {
     x: Vec3A,
@@ -79,7 +79,7 @@ impl Corners {
         }
     }
 
-    /// The three corners.
+    /// Returns the three corners.
     #[cfg(feature = "rays")]
     #[inline(always)]
     pub(crate) fn points(&self) -> [Vec3; 3] {
@@ -91,7 +91,7 @@ impl Corners {
         ]
     }
 
-    /// The triangle's own box of test 3.
+    /// Returns the triangle's box of test 3.
     #[inline(always)]
     pub(crate) fn padded_box(&self) -> [Vec3A; 2] {
         let Self { x, y, z } = self;
@@ -104,7 +104,7 @@ impl Corners {
 }
 
 impl Segment {
-    /// The segment from `o` to `o + d`.
+    /// Returns the segment from `o` to `o + d`.
     #[inline(always)]
     pub fn new(o: Vec3, d: Vec3) -> Self {
         Self {
@@ -114,8 +114,8 @@ impl Segment {
         }
     }
 
-    /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in
-    /// the twin.
+    /// Returns the three corners' coordinates along one row of the shear. Adds from left to right,
+    /// as in the twin.
     #[inline(always)]
     fn along_row(&self, row: usize, t: &Corners) -> Vec3A {
         let r = self.rows[row];
@@ -125,14 +125,14 @@ impl Segment {
             + Vec3A::splat(r.z) * (t.z - Vec3A::splat(o.z))
     }
 
-    /// The areas by which the triangle test weighs the corners: barycentric coordinates of where
-    /// the segment's line meets the triangle's plane, times their sum.
+    /// Returns the signed areas of the triangle test: the barycentric coordinates of the point
+    /// where the segment's line meets the triangle's plane, times their sum.
     #[inline(always)]
     pub(crate) fn areas(&self, t: &Corners) -> Vec3A {
         areas(self.along_row(0, t), self.along_row(1, t))
     }
 
-    /// Whether it meets the triangle, edges and ends included.
+    /// Returns whether the segment meets the triangle, edges and ends included.
     #[inline(always)]
     pub(crate) fn hits(&self, t: &Corners) -> bool {
         let x = self.along_row(0, t);
@@ -141,8 +141,8 @@ impl Segment {
         if !(areas.cmpge(Vec3A::ZERO).all() || areas.cmple(Vec3A::ZERO).all()) {
             return false;
         }
-        // The plane's third coordinate, weighted by the areas: the fraction of the segment's vector
-        // times the whole area.
+        // The corners' coordinates along the segment, weighted by the areas: the fraction of the
+        // segment's vector times the whole area.
         let weighted = areas * self.along_row(2, t);
         let whole = areas.x + areas.y + areas.z;
         let along = weighted.x + weighted.y + weighted.z;
@@ -152,22 +152,22 @@ impl Segment {
         } else {
             whole < 0.0 && along <= 0.0 && along >= whole
         };
-        // Few get here: the rest costs next to nothing.
+        // Few segments get here: the rest costs almost nothing.
         between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
     }
 }
 
-/// Returns (u, v, w): the signed areas opposite to the corners, as the third axis of a cross
-/// product; given the corners' x and y in the shear.
+/// Returns (u, v, w): the signed areas opposite to the corners, as the z components of cross
+/// products, given the corners' x and y in the shear.
 #[inline(always)]
 fn areas(x: Vec3A, y: Vec3A) -> Vec3A {
     Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
         - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y)
 }
 
-/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps
-/// `d` to (0, 0, 1). The first two are scaled by a power of two, so that the products of lengths in
-/// proportion to `d`, however large or small, stay within range; it changes no bit of their digits.
+/// Returns the rows of the shear that maps `d` to (0, 0, 1), including a cyclic permutation that
+/// moves the longest axis to the end. The first two rows are scaled by a power of two, which is
+/// exact. Products of lengths proportional to `d` then stay within range.
 #[inline(always)]
 fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     let size = d.abs();
@@ -194,14 +194,14 @@ fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     ]
 }
 
-/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where
-/// a number is not finite, or `d` is zero.
+/// Returns whether the segment from `o` to `o + d` meets the triangle, edges and ends included.
+/// False if a number is not finite or `d` is zero.
 #[inline(always)]
 pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
     Segment::new(o, d).hits(&Corners::new([a, b, c]))
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(RAY_TRIANGLE, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [super::ray_box::RAY_BOX]),

@@ -1,11 +1,12 @@
-// Twin of ray_triangle.rs's triangle test. Calls into ray_box.wgsl.
+// Twin of ray_triangle.rs's triangle test. Calls ray_box.wgsl.
 
 fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
     let s = inverse_power(max(max(size.x, size.y), size.z));
     let along_z = size.z >= size.x && size.z >= size.y;
     let along_x = size.x >= size.y;
-    // The greatest component last. There is one set of quotients for all three: they take long.
+    // Move the greatest component to the end. All three cases share one set of quotients, which are
+    // slow.
     let turned = select(select(d.zxy, d.yzx, along_x), d.xyz, along_z);
     let first = -quotient(turned.x, turned.z) * s;
     let second = -quotient(turned.y, turned.z) * s;
@@ -19,7 +20,7 @@ fn shear_rows(d: vec3f) -> mat3x3f {
     return mat3x3f(vec3f(0.0, first, s), vec3f(s, second, 0.0), vec3f(0.0, inverse, 0.0));
 }
 
-// Columns of the matrix are rows of the shear.
+// The columns of the matrix are the rows of the shear.
 fn sheared(rows: mat3x3f, v: vec3f) -> vec3f {
     return vec3f(dot3(rows[0], v), dot3(rows[1], v), dot3(rows[2], v));
 }
@@ -28,7 +29,7 @@ fn cross2(a: vec3f, b: vec3f) -> f32 {
     return product(a.x, b.y) - product(a.y, b.x);
 }
 
-// `rows` are the shear's for the direction.
+// `rows` are those of the shear for the direction.
 fn segment_hits(o: vec3f, d: vec3f, rows: mat3x3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
     let a = sheared(rows, pa - o);
     let b = sheared(rows, pb - o);

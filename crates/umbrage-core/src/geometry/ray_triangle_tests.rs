@@ -1,4 +1,4 @@
-//! The triangle test: borders, cracks, and hits from afar.
+//! Tests of the triangle test: edges, cracks, and distant false hits.
 
 use super::*;
 use crate::geometry::random::Random;
@@ -49,8 +49,8 @@ fn flat_triangles_and_parallel_segments_miss() {
     ));
 }
 
-/// Segments aimed at the corners and edges of a fan that closes around the origin: each must hit
-/// one of its triangles.
+/// Segments aimed at the corners and edges of a fan around the origin each hit one of its
+/// triangles.
 #[test]
 fn fans_have_no_cracks() {
     let mut state = Random(1);
@@ -78,7 +78,7 @@ fn fans_have_no_cracks() {
     }
 }
 
-/// -0.5..0.5.
+/// Returns -0.5..0.5.
 fn random(state: &mut Random) -> f32 {
     state.unit() - 0.5
 }
@@ -87,8 +87,8 @@ fn random_vector(state: &mut Random) -> Vec3 {
     Vec3::new(random(state), random(state), random(state))
 }
 
-/// Triangles of all kinds about `middle`: of one size, thin, tiny, flat in one axis, and without
-/// area.
+/// Returns triangles of all kinds around `middle`: regular, thin, tiny, flat in one axis, and
+/// without area.
 fn triangle(state: &mut Random, kind: u32, middle: Vec3) -> [Vec3; 3] {
     let at = |v: Vec3| middle + v;
     let p = random_vector(state);
@@ -108,7 +108,8 @@ fn triangle(state: &mut Random, kind: u32, middle: Vec3) -> [Vec3; 3] {
     }
 }
 
-/// From where and along which way: towards the triangle's inside, an edge or a corner, or along it.
+/// Returns a segment's origin and vector: towards the triangle's interior, an edge or a corner, or
+/// along it.
 fn towards(state: &mut Random, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
     let [a, b, c] = triangle;
     let s = random(state) + 0.5;
@@ -127,8 +128,9 @@ fn towards(state: &mut Random, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
     (o, (target - o) * (1.05 + s))
 }
 
-/// Weights of the corners at the plane's origin after rounding, if the triangle holds it: products
-/// of two numbers of 24 bits are exact in 53, and so is the comparison of two of them.
+/// Returns the weights of the corners at the plane's origin after rounding, if the triangle
+/// contains it. Products of two 24-bit numbers are exact in 53 bits, and so is the comparison of
+/// two products.
 fn exact_weights(segment: &Segment, corners: &Corners) -> Option<[f64; 3]> {
     let x = segment.along_row(0, corners).to_array().map(f64::from);
     let y = segment.along_row(1, corners).to_array().map(f64::from);
@@ -145,8 +147,8 @@ fn exact_weights(segment: &Segment, corners: &Corners) -> Option<[f64; 3]> {
     (holds && whole != 0.0).then(|| areas.map(|a| a / whole))
 }
 
-/// What the header says of cracks: tests 2 and 3 refuse nothing that holds the origin and is met by
-/// the segment.
+/// Tests 2 and 3 reject no triangle that contains the origin and meets the segment, as derived in
+/// the module documentation.
 #[test]
 fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
     let mut state = Random(5);
@@ -184,11 +186,11 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
             "the box of {corners:?}, from {o} along {d}"
         );
     }
-    assert!(held > 100_000, "the test tells little: {held}");
+    assert!(held > 100_000, "too few cases to be meaningful: {held}");
 }
 
-/// Distance between a triangle and the line of a segment where it passes, along the shorter axes of
-/// its vector.
+/// Returns the distance between a triangle and the line of a segment, along the shorter axes of its
+/// vector.
 fn miss(ray: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
     let [o, d] = ray.map(|v| v.as_dvec3());
     let sheared = corners.map(|v| {
@@ -219,9 +221,9 @@ fn miss(ray: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
     }
 }
 
-/// A needle of no area, its corners exactly in line along an axis or a diagonal, and a segment that
-/// passes it: in the plane of the needle and its own direction, or so nearly along the needle that
-/// this looks like a point.
+/// Returns a needle without area, its corners exactly collinear along an axis or a diagonal, and a
+/// segment that passes it. The segment is in the plane of the needle and its own direction, or
+/// almost parallel to the needle.
 fn needle_and_passer(state: &mut Random, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
     let on_grid = |v: Vec3| (v * 1024.0).round() / 1024.0;
     let place = (Vec3::new(0.8, 0.1, -0.6) * distance * 16.0).round() / 16.0
@@ -243,8 +245,8 @@ fn needle_and_passer(state: &mut Random, distance: f32) -> ([Vec3; 3], [Vec3; 2]
     }
 }
 
-/// What the header says of hits from afar: none is farther than a few roundings of the lengths that
-/// went into the test.
+/// Every hit is within a few roundings of the lengths in the test, as derived in the module
+/// documentation.
 #[test]
 fn nothing_is_hit_from_afar() {
     let mut state = Random(3);
@@ -270,7 +272,7 @@ fn nothing_is_hit_from_afar() {
             .fold(0.0, f32::max);
         worst = worst.max(miss([o, d], corners) / f64::from(length * f32::EPSILON / 2.0));
     }
-    assert!(hits > 50_000, "the test tells little: {hits} hits");
+    assert!(hits > 50_000, "too few hits to be meaningful: {hits}");
     // Six roundings of the greatest length along each of two axes, and two more for signs that
     // round to 0.
     assert!(worst < 2.0_f64.sqrt() * 8.0, "{worst} roundings");

@@ -1,26 +1,26 @@
-//! The triangle test of four segments at once: bit by bit what
-//! [`Segment::hits`](super::ray_triangle::Segment) says of each.
+//! The triangle test of four segments at once, bit-equal to
+//! [`Segment::hits`](super::ray_triangle::Segment).
 //!
-//! In the shear of `ray_triangle.rs` each of the first two rows has two factors that are not zero,
-//! one for the segment's longest axis and one for another. What a product with zero adds changes no
-//! bit that a comparison sees, and a sum of two numbers has one order; so two products and a sum
-//! are the same as the three products there.
+//! In the shear of `ray_triangle.rs`, each of the first two rows has two non-zero factors: one for
+//! the segment's longest axis and one for another axis. Adding a product with zero changes no bit
+//! that a comparison sees, and a sum of two numbers has only one order. Two products and a sum are
+//! therefore equivalent to the three products there.
 
 use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box};
 use glam::{Vec3, Vec3A, Vec4};
 
-/// How many segments are tested at once.
+/// Number of segments tested at once.
 pub const SEGMENT_LANES: usize = 4;
 
-/// `N` segments, with an array for each number that tests need.
+/// `N` segments, with one array for each number that tests need.
 #[derive(Clone, Copy, Debug)]
 pub struct SegmentArrays<const N: usize> {
     origin: [[f32; N]; 3],
     vector: [[f32; N]; 3],
     scale: [f32; N],
-    /// Factors of the longest axis in the shear's first two rows.
+    /// Factors of the longest axis in the first two rows of the shear.
     shear: [[f32; N]; 2],
-    /// One over the vector along its longest axis.
+    /// Inverse of the vector's component along its longest axis.
     along: [f32; N],
     axis: [u32; N],
 }
@@ -38,8 +38,8 @@ impl<const N: usize> Default for SegmentArrays<N> {
     }
 }
 
-/// Returns the longest axis of a segment's vector, as the triangle test has it: of equal ones z
-/// before x before y.
+/// Returns the longest axis of a segment's vector, with the tie rule of the triangle test: z before
+/// x before y.
 #[inline(always)]
 pub fn longest_axis(d: Vec3) -> u32 {
     let size = d.abs();
@@ -54,8 +54,8 @@ pub fn longest_axis(d: Vec3) -> u32 {
     }
 }
 
-/// Returns the components of `v` along `axis` and the two axes that follow it, in turn. Selections
-/// instead of an index, so that a loop over many becomes one of vector instructions.
+/// Returns the components of `v` along `axis` and the two axes that follow it cyclically. Uses
+/// selections instead of an index, so that loops over many vectors are vectorised.
 #[inline(always)]
 fn turned(v: Vec3, axis: u32) -> [f32; 3] {
     let pick = |x: f32, y: f32, z: f32| {
@@ -75,7 +75,7 @@ fn turned(v: Vec3, axis: u32) -> [f32; 3] {
 }
 
 impl<const N: usize> SegmentArrays<N> {
-    /// Makes segment `i` that from `o` to `o + d`.
+    /// Sets segment `i` to the one from `o` to `o + d`.
     ///
     /// # Panics
     /// Panics if `i` is not less than `N`.
@@ -95,21 +95,21 @@ impl<const N: usize> SegmentArrays<N> {
         self.axis[i] = axis;
     }
 
-    /// Returns where segment `i` begins.
+    /// Returns the origin of segment `i`.
     #[inline(always)]
     pub fn origin(&self, i: usize) -> Vec3 {
         let [x, y, z] = &self.origin;
         Vec3::new(x[i], y[i], z[i])
     }
 
-    /// Returns segment `i`'s longest axis.
+    /// Returns the longest axis of segment `i`.
     #[inline(always)]
     pub fn axis(&self, i: usize) -> u32 {
         self.axis[i]
     }
 
-    /// Returns the four segments from `first` on, which share the longest axis of the first (what
-    /// is said of others means nothing).
+    /// Returns the four segments from `first` on. They must share the longest axis of the first;
+    /// results for others are meaningless.
     ///
     /// # Panics
     /// Panics if there are fewer.
@@ -117,7 +117,7 @@ impl<const N: usize> SegmentArrays<N> {
     pub fn four(&self, first: usize) -> FourSegments {
         let axis = self.axis[first] as usize;
         let axes = following_axes(axis);
-        // Loops instead of closures over arrays: see `FourSegments::hits`.
+        // Use loops instead of closures over arrays: see `FourSegments::hits`.
         let mut origin = [Vec4::ZERO; 3];
         let mut turned_origin = [Vec4::ZERO; 3];
         let mut vector = [Vec4::ZERO; 3];
@@ -141,19 +141,19 @@ impl<const N: usize> SegmentArrays<N> {
     }
 }
 
-/// Returns four numbers from `first` on.
+/// Returns four numbers, starting at `first`.
 #[inline(always)]
 fn four_from(numbers: &[f32], first: usize) -> Vec4 {
     Vec4::from_slice(&numbers[first..first + SEGMENT_LANES])
 }
 
-/// Returns an axis and the two that follow it, in turn.
+/// Returns an axis and the two that follow it cyclically.
 #[inline(always)]
 fn following_axes(axis: usize) -> [usize; 3] {
     [axis, (axis + 1) % 3, (axis + 2) % 3]
 }
 
-/// Returns the components of four vectors along `axis` and the two axes that follow it, in turn.
+/// Returns the components of four vectors along `axis` and the two axes that follow it cyclically.
 #[inline(always)]
 fn turned_lanes(v: [Vec4; 3], axis: usize) -> [Vec4; 3] {
     let axes = following_axes(axis);
@@ -194,8 +194,8 @@ pub struct FourSegments {
 }
 
 impl FourSegments {
-    /// Returns segments from points along vectors, one a lane for each axis, all of whose vectors
-    /// are longest along `axis`.
+    /// Returns the segments from these origins along these vectors, one lane per segment. All
+    /// vectors must be longest along `axis`.
     #[inline(always)]
     #[must_use]
     pub fn new(origin: [Vec4; 3], vector: [Vec4; 3], axis: u32) -> Self {
@@ -213,7 +213,7 @@ impl FourSegments {
         }
     }
 
-    /// Returns segments with the same vectors from other points, one a lane for each axis.
+    /// Returns segments with the same vectors from other origins, one lane per segment.
     #[inline(always)]
     #[must_use]
     pub fn from_origins(&self, origin: [Vec4; 3]) -> Self {
@@ -227,8 +227,8 @@ impl FourSegments {
     /// Returns a bit for each segment that meets the triangle, edges and ends included.
     #[inline(always)]
     pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
-        // Loops instead of closures over arrays, which compilers don't always put in place, so that
-        // they'd lack vector instructions.
+        // Use loops instead of closures over arrays: compilers don't always inline the closures,
+        // and then emit no vector instructions.
         let axes = following_axes(self.axis);
         let origin = self.turned_origin;
         let mut along_axis = [Vec4::ZERO; 3];
@@ -236,7 +236,7 @@ impl FourSegments {
         let mut y = [Vec4::ZERO; 3];
         for i in 0..3 {
             let corner = corners[i].to_array();
-            // Along the longest axis and the two that follow it.
+            // Compute components along the longest axis and the two that follow it.
             let along = Vec4::splat(corner[axes[0]]) - origin[0];
             let first = Vec4::splat(corner[axes[1]]) - origin[1];
             let second = Vec4::splat(corner[axes[2]]) - origin[2];
@@ -259,7 +259,7 @@ impl FourSegments {
         inside & self.meets_plane_and_box(corners, along_axis, x, y, areas)
     }
 
-    /// The rest of the test, for few.
+    /// Performs the rest of the test, which few segments need.
     #[inline(always)]
     fn meets_plane_and_box(
         &self,
@@ -298,15 +298,15 @@ impl FourSegments {
             ]))
     }
 
-    /// Returns a bit for each segment that enters a box, least and greatest corner given.
+    /// Returns a bit for each segment that enters a box, given its least and greatest corner.
     #[inline(always)]
     fn enters(&self, corners: [Vec3A; 2]) -> u32 {
         let [low, high] = corners;
         let mut entry = Vec4::ZERO;
         let mut exit = Vec4::ONE;
         for axis in 0..3 {
-            // Few come so far that to divide here costs less than to keep the inverse of every
-            // segment.
+            // Compute the inverse here: few segments need it, so storing it for every segment would
+            // cost more.
             let inverse = safe_inverses(self.vector[axis]);
             let a = (Vec4::splat(low[axis]) - self.origin[axis]) * inverse;
             let b = (Vec4::splat(high[axis]) - self.origin[axis]) * inverse;
@@ -325,7 +325,8 @@ mod tests {
         scene::light_sample::hash,
     };
 
-    /// Four at once are what each is by itself, tiny numbers and signed zeros, too.
+    /// Inverting four numbers at once is bit-equal to inverting each, for tiny numbers and signed
+    /// zeros, too.
     #[test]
     fn lanes_are_inverted_as_single_numbers_are() {
         let numbers = [
@@ -361,7 +362,7 @@ mod tests {
         (random.vector() * 3.0).round()
     }
 
-    /// Each lane says what the test of one segment says, on edges, corners and in planes, too.
+    /// Each lane agrees with the test of one segment, also on edges, at corners and in planes.
     #[test]
     fn lanes_say_what_the_test_of_one_segment_says() {
         let mut random = Random(7);
@@ -381,7 +382,7 @@ mod tests {
             let mut arrays = SegmentArrays::<4>::default();
             let segments = [0; 4].map(|_| {
                 let o = point(&mut random) + far;
-                // Towards a corner, an edge, the inside, or anywhere.
+                // Aim at a corner, an edge, the interior, or anywhere.
                 let inner = corners[0]
                     .lerp(corners[1], 0.5)
                     .lerp(corners[2], random.signed().abs());
@@ -412,14 +413,14 @@ mod tests {
                     expected,
                     "{corners:?} from {o} along {d}"
                 );
-                assert_eq!(bits_at_once >> lane & 1, bits >> lane & 1, "made at once");
+                assert_eq!(bits_at_once >> lane & 1, bits >> lane & 1, "four at once");
                 hits += u32::from(expected);
                 tested += 1;
             }
         }
         assert!(
             hits > tested / 10 && hits < tested,
-            "the test tells little: {hits} of {tested}"
+            "too few hits to be meaningful: {hits} of {tested}"
         );
     }
 }

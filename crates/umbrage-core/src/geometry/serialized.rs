@@ -1,4 +1,4 @@
-//! Triangles as data: what one thread or process placed into the world goes to another.
+//! Serialization of placed triangles, for transfer between threads or processes.
 
 use crate::geometry::{Geometry, cut_out::CutOuts, placed::PlacedMeshes};
 use crate::invalid::Invalid;
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use std::{borrow::Cow, ops::Range, sync::Arc};
 
-/// What is written of a geometry; all else follows from it.
+/// The serialized part of a geometry; the rest is derived from it.
 #[derive(Serialize, Deserialize)]
 struct GeometryData<'a> {
     positions: Cow<'a, [Vec3]>,
@@ -17,9 +17,9 @@ struct GeometryData<'a> {
     materials: Cow<'a, [u32]>,
     casters: Range<u32>,
     receivers: Range<u32>,
-    /// The table of [`CutOuts`]; empty if nothing is cut out.
+    /// The table of [`CutOuts`]; empty if all triangles are opaque.
     cut_outs: Cow<'a, [[u32; 4]]>,
-    /// Its mipmapped coverages; empty if there are none.
+    /// The table of mipmapped coverages; empty if there is none.
     coverage: Cow<'a, [[u32; 4]]>,
 }
 
@@ -76,9 +76,9 @@ impl<'de> Deserialize<'de> for Geometry {
 }
 
 impl GeometryData<'_> {
-    /// Errors where [`Geometry::bake`] could not have made this.
+    /// Errors if [`Geometry::bake`] could not have made this geometry.
     fn validate(&self) -> Result<(), Invalid> {
-        let bad = |why: String| Invalid::new("geometry", why, "write it anew");
+        let bad = |why: String| Invalid::new("geometry", why, "write it again");
         let (vertices, triangles) = (self.positions.len(), self.triangles.len());
         for (what, count, of) in [
             ("normals", self.normals.len(), vertices),
@@ -151,7 +151,7 @@ mod tests {
             geometry().without_casters(),
             Geometry::default(),
         ] {
-            // Hierarchies that were built are no part of it.
+            // Hierarchies are not part of the data.
             geometry.bvh();
             let read: Geometry = serde_json::from_value(value(&geometry)).unwrap();
             assert_eq!(value(&read), value(&geometry));

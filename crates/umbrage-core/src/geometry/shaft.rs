@@ -1,13 +1,14 @@
-//! Whether any segment of a bundle enters an axis-aligned box: one question for all shadow rays of
-//! a light with an extent.
+//! Shaft-box test: whether any segment of a bundle enters an axis-aligned box. It replaces separate
+//! tests of all shadow rays of an area light.
 //!
-//! Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced Radiosity". A [`Shaft`] holds
-//! all segments that start in one box and end in another. At the fraction t of their lengths all of
-//! them are within a box, too, whose corners move along lines; so the question is for which t that
-//! box and the other meet, axis by axis: as the slab test of `ray_box.rs`, with two origins.
+//! Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced Radiosity". A [`Shaft`]
+//! contains all segments that start in one box and end in another. At the fraction t of their
+//! lengths all of them are within an interpolated box, whose corners move along lines. The test
+//! computes, axis by axis, for which t that box meets the other one. It is the slab test of
+//! `ray_box.rs` with two origins.
 //!
-//! It is cautious: segments that enter a box are never denied, and a shaft that passes close by may
-//! be said to enter.
+//! The test is conservative: it never misses a segment that enters a box, but may report a shaft
+//! that only passes close by.
 
 use crate::{
     geometry::{
@@ -19,11 +20,11 @@ use crate::{
 };
 use glam::{Vec3, Vec4};
 
-/// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
+/// The WGSL half. It calls [`RAY_BOX`](super::bvh::RAY_BOX).
 pub const SHAFT: Module = crate::module!("shaft");
 
-/// By this part of its length a shaft is wider at its end than asked (2^-17): far more than what
-/// tests of its segments round.
+/// Widening of a shaft at its end, as a fraction of its length (2^-17): far more than the rounding
+/// of tests of its segments.
 const SHAFT_MARGIN: f32 = 1.0 / 131_072.0;
 
 /// All segments from the points of one box to those of another.
@@ -32,14 +33,14 @@ pub struct Shaft {
     /// The starting box.
     low: Vec3,
     high: Vec3,
-    /// One over the ways of its least and of its greatest corner.
+    /// Inverse of the displacement of the box's least corner, and of its greatest corner.
     low_inverse: Vec3,
     high_inverse: Vec3,
 }
 
 impl Shaft {
-    /// Makes the shaft of all segments from a point of `start` along a vector of the box from `low`
-    /// to `high`.
+    /// Builds the shaft of all segments from a point of `start` along a vector in the box from
+    /// `low` to `high`.
     #[inline(always)]
     pub fn along(start: &Aabb, low: Vec3, high: Vec3) -> Self {
         let length = low.abs().max(high.abs()).max_element();
@@ -52,33 +53,33 @@ impl Shaft {
         }
     }
 
-    /// Makes the shaft of all segments from a point of `start` to a point of `end`.
+    /// Builds the shaft of all segments from a point of `start` to a point of `end`.
     #[inline(always)]
     pub fn between(start: &Aabb, end: &Aabb) -> Self {
-        // At the fraction t a segment from s to e is at s (1 - t) + e t: no less than the same of
-        // the least s and e.
+        // At the fraction t, a segment from s to e is at s (1 - t) + e t. That is at least the
+        // value for the least s and e.
         Self::along(start, end.min - start.min, end.max - start.max)
     }
 }
 
-/// A search for the casters in a [`Shaft`]: [`Bvh::in_shaft`](super::bvh::Bvh::in_shaft).
+/// A search for the casters in a [`Shaft`], see [`Bvh::in_shaft`](super::bvh::Bvh::in_shaft).
 pub trait ShaftSearch {
-    /// Returns which of four boxes have to be searched: a bit for each, of those that are set in
-    /// `entered`. `low` and `high` are the boxes' sides along x, y, z.
+    /// Returns which of four boxes have to be searched: a subset of the bits in `entered`. `low`
+    /// and `high` are the boxes' sides along x, y, z.
     fn keep(&mut self, entered: u32, low: [Vec4; 3], high: [Vec4; 3]) -> u32;
 
-    /// Takes a caster. Returns whether the search has enough.
+    /// Visits a caster. Returns whether the search has enough.
     fn visit(&mut self, id: u32, corners: [Vec3; 3]) -> bool;
 }
 
-/// Whether a segment of the shaft enters a box, the least and the greatest corner of which are
-/// given.
+/// Returns whether a segment of the shaft enters a box, given its least and greatest corner.
 ///
-/// The greatest side of the box is reached by the shaft's least corner: from then on, if that
-/// corner comes from beyond it, and else until then. Likewise the least side by the greatest
-/// corner.
+/// The shaft's least corner crosses the box's greatest side. It is inside from then on if it comes
+/// from beyond that side, and until then otherwise. The greatest corner and the least side behave
+/// likewise.
 ///
-/// What the shader says, and [`ShaftLanes`] of four boxes, and [`Shafts`] of many shafts.
+/// This is the reference for the shader, for [`ShaftLanes`] (four boxes) and for [`Shafts`] (many
+/// shafts).
 #[cfg(any(test, feature = "testing"))]
 fn enters(shaft: &Shaft, low: Vec3, high: Vec3) -> bool {
     let at_high = (high - shaft.low) * shaft.low_inverse;
@@ -100,10 +101,10 @@ fn enters(shaft: &Shaft, low: Vec3, high: Vec3) -> bool {
     entry <= exit * EXIT_SLACK
 }
 
-/// How many shafts are asked about a box at once.
+/// Number of shafts tested against a box at once.
 pub const SHAFT_LANES: usize = 8;
 
-/// A number of each.
+/// One number per shaft.
 type Numbers = [f32; SHAFT_LANES];
 
 /// Shafts, for the test of one box by all of them at once.
@@ -116,7 +117,7 @@ pub struct Shafts {
 }
 
 impl Shafts {
-    /// The same shaft in all lanes.
+    /// Returns the same shaft in all lanes.
     #[inline(always)]
     pub fn all(shaft: &Shaft) -> Self {
         let splat = |v: Vec3| v.to_array().map(|x| [x; SHAFT_LANES]);
@@ -128,7 +129,7 @@ impl Shafts {
         }
     }
 
-    /// Makes the shaft of a lane this one.
+    /// Sets the shaft of a lane.
     ///
     /// # Panics
     /// Panics if `lane` is not less than [`SHAFT_LANES`].
@@ -142,8 +143,8 @@ impl Shafts {
         }
     }
 
-    /// Returns all bits for each shaft that enters a box, of those that are set in `asking`, none
-    /// for others.
+    /// Returns all bits set for each shaft that enters a box, no bits for others. Only shafts with
+    /// bits set in `asking` are tested.
     #[inline(always)]
     pub fn entered(
         &self,
@@ -183,7 +184,7 @@ pub(super) struct ShaftLanes {
     high: [Vec4; 3],
     low_inverse: [Vec4; 3],
     high_inverse: [Vec4; 3],
-    /// Whether corners move towards greater coordinates.
+    /// True where corners move towards greater coordinates.
     low_rises: [bool; 3],
     high_rises: [bool; 3],
 }
@@ -203,8 +204,8 @@ impl ShaftLanes {
         }
     }
 
-    /// Returns the octant towards which the shaft leads, for the order of visits: a bit for each
-    /// axis, that of x the highest.
+    /// Returns the octant of the shaft's direction, for the order of visits: a bit for each axis, x
+    /// the highest.
     #[inline(always)]
     pub(super) fn octant(&self) -> u32 {
         let [x, y, z] = self.high_rises.map(u32::from);
@@ -235,7 +236,7 @@ impl ShaftLanes {
     }
 }
 
-/// The pairs, for the lockstep tests.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub(crate) const TWINS: [crate::recipe::twin::Twin; 1] = [
     crate::twin!(SHAFT, shaft_enters_word(o: Vec3, low: Vec3, high: Vec3, box_low: Vec3, box_high: Vec3) -> u32, needs [super::ray_box::RAY_BOX]),
@@ -255,8 +256,8 @@ mod tests {
         ray_box::{enters_box, slab_inverse},
     };
 
-    /// Whatever box a segment enters, every shaft that holds the segment enters; one that leads
-    /// elsewhere doesn't.
+    /// Every box that a segment enters is entered by every shaft that contains the segment. A shaft
+    /// in another direction doesn't enter it.
     #[test]
     fn shafts_enter_what_their_segments_enter() {
         let mut random = Random(23);

@@ -1,4 +1,4 @@
-// Twin of shaft.rs, for shafts that start in one point.
+// Twin of shaft.rs, for shafts that start at one point.
 
 // 2^-17.
 const SHAFT_MARGIN = 7.6293945e-6;
@@ -9,7 +9,7 @@ struct Shaft {
     high_inverse: vec3f,
 }
 
-// All segments from `start` whose vectors end in the box from `low` to `high`.
+// Returns the shaft of all segments from `start` whose vectors end in the box from `low` to `high`.
 fn shaft_to(start: vec3f, low: vec3f, high: vec3f) -> Shaft {
     let size = max(abs(low), abs(high));
     let margin = product(max(max(size.x, size.y), size.z), SHAFT_MARGIN);

@@ -1,4 +1,4 @@
-//! Finer meshes of the same shape.
+//! Subdivision of meshes without a change of shape.
 
 use crate::{
     invalid::Invalid,
@@ -7,15 +7,15 @@ use crate::{
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Greatest number of triangles that subdivision makes: their positions, normals and hierarchy
-/// still fit into a few gigabytes.
+/// Greatest number of triangles after subdivision: their positions, normals and hierarchy fit into
+/// a few gigabytes.
 pub const MAX_SUBDIVIDED_TRIANGLES: usize = 1 << 24;
 
 impl Mesh {
-    /// Splits each triangle in four at the middles of its edges, `times` times, without smoothing.
-    /// Triangles that share an edge share the new vertex; where two edges only share their ends'
-    /// positions, the new vertices' positions are bit-equal. Normals and tangents are blended and
-    /// made unit vectors, texture coordinates blended.
+    /// Splits each triangle in four at the midpoints of its edges, `times` times, without
+    /// smoothing. Triangles that share an edge share the new vertex. Where two edges share only
+    /// their ends' positions, the new vertices' positions are bit-equal. Texture coordinates are
+    /// interpolated; normals and tangents are interpolated and normalized.
     ///
     /// # Errors
     /// Errors if the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
@@ -39,7 +39,7 @@ impl Mesh {
             .find(|&fewer| self.subdivided_count(fewer) <= room as u128)
             .unwrap_or(0);
         let why = format!(
-            "would have {count} triangles of {} after {times} subdivisions, and there is room for {room}",
+            "would have {count} triangles after {times} subdivisions of {}, and at most {room} fit",
             self.triangles.len()
         );
         Err(Invalid::new(
@@ -49,16 +49,15 @@ impl Mesh {
         ))
     }
 
-    /// Returns the number of triangles after some subdivisions: four times as many after each.
-    /// (Beyond 60 subdivisions, which no mesh survives, the number stays, so that it doesn't
-    /// overflow.)
+    /// Returns the number of triangles after some subdivisions: each multiplies it by four. Beyond
+    /// 60 subdivisions the number is constant, to avoid overflow.
     fn subdivided_count(&self, times: u32) -> u128 {
         (self.triangles.len() as u128) << (2 * times.min(60))
     }
 
     /// Splits each triangle in four.
     fn split(mut self) -> Self {
-        // By edge, least vertex first.
+        // Index of the midpoint of each edge, keyed by its vertices, the least first.
         let mut middles = HashMap::with_capacity(self.triangles.len() * 3 / 2);
         let coarse = std::mem::take(&mut self.triangles);
         self.triangles.reserve_exact(4 * coarse.len());
@@ -74,19 +73,19 @@ impl Mesh {
         self
     }
 
-    /// Returns the index of the vertex in the middle of an edge, which is added if `middles`
-    /// doesn't hold it.
+    /// Returns the index of the midpoint of an edge. Adds the vertex if `middles` doesn't contain
+    /// it.
     fn middle(&mut self, p: u32, q: u32, middles: &mut HashMap<(u32, u32), u32>) -> u32 {
         *middles
             .entry((p.min(q), p.max(q)))
             .or_insert_with(|| self.push_middle(p, q))
     }
 
-    /// Adds the vertex in the middle of two, and returns its index.
+    /// Adds the midpoint of two vertices, and returns its index.
     fn push_middle(&mut self, p: u32, q: u32) -> u32 {
         let p = p as usize;
         let q = q as usize;
-        // Halved before adding: the sum of two may leave the range of f32.
+        // Halve before adding: the sum may exceed the range of f32.
         self.positions
             .push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
         if !self.normals.is_empty() {
@@ -143,7 +142,7 @@ mod tests {
         assert_eq!(
             (fine.triangles.len(), fine.positions.len()),
             (8, 9),
-            "the common edge has one middle"
+            "the common edge has one midpoint"
         );
         assert_eq!(area(&fine), 1.0);
         let twice = bent().subdivided(3).unwrap();
@@ -164,7 +163,7 @@ mod tests {
             .unwrap();
         assert!(
             fine.normals[middle].distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6,
-            "each counts the same"
+            "each has the same weight"
         );
         assert_eq!(
             (fine.uvs[middle], fine.tangents[middle]),
@@ -176,12 +175,12 @@ mod tests {
     fn too_many_are_refused_with_what_would_do() {
         let error = bent().subdivided(9).unwrap_err().to_string();
         assert!(
-            error.contains("mesh `bent`: would have 524288 triangles of 2 after 9"),
+            error.contains("mesh `bent`: would have 524288 triangles after 9 subdivisions of 2"),
             "{error}"
         );
         let error = bent().check_subdivisions(5, 600).unwrap_err().to_string();
         assert!(
-            error.ends_with("there is room for 600; use at most 4 subdivisions"),
+            error.ends_with("at most 600 fit; use at most 4 subdivisions"),
             "{error}"
         );
         assert!(bent().subdivided(u32::MAX).is_err());

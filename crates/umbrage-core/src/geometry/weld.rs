@@ -1,33 +1,34 @@
-//! Vertices that stand at one place: meshes have several where texture coordinates or normals part.
+//! Vertices that share a position. Meshes duplicate vertices at seams of texture coordinates or
+//! normals.
 
 use crate::scene::Mesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Vertices grouped by place: those at bit-equal positions (zeros of both signs are equal) share
-/// one.
+/// Vertices grouped by position. Vertices at bit-equal positions share a group (zeros of both signs
+/// are equal).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WeldedVertices {
-    /// The place of each vertex.
+    /// The group of each vertex.
     group_of: Vec<u32>,
-    /// Vertices, those of a place side by side.
+    /// Vertices, sorted by group.
     order: Vec<u32>,
-    /// Where each place starts in `order`; at last, the end.
+    /// First index of each group in `order`, followed by the length of `order`.
     starts: Vec<u32>,
 }
 
 impl WeldedVertices {
-    /// Groups vertices. Places are numbered in the order of their first vertices.
+    /// Groups vertices. Groups are numbered in the order of their first vertices.
     pub fn new(positions: &[Vec3]) -> Self {
         let mut known = HashMap::with_capacity(positions.len());
         let mut group_of = Vec::with_capacity(positions.len());
         for position in positions {
-            // The sum with 0 makes -0 positive.
+            // Add 0 to make -0 positive.
             let key = position.to_array().map(|x| (x + 0.0).to_bits());
             let next = known.len() as u32;
             group_of.push(*known.entry(key).or_insert(next));
         }
-        // Counts of vertices, then their running sums.
+        // Count the vertices of each group, then compute running sums.
         let mut starts = vec![0_u32; known.len() + 1];
         for &place in &group_of {
             starts[place as usize + 1] += 1;
@@ -44,28 +45,28 @@ impl WeldedVertices {
         }
     }
 
-    /// Returns the number of places.
+    /// Returns the number of groups.
     pub fn count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Returns the place of each vertex.
+    /// Returns the group of each vertex.
     pub fn group_of(&self) -> &[u32] {
         &self.group_of
     }
 
-    /// Returns the vertices at a place, in order.
+    /// Returns the vertices of a group, in order.
     ///
     /// # Panics
-    /// Panics if there is no such place.
+    /// Panics if there is no such group.
     pub fn vertices(&self, place: u32) -> &[u32] {
         let start = self.starts[place as usize];
         let end = self.starts[place as usize + 1];
         &self.order[start as usize..end as usize]
     }
 
-    /// Returns, for each vertex, the mean of the values of all vertices at its place. `values` has
-    /// one for each vertex.
+    /// Returns, for each vertex, the mean of the values of all vertices at its position. `values`
+    /// has one entry per vertex.
     pub fn shared_mean(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mut means = Vec::with_capacity(self.count());
         for place in 0..self.count() as u32 {
@@ -79,8 +80,8 @@ impl WeldedVertices {
             .collect()
     }
 
-    /// Returns the unit normals of the places, averaged from the triangles around them by area;
-    /// zero where these have none.
+    /// Returns the unit normals of the groups, averaged by area from the triangles around them;
+    /// zero if these have none.
     pub fn normals(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![DVec3::ZERO; self.count()];
         for (v, n) in corner_normals(mesh) {
@@ -90,8 +91,8 @@ impl WeldedVertices {
     }
 }
 
-/// Returns every corner's vertex, and its triangle's normal, as long as twice the triangle's area:
-/// f64, since the smallest triangles' squares leave the range of f32.
+/// Returns every corner's vertex and its triangle's normal, whose length is twice the triangle's
+/// area. In f64, since the squares of the smallest triangles leave the range of f32.
 pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> + '_ {
     mesh.triangles.iter().flat_map(|t| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
@@ -100,7 +101,7 @@ pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> 
     })
 }
 
-/// Returns a unit vector of 32 bits; zero for zero.
+/// Returns a unit vector in 32 bits; zero for zero.
 pub(crate) fn unit(v: DVec3) -> Vec3 {
     v.normalize_or_zero().as_vec3()
 }
@@ -136,8 +137,8 @@ mod tests {
 
     #[test]
     fn normals_weigh_by_area_across_seams() {
-        // Two triangles that meet at a right angle in an edge whose vertices are double; one has
-        // thrice the area.
+        // Two triangles that meet at a right angle in an edge with duplicated vertices; one has
+        // three times the area.
         let positions = [
             Vec3::ZERO,
             Vec3::X,
@@ -150,7 +151,7 @@ mod tests {
         let mesh = Mesh::new("hinge", positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let normals = WeldedVertices::new(&mesh.positions).normals(&mesh);
         let expected = Vec3::new(0.0, 3.0, 1.0).normalize();
-        // Rounded once from f64.
+        // Both are rounded once from f64.
         assert!(normals[0].distance(expected) < 1e-6, "{normals:?}");
         assert_eq!(normals[2], Vec3::Z);
     }

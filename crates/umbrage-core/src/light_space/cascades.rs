@@ -1,22 +1,22 @@
-//! Cascaded shadow maps: how the camera's view is cut into slices, each with a layer of its own.
+//! Cascaded shadow maps: the split of the camera's view into slices with one layer each.
 //!
-//! Of one map for all that a camera sees, the texels are far too large near the camera and far too
-//! small beyond. So the view is cut across into slices, each slice gets a map (Engel 2006,
+//! With one map for the whole view, texels are far too large near the camera and far too small in
+//! the distance. So the view is split along its depth, and each slice gets a map (Engel 2006,
 //! "Cascaded shadow maps"; Zhang, Sun, Xu and Lun 2006, "Parallel-split shadow maps for large-scale
-//! virtual environments"), and a receiver is looked up in the finest map that holds it.
+//! virtual environments"). A receiver is looked up in the finest map that contains it.
 
 use crate::invalid::{self, Invalid};
 
-/// Most slices.
+/// Greatest number of slices.
 pub const MAX_CASCADES: usize = 8;
-/// A held slice shrinks once it is larger than what was found by this factor.
+/// A held slice shrinks once it is larger than the computed one by this factor.
 const SHRINK_AT: f32 = 1.2;
 
-/// How a camera's view is cut into slices: see [`Layout::Cascades`](crate::Layout::Cascades).
+/// Cascade settings, see [`Layout::Cascades`](crate::Layout::Cascades).
 ///
-/// Slices are cut along the camera's view, and their maps overlap. A lookup takes the first map,
-/// from the camera on, that holds the receiver with all that the kernel reaches; the last one where
-/// none does.
+/// Slices divide the camera's view by depth, and their maps overlap. A lookup uses the first map,
+/// from the camera on, that contains the receiver with the kernel's reach. If none does, it uses
+/// the last map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -24,17 +24,17 @@ const SHRINK_AT: f32 = 1.2;
     serde(default, deny_unknown_fields)
 )]
 pub struct Cascades {
-    /// How many slices, 1 to [`MAX_CASCADES`].
+    /// Number of slices, 1 to [`MAX_CASCADES`].
     pub count: u32,
-    /// Where one slice ends and the next begins.
+    /// Positions of the cuts between slices.
     pub split: Split,
-    /// Metres along the camera's view: slices are cut as if the camera's near plane were at least
-    /// there, and the first reaches to the camera all the same. A camera's near plane is mostly far
-    /// nearer than what it looks at.
+    /// Least distance used for the split, metres along the camera's view. The split ignores a
+    /// camera's near plane that is nearer, as near planes are usually much nearer than the
+    /// geometry. The first slice still begins at the camera.
     pub nearest: f32,
-    /// Over how many texels, from where the kernel would leave a map inwards, its answers blend
-    /// into those of the next map. 0 switches blending off: then only one map is looked up, and the
-    /// change of texel size may show as a line.
+    /// Width, in texels, of the border zone of a map in which its result is blended with that of
+    /// the next map. It begins where the kernel would leave the map and extends inwards. 0 disables
+    /// blending: only one map is looked up, and the change of texel size may be visible as a line.
     pub blend: f32,
 }
 
@@ -49,7 +49,7 @@ impl Default for Cascades {
     }
 }
 
-/// Where a camera's view is cut into slices.
+/// Rule for the split of a camera's view into slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -57,31 +57,31 @@ impl Default for Cascades {
     serde(rename_all = "snake_case")
 )]
 pub enum Split {
-    /// Each slice ends at the same multiple of the distance at which it begins: then a texel of
-    /// each map spans as many pixels (Lloyd, Tuft, Yoon and Manocha 2006, "Warping and partitioning
-    /// for low error shadow maps").
+    /// Each slice ends at the same multiple of the distance at which it begins. A texel then spans
+    /// the same number of pixels in each map (Lloyd, Tuft, Yoon and Manocha 2006, "Warping and
+    /// partitioning for low error shadow maps").
     #[default]
     Log,
-    /// Between [`Split::Log`] and slices of equal length (Zhang et al. 2006).
+    /// A blend of [`Split::Log`] and slices of equal length (Zhang et al. 2006).
     Practical {
         /// Share of the logarithmic split, 0..=1.
         lambda: f32,
     },
-    /// By what is seen: where the texels' size in pixels, over all receivers that face the light,
-    /// is least in the mean. It is [`Split::Log`] where receivers aren't known. After Lauritzen,
-    /// Salvi and Lefohn 2010, "Sample distribution shadow maps", who cut the range of seen depths;
-    /// here the cuts themselves follow the receivers, too.
+    /// Adapts to the visible receivers. Minimizes the mean size of texels in pixels over all
+    /// receivers that face the light. It equals [`Split::Log`] if receivers aren't known. After
+    /// Lauritzen, Salvi and Lefohn 2010, "Sample distribution shadow maps", who fit the range of
+    /// visible depths; here the cuts themselves follow the receivers, too.
     ///
-    /// Slices follow the camera, and texels change size with them. A program that holds them for
-    /// many frames asks [`Fit::slice_ends`](crate::Fit::slice_ends) for those of a frame, makes
-    /// [`SliceEnds::held`] of them, and gives these as [`Split::Given`].
+    /// Slices follow the camera, and texels change size with them. To keep slices stable over many
+    /// frames, compute the ends of a frame with [`Fit::slice_ends`](crate::Fit::slice_ends). Pass
+    /// them through [`SliceEnds::held`], and use the result as [`Split::Given`].
     Receivers,
-    /// These ends.
+    /// Given ends.
     Given(SliceEnds),
 }
 
-/// Where slices end, metres along the camera's view, from the nearest on. None ends before the one
-/// before it; slices that end where they begin are empty.
+/// Ends of the slices, metres along the camera's view, from the nearest on. They never decrease; a
+/// slice that ends where it begins is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -90,22 +90,21 @@ pub enum Split {
 )]
 pub struct SliceEnds {
     count: usize,
-    /// Those after the first `count` are 0.
+    /// Entries after the first `count` are 0.
     ends: [f32; MAX_CASCADES],
 }
 
 impl SliceEnds {
-    /// Returns these ends.
+    /// Checks and returns these ends.
     ///
     /// # Errors
-    /// Errors unless they are 1 to [`MAX_CASCADES`] positive numbers of which none is less than the
-    /// one before.
+    /// Errors unless they are 1 to [`MAX_CASCADES`] positive numbers that never decrease.
     pub fn new(ends: &[f32]) -> Result<Self, Invalid> {
         if ends.is_empty() || ends.len() > MAX_CASCADES {
             return Err(Invalid::new(
                 "slices' ends",
                 format!("are {}", ends.len()),
-                format!("give 1 to {MAX_CASCADES}, one for each slice"),
+                format!("use 1 to {MAX_CASCADES}, one for each slice"),
             ));
         }
         for &end in ends {
@@ -115,8 +114,8 @@ impl SliceEnds {
             if pair[1] < pair[0] {
                 return Err(Invalid::new(
                     "slices' ends",
-                    format!("go from {} back to {}", pair[0], pair[1]),
-                    "give them in rising order",
+                    format!("decrease from {} to {}", pair[0], pair[1]),
+                    "use them in rising order",
                 ));
             }
         }
@@ -128,8 +127,8 @@ impl SliceEnds {
         })
     }
 
-    /// Returns ends of which a search found these, at most [`MAX_CASCADES`] and at least one:
-    /// positive and rising, whatever was found.
+    /// Returns ends from a search's result, 1 to [`MAX_CASCADES`] numbers. They are corrected to be
+    /// positive and rising.
     pub(crate) fn of_found(found: &[f64]) -> Self {
         let mut ends = [0.0; MAX_CASCADES];
         let mut last = f32::MIN_POSITIVE;
@@ -148,11 +147,12 @@ impl SliceEnds {
         &self.ends[..self.count]
     }
 
-    /// Returns what to hold in a frame for which `self` was found, where `before` was held in the
-    /// frame before: an end grows at once, so that all that is seen stays in its slice, and shrinks
-    /// only once it is too large by a fifth. If the number of slices changed, what was found.
+    /// Returns the ends to use in a frame for which `self` was computed, if `before` was used in
+    /// the frame before. An end grows at once, so that all visible geometry stays in its slice. It
+    /// shrinks only once it is too large by a fifth. If the number of slices changed, returns
+    /// `self`.
     ///
-    /// Texels change size where an end does, and shadows shimmer in that frame.
+    /// Texels change size when an end does, and shadows shimmer in that frame.
     #[must_use]
     pub fn held(&self, before: &Self) -> Self {
         if self.count != before.count {
@@ -165,7 +165,7 @@ impl SliceEnds {
             if stays {
                 *end = end_before;
             }
-            // The one before may stay where this one shrinks.
+            // The previous end may be held while this one shrinks.
             *end = end.max(last);
             last = *end;
         }
@@ -188,7 +188,7 @@ impl From<SliceEnds> for Vec<f32> {
 }
 
 impl Cascades {
-    /// Returns a few words for tables.
+    /// Returns a short description for tables.
     pub fn label(&self) -> String {
         let slices = if self.count == 1 {
             "1 cascade".to_owned()
@@ -212,11 +212,11 @@ impl Cascades {
         format!("{slices} {split}{blend}")
     }
 
-    /// Checks the numbers.
+    /// Checks all parameters.
     ///
     /// # Errors
-    /// Errors with the first fault found: a count or a share out of range, a negative length, ends
-    /// that are more or fewer than the slices.
+    /// Errors with the first fault found: a count or a share out of range, a negative length, or a
+    /// number of ends that is not the number of slices.
     pub fn validate(&self) -> Result<(), Invalid> {
         if self.count == 0 || self.count as usize > MAX_CASCADES {
             return Err(Invalid::new(
@@ -244,7 +244,7 @@ impl Cascades {
             Split::Given(ends) => Err(Invalid::new(
                 "cascades",
                 format!("are {}, with {} given ends", self.count, ends.count),
-                "give an end for each",
+                "use one end for each slice",
             )),
         }
     }
@@ -265,7 +265,7 @@ mod tests {
             ends(&[5.0, 19.0, 70.0]).held(&before),
             ends(&[5.0, 20.0, 70.0])
         );
-        // Where nothing moves much, nothing moves.
+        // Small changes are ignored.
         assert_eq!(ends(&[3.9, 18.0, 90.0]).held(&before), before);
         assert_eq!(ends(&[3.9, 18.0]).held(&before), ends(&[3.9, 18.0]));
     }
@@ -273,7 +273,7 @@ mod tests {
     #[test]
     fn held_ends_still_rise() {
         let before = ends(&[100.0, 200.0]);
-        // The first stays at 100, and the second shrinks, but not below it.
+        // The first end is held at 100. The second shrinks, but not below the first.
         assert_eq!(ends(&[90.0, 95.0]).held(&before), ends(&[100.0, 100.0]));
     }
 
@@ -303,7 +303,7 @@ mod tests {
         ];
         for cascades in bad {
             let error = cascades.validate().expect_err("bad").to_string();
-            assert!(error.contains("use ") || error.contains("give "), "{error}");
+            assert!(error.contains("use "), "{error}");
         }
         for bad in [&[][..], &[2.0, 1.0], &[0.0], &[f32::INFINITY], &[1.0; 9]] {
             assert!(SliceEnds::new(bad).is_err(), "{bad:?}");

@@ -1,4 +1,4 @@
-//! Which casters a layer of a shadow map needs.
+//! Sets of casters for the layers of a shadow map.
 
 use crate::{
     geometry::{Geometry, aabb::Aabb},
@@ -7,35 +7,35 @@ use crate::{
 use glam::{DMat4, DVec3, DVec4};
 use std::{ops::Range, sync::Arc};
 
-/// Gaps between runs are drawn, too, where they are smaller than this share of all casters: so a
-/// set has at most as many runs, and as many draw calls.
+/// Greatest gap between runs that is drawn anyway, as a share of all casters. It limits the number
+/// of runs, and so of draw calls.
 const SMALLEST_GAP: f64 = 1.0 / 64.0;
 
-/// Which of a scene's casters are drawn.
+/// Set of a scene's casters to draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CasterSet {
-    /// All of them.
+    /// All casters.
     #[default]
     All,
-    /// These ranges of the geometry's list of triangles, rising, with gaps between them; no range
-    /// for no casters.
+    /// Rising ranges of the geometry's list of triangles, with gaps between them; empty for no
+    /// casters.
     Runs(Arc<[Range<u32>]>),
 }
 
 impl CasterSet {
-    /// Returns the set of no casters.
+    /// Returns the empty set.
     pub fn none() -> Self {
         Self::Runs(Arc::new([]))
     }
 
-    /// Returns whether nothing is to be drawn.
+    /// Returns whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         matches!(self, Self::Runs(runs) if runs.is_empty())
     }
 
-    /// Returns the casters that may show in a map of `size` x `size` texels that lies in `space`:
-    /// all runs of triangles whose boxes are not wholly beside the map. Drawing the others changes
-    /// no texel.
+    /// Returns the casters that may be visible in a map of `size` x `size` texels in `space`. These
+    /// are all runs of triangles whose boxes are not entirely outside the map's sides. Drawing the
+    /// others would change no texel.
     pub fn shown_in(geometry: &Geometry, space: &LightSpace, size: u32) -> Self {
         let casters = geometry.casters();
         let smallest_gap = f64::from(casters.end - casters.start) * SMALLEST_GAP;
@@ -64,9 +64,9 @@ impl CasterSet {
     }
 }
 
-/// Returns the four sides of a map as planes: the map and one texel beside it lie where a plane's
-/// product with a homogeneous world position is not negative. (Rasterisers move corners by less
-/// than a texel: Vulkan asks for at least 4 sub-pixel bits.)
+/// Returns the four sides of a map as planes. The product of a plane with a homogeneous world
+/// position is not negative on the map and within one texel around it. (Rasterisers move corners by
+/// less than a texel: Vulkan requires at least 4 sub-pixel bits.)
 fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
     let clip_from_world: DMat4 = space.clip_from_world().as_dmat4();
     let world_from_clip_rows = clip_from_world.transpose();
@@ -75,19 +75,18 @@ fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
     // The map spans two units of clip space.
     let one_texel = 2.0 / f64::from(size.max(1));
     let w = world_from_clip_rows.w_axis * (1.0 + one_texel);
-    // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
-    // world-view-projection matrix".
+    // Extract the planes as in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes
+    // from the world-view-projection matrix".
     [w + x, w - x, w + y, w - y]
 }
 
-/// Returns whether a box lies wholly on the outer side of one of the planes. A box with NaN does
-/// not.
+/// Returns whether a box is entirely on the outer side of one of the planes; false for NaN.
 fn is_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     sides.iter().any(|side| farthest_inside(bounds, side) < 0.0)
 }
 
-/// Returns whether a box lies so far on the outer side of one of the planes that, whatever rounding
-/// does, [`is_beside`] is true of each box in it.
+/// Returns whether a box is so far outside one of the planes that [`is_beside`] is true of every
+/// box in it, despite rounding.
 fn is_group_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     let reach: DVec3 = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     sides.iter().any(|side| {
@@ -113,12 +112,12 @@ mod tests {
     };
     use glam::{Affine3A, Mat4, Vec3};
 
-    /// A small triangle around a point.
+    /// Returns a small triangle at a point.
     fn triangle(at: Vec3) -> [Vec3; 3] {
         [at, at + Vec3::X * 0.1, at + Vec3::Y * 0.1]
     }
 
-    /// 64 triangles at each of these places: a run each.
+    /// Returns 64 triangles, which are one run, at each of these positions.
     fn geometry(places: &[Vec3]) -> Geometry {
         let positions: Vec<Vec3> = places
             .iter()
@@ -135,7 +134,7 @@ mod tests {
         Geometry::bake(&scene).expect("valid")
     }
 
-    /// Looks along -z from the origin, 90 degrees wide.
+    /// Returns a light space that looks along -z from the origin, 90 degrees wide.
     fn space() -> LightSpace {
         LightSpace {
             view_from_world: Mat4::IDENTITY,

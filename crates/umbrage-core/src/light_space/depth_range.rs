@@ -1,4 +1,4 @@
-//! Near and far planes from what a camera or a spot sees.
+//! Near and far planes around the geometry visible to a camera or a spot light.
 
 use crate::{
     geometry::{
@@ -11,31 +11,31 @@ use crate::{
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 use std::ops::Range;
 
-/// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit
-/// floats is near 1e-7, and so nothing seen is cut.
+/// Slack of the fitted planes, as a fraction of their distance. Rounding in a 32-bit projection is
+/// near 1e-7, so nothing visible is clipped.
 const RANGE_SLACK: f64 = 1e-3;
-/// Least near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what
-/// depth can tell apart.
+/// Least near plane, as a fraction of the far plane: 2^-20. Guards against zero, and is far below
+/// the resolution of depth.
 const MIN_NEAR_OVER_FAR: f64 = 1.0 / 1_048_576.0;
 
-/// A triangle cut by the four sides of a pyramid. It has at most seven corners; the rest is room
-/// for corners that rounding adds where an edge runs along a side (with n corners of any sign, at
-/// most 3n/2 are left, so 3, 4, 6, 9, 13).
+/// A triangle clipped by the four sides of a pyramid. It has at most seven corners. The other slots
+/// are for corners that rounding adds where an edge runs along a side. With n corners of any sign,
+/// at most 3n/2 are left: 3, 4, 6, 9, 13.
 type CutTriangle = Polygon<DVec3, 13>;
 
-/// What a camera or a spot light sees: a pyramid with its apex at the eye, without near and far
-/// planes.
+/// View volume of a camera or a spot light: a pyramid with its apex at the eye, without near and
+/// far planes.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewPyramid {
-    /// The view from world space; a rigid motion. It looks along -z.
+    /// The view from world space: a rigid motion. It looks along -z.
     pub view_from_world: Mat4,
-    /// Tangents of the half angles across (x) and up (y).
+    /// Tangents of the half angles in x and y.
     pub tangents: [f64; 2],
 }
 
 impl ViewPyramid {
-    /// Returns whether a world-space point lies within, or beside it by less than a thousandth of
-    /// the pyramid's width there, for rounding.
+    /// Returns whether a world-space point is inside the pyramid. Allows for rounding by a
+    /// thousandth of the pyramid's width at that depth.
     pub fn contains(&self, p: Vec3) -> bool {
         let p = DAffine3::from_mat4(self.view_from_world.as_dmat4()).transform_point3(p.as_dvec3());
         let padded_distance = -p.z * (1.0 + RANGE_SLACK);
@@ -44,8 +44,8 @@ impl ViewPyramid {
     }
 }
 
-/// Returns the distances, along the view, of planes just before and just behind those parts of
-/// triangles (world space) that lie in a pyramid; none if no part does.
+/// Returns the distances, along the view, of planes just before and just behind the parts of
+/// triangles (world space) in a pyramid. `None` if there are none.
 pub fn depth_range(
     pyramid: &ViewPyramid,
     triangles: impl Iterator<Item = [Vec3; 3]>,
@@ -63,8 +63,8 @@ pub fn depth_range(
     planes(near, far)
 }
 
-/// Returns the [`depth_range`] of a range of a geometry's triangles. Of its boxes, only those are
-/// opened that may hold the nearest or the farthest part.
+/// Returns the [`depth_range`] of a range of a geometry's triangles. Evaluates only those boxes
+/// that may contain the nearest or the farthest part.
 pub(crate) fn depth_range_of(
     pyramid: &ViewPyramid,
     geometry: &Geometry,
@@ -77,7 +77,7 @@ pub(crate) fn depth_range_of(
         seen_part(&in_view, pyramid.tangents)
     };
     let boxes = geometry.box_tree();
-    // The least of `sign` times the distance along the view, which is looked along -z.
+    // Find the least `sign` times the distance along the view, which looks along -z.
     let least = |sign: f64| {
         boxes.least(
             triangles.clone(),
@@ -101,8 +101,8 @@ pub(crate) fn depth_range_of(
     planes(least(1.0), far)
 }
 
-/// Returns a bound of the least of `sign` (1 or -1) times the distance along the view that a part
-/// of a box in a pyramid has; infinity if no part lies there.
+/// Returns a lower bound of `sign` (1 or -1) times the distance along the view, for the part of a
+/// box in a pyramid. Infinity if there is no such part.
 fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign: f64) -> f64 {
     let in_view = ViewBox::padded(view_from_world, b);
     let is_beside = side_normals(tangents)
@@ -115,8 +115,7 @@ fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign
 }
 
 /// Returns the distances of planes just before `near` and just behind `far`, the distances of the
-/// nearest and the farthest seen part; none if nothing is seen, which `far` says by not being
-/// positive.
+/// nearest and the farthest visible part. `None` if nothing is visible; `far` is then not positive.
 fn planes(near: f64, far: f64) -> Option<[f32; 2]> {
     let far = far * (1.0 + RANGE_SLACK);
     if far <= 0.0 {
@@ -137,11 +136,11 @@ fn side_normals(tangents: [f64; 2]) -> [DVec3; 4] {
     ]
 }
 
-/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet
-/// in the eye, so that nothing behind it is left.
+/// Returns the part of a triangle, in view space, inside the pyramid. The four sides meet in the
+/// eye, so geometry behind it is removed.
 fn seen_part(corners: &[DVec3; 3], tangents: [f64; 2]) -> CutTriangle {
     let side_normals = side_normals(tangents);
-    // Most triangles lie wholly beyond one side.
+    // Most triangles are entirely outside one side.
     for normal in side_normals {
         if corners.iter().all(|p| normal.dot(*p) < 0.0) {
             return CutTriangle::empty();
@@ -200,9 +199,9 @@ mod tests {
 
     #[test]
     fn a_triangle_that_crosses_the_pyramid_counts_where_it_is_seen() {
-        // Its corners are far outside, but its middle fills the view 2 m ahead.
+        // The corners are far outside, but the middle fills the view 2 m ahead.
         assert_eq!(range(&[at(8.0, 1e4)]), range(&[at(8.0, 0.1)]));
-        // A floor under the eye reaches behind it, yet is first seen where the lower side of the
+        // A floor under the eye extends behind it. It is visible from where the lower side of the
         // pyramid meets it.
         let floor = [
             Vec3::new(-99.0, -2.0, 99.0),
@@ -243,7 +242,7 @@ mod tests {
         for s in [1e-6, 1e-3, 1e4, 1e8] {
             let a = scaled(1.0);
             let b = scaled(s);
-            // Positions round once to f32.
+            // Positions are rounded once to f32.
             assert!(
                 (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5,
                 "{a:?} {b:?}"

@@ -1,12 +1,11 @@
-//! Resolution where it counts: how many of a map's texels fall on a pixel, and what side a map
+//! Effective resolution: the number of a map's texels per pixel, and the map side that a view
 //! needs.
 //!
-//! A pixel's step right or down moves the seen point along its plane by dp/dx or dp/dy (Igehy 1999,
-//! "Tracing ray differentials"); the map's projection turns these into texels, the columns of a 2 x
-//! 2 matrix J. Its least singular value is the number of texels in a pixel in the direction in
-//! which there are the fewest: 1 or more where no texel is larger than a pixel, whichever way it is
-//! stretched. J grows with the map's side N, so the side at which it reaches 1 is N / least
-//! singular value.
+//! A pixel's step right or down moves the visible point along its plane by dp/dx or dp/dy (Igehy
+//! 1999, "Tracing ray differentials"). The map's projection turns these into texels, the columns of
+//! a 2 x 2 matrix J. Its least singular value is the number of texels per pixel in the direction
+//! with the fewest texels. It is 1 or more where no texel is larger than a pixel, in any direction.
+//! J is proportional to the map's side N, so it reaches 1 at the side N / least singular value.
 
 use crate::{
     gbuffer::receivers::Receivers,
@@ -18,9 +17,9 @@ use crate::{
 };
 use glam::{Mat4, Vec2, Vec3};
 
-/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many
-/// texels of it a pixel spans in the direction in which it spans the fewest. In the order of the
-/// pixels. `size` is the maps' side in texels; `receivers` are what the view's camera sees.
+/// Returns, for each receiver that faces the light and is on a map, shadowed or not, the number of
+/// texels per pixel in the direction with the fewest. In the order of the pixels. `size` is the
+/// side of the maps in texels; `receivers` are those of the view's camera.
 pub fn texels_per_pixel(
     view: &View<'_>,
     receivers: &Receivers,
@@ -34,8 +33,8 @@ pub fn texels_per_pixel(
     })
 }
 
-/// As [`texels_per_pixel`], where a receiver at a position (world space) with a normal is looked up
-/// in the map that `clip_from_world` returns; in none, if it returns none.
+/// Returns [`texels_per_pixel`] with a custom choice of the map: `clip_from_world` returns the map
+/// for a receiver's position (world space) and normal, or `None` to skip it.
 pub fn texels_per_pixel_in(
     view: &View<'_>,
     receivers: &Receivers,
@@ -62,10 +61,9 @@ pub fn texels_per_pixel_in(
         .collect()
 }
 
-/// Returns the least side, texels, of a map that lies in `spaces` at which, for a share `quantile`
-/// (0..=1) of the seen receivers that face the light, no texel is larger than a pixel; at most
-/// [`MAX_SIDE`]. Margins that kernels take from the map are neglected. None if no such receiver is
-/// seen.
+/// Returns the least side, texels, of a map in `spaces` at which no texel is larger than a pixel.
+/// This holds for a share `quantile` (0..=1) of the visible receivers that face the light. At most
+/// [`MAX_SIDE`]. Kernel margins are neglected. `None` if no such receiver is visible.
 pub fn side_for(
     view: &View<'_>,
     receivers: &Receivers,
@@ -77,33 +75,35 @@ pub fn side_for(
     side_of(&texels, quantile)
 }
 
-/// As [`side_for`], from the numbers of texels per pixel on a map of one texel, in rising order.
+/// Returns [`side_for`] from the numbers of texels per pixel on a map of one texel, in rising
+/// order.
 pub fn side_of(texels: &[f32], quantile: f32) -> Option<u32> {
-    // Casts saturate: where a texel never gets as small, the greatest side is the answer.
+    // Casts saturate: if no side makes texels small enough, return the greatest side.
     at_least(texels, quantile).map(|texels| ((1.0 / texels).ceil() as u32).clamp(1, MAX_SIDE))
 }
 
-/// Returns, of numbers in rising order, the one that a share `quantile` (0..=1) of them reaches;
-/// none of no numbers.
+/// Returns the number, of a rising list, that a share `quantile` (0..=1) of the list reaches or
+/// exceeds. `None` for an empty list.
 pub fn at_least(rising: &[f32], quantile: f32) -> Option<f32> {
     let last = rising.len().checked_sub(1)?;
     Some(rising[((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize])
 }
 
-/// How far the seen point moves on its plane, metres, when the pixel's ray moves by a pixel: dp/dx
-/// and dp/dy.
+/// Displacements of the visible point on its plane, metres, when the pixel's ray moves by a pixel:
+/// dp/dx and dp/dy.
 struct PixelSteps {
     right: Vec3,
     down: Vec3,
 }
 
 impl PixelSteps {
-    /// The ray through `pixel` meets, at position `p`, the plane with the normal `n`.
+    /// Computes the steps for the ray through `pixel`, which meets the plane with the normal `n` at
+    /// position `p`.
     fn new(rays: &CameraRays, pixel: Vec2, p: Vec3, n: Vec3) -> Self {
         let origin = (rays.origin + rays.origin_dx * pixel.x + rays.origin_dy * pixel.y).truncate();
         let direction = (rays.dir + rays.dir_dx * pixel.x + rays.dir_dy * pixel.y).truncate();
         let t = dot3(p - origin, direction) / dot3(direction, direction);
-        // How far the point at the same t moves.
+        // Displacement of the point at the same t.
         let right = rays.origin_dx.truncate() + rays.dir_dx.truncate() * t;
         let down = rays.origin_dy.truncate() + rays.dir_dy.truncate() * t;
         Self {
@@ -113,14 +113,13 @@ impl PixelSteps {
     }
 }
 
-/// Returns a step that leaves a plane with the normal `n`, changed along `direction` so that it
-/// stays on the plane.
+/// Projects a step along `direction` onto the plane with the normal `n`.
 fn moved_to_plane(step: Vec3, direction: Vec3, n: Vec3) -> Vec3 {
     step - direction * (dot3(n, step) / dot3(n, direction))
 }
 
 /// Returns the least singular value of the 2 x 2 matrix whose columns are the texels that two steps
-/// span at `p`, on a map of `size` texels; none if the point is not on the map.
+/// span at `p`, on a map of `size` texels. `None` if the point is not on the map.
 fn fewest_texels(steps: &PixelSteps, clip_from_world: Mat4, p: Vec3, size: f32) -> Option<f32> {
     let clip = transform(clip_from_world, p);
     let ndc = Vec2::new(clip.x / clip.w, clip.y / clip.w);
@@ -142,7 +141,7 @@ fn fewest_texels(steps: &PixelSteps, clip_from_world: Mat4, p: Vec3, size: f32) 
     ) * texels_per_unit;
     let sum_of_squares = right.length_squared() + down.length_squared();
     let area = cross3(right.extend(0.0), down.extend(0.0)).z.abs();
-    // The product of both singular values is the area, the sum of their squares that of the
+    // The product of both singular values is the area; the sum of their squares is that of the
     // entries.
     let root = (sum_of_squares * sum_of_squares - 4.0 * area * area)
         .max(0.0)

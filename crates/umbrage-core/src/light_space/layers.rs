@@ -1,4 +1,4 @@
-//! Layouts: how many light spaces a map technique takes, and which.
+//! Layouts: the number and arrangement of the light spaces of a shadow map.
 
 use crate::{
     geometry::Geometry,
@@ -8,7 +8,7 @@ use crate::{
 };
 use glam::{Mat4, Vec3};
 
-/// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a
+/// Division of the space around a light into light spaces. Each light space has its own layer of a
 /// map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
@@ -17,64 +17,64 @@ use glam::{Mat4, Vec3};
     serde(rename_all = "snake_case")
 )]
 pub enum Layout {
-    /// One space where one can hold all that matters with texels no larger than a cube's, or all
-    /// casters; else a cube.
+    /// One space if it can cover all geometry that matters with texels no larger than a cube's, or
+    /// if it can cover all casters; otherwise a cube.
     #[default]
     Auto,
     /// One space.
     Single,
     /// Six spaces around a light with a position, along the world's axes: +x, -x, +y, -y, +z, -z.
-    /// Each is wider than 90 degrees by what kernels reach, so lookups never cross from one to
-    /// another and there are no seams.
+    /// Each is wider than 90 degrees by the reach of kernels. Lookups therefore stay in one face,
+    /// and there are no seams.
     Cube,
-    /// A space for each of some slices of what the camera sees, for directional light: see
-    /// [`Cascades`].
+    /// One space for each slice of the camera's view, for directional light: see [`Cascades`].
     ///
-    /// With [`Fit::Stable`](crate::Fit::Stable) each is as stable as that fit's one map, and the
-    /// last slice ends at its range. With [`Fit::Tight`](crate::Fit::Tight) each goes around what
-    /// is seen in its slice (around the slice itself, cut by the box around all receivers, where
-    /// that is unknown), and the last slice ends at the farthest that can be seen. Other fits don't
-    /// follow the camera, and are refused.
+    /// With [`Fit::Stable`](crate::Fit::Stable) each space is as stable as that fit's single map,
+    /// and the last slice ends at its range. With [`Fit::Tight`](crate::Fit::Tight) each space
+    /// covers the visible receivers in its slice, and the last slice ends at the farthest one. If
+    /// they are unknown, it covers the slice itself, clipped by the box around all receivers. Other
+    /// fits don't follow the camera, and are rejected.
     Cascades(Cascades),
 }
 
-/// How receivers find the layer in which they are looked up.
+/// Rule by which receivers select their layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Arrangement {
-    /// There is one.
+    /// A single layer.
     #[default]
     Single,
-    /// That of the axis along which they are farthest from the light: six, in the order of
-    /// [`Layout::Cube`].
+    /// The layer of the axis along which the receiver is farthest from the light: six layers, in
+    /// the order of [`Layout::Cube`].
     Cube,
-    /// The first that holds them with all that a kernel reaches; the last where none does.
+    /// The first layer that contains the receiver with the kernel's reach; the last one if none
+    /// does.
     Cascades(CascadePick),
 }
 
-/// What picks one of several cascades.
+/// Parameters for the selection of a cascade.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CascadePick {
-    /// How far kernels reach beyond the texel on which a receiver falls, texels of each cascade.
-    /// Receivers on which a normal offset acts are picked where they are, so it counts, too.
+    /// Reach of kernels beyond the texel that contains the receiver, in texels of each cascade. If
+    /// kernels apply a normal offset, the reach includes it, as the layer is selected before the
+    /// offset.
     pub reach: f32,
     /// See [`Cascades::blend`].
     pub blend: f32,
 }
 
-/// The spaces of a layout, one a layer.
+/// The spaces of a layout, one per layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSpaces {
-    /// One; six in the order of [`Layout::Cube`]; or those of slices, from the nearest on.
+    /// One space; six in the order of [`Layout::Cube`]; or those of slices, from the nearest on.
     pub spaces: Vec<LightSpace>,
-    /// For each, the casters that are to be drawn there: none where nothing can fall on anything.
+    /// For each space, the casters to draw; empty if the layer can contain no shadow.
     pub casters: Vec<CasterSet>,
-    /// How receivers find theirs.
+    /// Rule by which receivers select their space.
     pub arrangement: Arrangement,
 }
 
 impl LightSpaces {
-    /// Returns spaces into each of which all casters are drawn. Several are taken for the faces of
-    /// a cube.
+    /// Returns spaces with all casters in each. Several spaces are treated as the faces of a cube.
     pub fn with_all_casters(spaces: Vec<LightSpace>) -> Self {
         let arrangement = if spaces.len() > 1 {
             Arrangement::Cube
@@ -89,8 +89,7 @@ impl LightSpaces {
         }
     }
 
-    /// Returns the spaces of cascades, from the nearest on, into each of which all casters are
-    /// drawn.
+    /// Returns the spaces of cascades, from the nearest on, with all casters in each.
     pub fn cascades(spaces: Vec<LightSpace>, pick: CascadePick) -> Self {
         Self {
             arrangement: Arrangement::Cascades(pick),
@@ -98,7 +97,7 @@ impl LightSpaces {
         }
     }
 
-    /// Leaves out of each layer the casters that lie beside it. `size` is the layers' side, texels.
+    /// Removes from each layer the casters outside its sides. `size` is the layers' side, texels.
     pub(crate) fn leave_out_casters_beside(&mut self, geometry: &Geometry, size: u32) {
         for (space, casters) in self.spaces.iter().zip(&mut self.casters) {
             if *casters == CasterSet::All {
@@ -107,7 +106,7 @@ impl LightSpaces {
         }
     }
 
-    /// Returns whether anything is to be drawn into a layer.
+    /// Returns whether a layer has anything to draw.
     ///
     /// Panics if there is no such layer.
     pub fn is_needed(&self, layer: usize) -> bool {
@@ -115,18 +114,19 @@ impl LightSpaces {
     }
 }
 
-/// Finds the layers in which receivers are looked up. Kernels have a rule of their own, whose bits
-/// count: this one is for figures.
+/// Selects the layers in which receivers are looked up, for statistics. Kernels have a separate
+/// implementation, which is bit-exact.
 #[derive(Clone, Debug)]
 pub struct LayerPicker<'a> {
     layers: &'a LightSpaces,
     clip_from_world: Vec<Mat4>,
-    /// For cascades: how far from the middle, clip space, a layer holds receivers.
+    /// For cascades: half the width, in clip space, of the area of a layer that is used for
+    /// receivers.
     half_side: f32,
 }
 
 impl<'a> LayerPicker<'a> {
-    /// Returns what finds layers of maps of `size` x `size` texels.
+    /// Returns a picker for maps of `size` x `size` texels.
     pub fn new(layers: &'a LightSpaces, size: u32) -> Self {
         let reach = match layers.arrangement {
             Arrangement::Single | Arrangement::Cube => 0.0,
@@ -140,7 +140,7 @@ impl<'a> LayerPicker<'a> {
         }
     }
 
-    /// Returns the index of the layer in which a receiver at `p` (world space) is looked up; none
+    /// Returns the index of the layer in which a receiver at `p` (world space) is looked up; `None`
     /// if there are no layers.
     pub fn layer_at(&self, p: Vec3) -> Option<usize> {
         let last = self.clip_from_world.len().checked_sub(1)?;
@@ -169,7 +169,7 @@ impl<'a> LayerPicker<'a> {
     }
 }
 
-/// Returns which of a cube's faces a point lies in: that along whose view it is farthest.
+/// Returns the face of a cube that contains a point: the one along whose view it is farthest.
 fn farthest_along_view(spaces: &[LightSpace], p: Vec3) -> usize {
     let distances = spaces
         .iter()
@@ -180,7 +180,7 @@ fn farthest_along_view(spaces: &[LightSpace], p: Vec3) -> usize {
     farthest.map_or(0, |(layer, _)| layer)
 }
 
-/// The view of each face of a cube around `eye`.
+/// Returns the views of the faces of a cube around `eye`.
 pub(crate) fn cube_face_views(eye: Vec3) -> Result<[Mat4; 6], Invalid> {
     let view = |axis: Vec3| look_along(eye, axis, Vec3::Y);
     Ok([

@@ -1,11 +1,10 @@
 //! Spaces, and the matrices between them.
 //!
 //! * **world**: right-handed, y up, metres.
-//! * **view** (of a camera or a light): right-handed, y up, looking along -z.
 //! * **clip**: y up; after division by w: x and y in -1..1 from left to right and bottom to top, z
-//!   in 0..1 from near to far, as WebGPU has it.
+//!   in 0..1 from near to far, as in WebGPU.
 //! * **texture**: u and v in 0..1, origin top left. **texel**: u and v times the size; texel
-//!   centres at .5.
+//!   centres at 0.5.
 //!
 //! Matrices are named `destination_from_source` and multiply column vectors. They are built in
 //! `f64` and rounded once.
@@ -27,24 +26,24 @@ use glam::{
     dcamera::rh::{proj::directx, view::look_to_mat4},
 };
 
-/// A light's (or a camera's) view and projection.
+/// View and projection of a light or a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSpace {
-    /// The light's view; a rigid motion.
+    /// The view: a rigid motion.
     pub view_from_world: Mat4,
-    /// Its projection, orthographic or perspective, depth 0 at the near plane and 1 at the far
+    /// The projection: orthographic or perspective, depth 0 at the near plane and 1 at the far
     /// plane.
     pub clip_from_view: Mat4,
 }
 
 impl LightSpace {
-    /// Both in one, multiplied in `f64`.
+    /// Returns the product of both matrices, computed in `f64`.
     pub fn clip_from_world(&self) -> Mat4 {
         (self.clip_from_view.as_dmat4() * self.view_from_world.as_dmat4()).as_mat4()
     }
 
-    /// Texture coordinates (u, v) and depth from world positions: the textbooks' bias matrix times
-    /// clip from world.
+    /// Returns the transform from world positions to texture coordinates (u, v) and depth: the
+    /// usual bias matrix times `clip_from_world`.
     pub fn texture_from_world(&self) -> Mat4 {
         (TEXTURE_FROM_CLIP.as_dmat4()
             * self.clip_from_view.as_dmat4()
@@ -52,8 +51,8 @@ impl LightSpace {
         .as_mat4()
     }
 
-    /// Returns the rays through the centres of the texels of a map of this size, in proportion to
-    /// the way from the light (or, without perspective, from the near plane).
+    /// Returns the rays through the centres of the texels of a map of this size. Their lengths are
+    /// proportional to the distance from the light (or, without perspective, from the near plane).
     pub fn rays(&self, size: glam::UVec2) -> CameraRays {
         let world_from_view = self.view_from_world.as_dmat4().inverse();
         let camera = Camera {
@@ -64,12 +63,12 @@ impl LightSpace {
         camera.rays()
     }
 
-    /// The same space seen from elsewhere: the image moves by `texels` right and down, depth grows
-    /// by `depth`. `size` is the map's, in texels.
+    /// Returns the space with its image moved by `texels` right and down, and depth increased by
+    /// `depth`. `size` is the map's, in texels.
     #[must_use]
     pub fn nudged(&self, texels: glam::Vec2, depth: f32, size: glam::UVec2) -> Self {
         let ndc = texels.as_dvec2() * 2.0 / size.as_dvec2();
-        // Left of the projection, so that w multiplies the shift.
+        // Multiply from the left of the projection, so that w scales the shift.
         let shift = DMat4::from_translation(DVec3::new(ndc.x, -ndc.y, f64::from(depth)));
         Self {
             clip_from_view: (shift * self.clip_from_view.as_dmat4()).as_mat4(),
@@ -78,7 +77,7 @@ impl LightSpace {
     }
 }
 
-/// Maps clip x and y from -1..1 to 0..1 with v pointing down; leaves depth alone.
+/// Transform of clip x and y from -1..1 to 0..1 with v pointing down; depth is unchanged.
 pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
     0.5, 0.0, 0.0, 0.0, //
     0.0, -0.5, 0.0, 0.0, //
@@ -86,11 +85,11 @@ pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
     0.5, 0.5, 0.0, 1.0,
 ]);
 
-/// A view from `eye` along `direction` (any length). `up` may be parallel to it: then another axis
-/// takes its place.
+/// Returns the view from `eye` along `direction` (any length). If `up` is parallel to it, another
+/// axis is used.
 ///
 /// # Errors
-/// Errors if something is not finite, or `direction` is zero.
+/// Errors if a number is not finite, or `direction` is zero.
 pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {
     invalid::finite("eye", &eye.to_array())?;
     invalid::finite("up", &up.to_array())?;
@@ -99,8 +98,8 @@ pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid>
     Ok(look_to_mat4(eye.as_dvec3(), forward, stable_up(forward, up.as_dvec3())).as_mat4())
 }
 
-/// `up`, unless `forward` (unit) is within .06 degrees of it: then the world axis most across
-/// `forward`.
+/// Returns `up`, unless `forward` (unit) is within 0.06 degrees of it. Then returns the world axis
+/// closest to perpendicular to `forward`.
 fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
     const PARALLEL: f64 = 1e-3;
     let up = up.normalize_or_zero();
@@ -117,7 +116,7 @@ fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
     }
 }
 
-/// The extents of an orthographic projection, in view-space metres; `near` and `far` are distances
+/// Extents of an orthographic projection, in view-space metres; `near` and `far` are distances
 /// along the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
@@ -140,7 +139,7 @@ pub struct Extents {
     pub far: f32,
 }
 
-/// An orthographic projection.
+/// Returns an orthographic projection.
 ///
 /// # Errors
 /// Errors if a number is not finite, or an extent is empty or reversed.
@@ -158,7 +157,7 @@ pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
             return Err(Invalid::new(
                 format!("orthographic {names}"),
                 format!("are {lo} and {hi}"),
-                "make the first the smaller",
+                "make the first less than the second",
             ));
         }
     }
@@ -173,11 +172,11 @@ pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
     Ok(matrix.as_mat4())
 }
 
-/// A perspective projection with a full vertical angle in radians; `aspect` is width over height.
+/// Returns a perspective projection with a full vertical angle in radians; `aspect` is width over
+/// height.
 ///
 /// # Errors
-/// Errors if a number is not finite, the angle is not within 0..pi, or `0 < near < far` does not
-/// hold.
+/// Errors if a number is not finite, the angle is not within 0..pi, or not `0 < near < far`.
 pub fn perspective(fov_y: f32, aspect: f32, near: f32, far: f32) -> Result<Mat4, Invalid> {
     invalid::finite("perspective", &[fov_y, aspect, near, far])?;
     invalid::positive("aspect ratio", aspect)?;

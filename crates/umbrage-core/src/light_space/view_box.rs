@@ -1,27 +1,27 @@
-//! Boxes of the world in a view, with room for what arithmetic rounds.
+//! World-space boxes transformed to a view, padded for rounding.
 
 use crate::geometry::aabb::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Room for rounding, as a part of the numbers that are added up: a few sums and products of `f64`
-/// round by 2^-53 each.
+/// Padding for rounding, as a fraction of the summands: a few sums and products of `f64` have
+/// rounding errors of 2^-53 each.
 pub(crate) const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// A box in view space around a box of the world.
+/// A box in view space around a world-space box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ViewBox {
     pub(crate) center: DVec3,
-    /// Half of its sides.
+    /// Half of the box's sides.
     pub(crate) half: DVec3,
 }
 
 impl ViewBox {
-    /// Returns the smallest such box, but for rounding; meaningless for an empty box.
+    /// Returns the smallest such box, apart from rounding; meaningless for an empty box.
     pub(crate) fn new(view_from_world: &DAffine3, b: &Aabb) -> Self {
         let center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5;
         let half = (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5;
-        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding
-        // boxes").
+        // Compute the half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned
+        // bounding boxes").
         let m = view_from_world.matrix3;
         Self {
             center: view_from_world.transform_point3(center),
@@ -29,8 +29,9 @@ impl ViewBox {
         }
     }
 
-    /// Returns a box that holds whatever `f64` arithmetic makes of a point or a box within the box
-    /// of the world: what the box excludes, each of them excludes, bit for bit.
+    /// Returns a box that contains every point or box within the world-space box, as transformed in
+    /// `f64` arithmetic. Everything outside this box is therefore outside each of them, bit for
+    /// bit.
     pub(crate) fn padded(view_from_world: &DAffine3, b: &Aabb) -> Self {
         let smallest = Self::new(view_from_world, b);
         let m = view_from_world.matrix3;

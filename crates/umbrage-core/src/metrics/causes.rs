@@ -1,15 +1,17 @@
-//! Errors by cause.
+//! Attribution of errors to causes.
 //!
-//! Every pixel that counts gives its |mask - truth| to one cause, so that the causes' means add up
-//! to [`Errors::mean`](super::Errors::mean). The first rule that fits decides:
+//! The |mask - truth| of each counted pixel is attributed to one cause, so the causes' means add up
+//! to [`Errors::mean`](super::Errors::mean). The first matching rule applies:
 //!
-//! | cause | the mask is | where |
-//! |---|---|---|
-//! | **gap** (peter-panning) | too light | truth is dark, and the blocker is in [contact](CONTACT): a bias lets light under it; and from there as far as that light reaches, edges left out |
-//! | **penumbra** | wrong | within [`ACNE_DISTANCE`] of a true penumbra: too hard, too wide, noisy or banded |
-//! | **edge** | wrong | within [`ACNE_DISTANCE`] of a true hard edge: texels show, or the edge is displaced or blurred |
-//! | **acne** | too dark | elsewhere: surfaces shadow themselves |
-//! | **leak** | too light | elsewhere: light where a blocker far away should hide it |
+//! 1. **gap** (peter-panning): too light where truth is dark and the blocker is in
+//!    [contact](CONTACT), since a bias lets light under it. The gap includes the light connected to
+//!    such pixels, except edges.
+//! 2. **penumbra**: wrong within [`ACNE_DISTANCE`] of a true penumbra: too hard, too wide, noisy or
+//!    banded.
+//! 3. **edge**: wrong within [`ACNE_DISTANCE`] of a true hard edge: visible texels, or a displaced
+//!    or blurred edge.
+//! 4. **acne**: too dark elsewhere, as surfaces shadow themselves.
+//! 5. **leak**: too light elsewhere, where a distant blocker should hide the light.
 
 use crate::{
     invalid::Invalid,
@@ -17,37 +19,35 @@ use crate::{
 };
 use glam::UVec2;
 
-/// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of
-/// the diagonal of the box around all that is seen. It tells where a gap begins, not how far it
-/// reaches: so it must only be longer than a few pixels (in a picture 480 wide, some fifteen), and
-/// much shorter than the distance between things.
+/// Greatest distance of a contact between a blocker and its shadow, as a fraction (1/32) of the
+/// diagonal of the box around the visible geometry. It determines where a gap begins, not its size.
+/// It must be longer than a few pixels (about fifteen in an image 480 wide), and much shorter than
+/// the distance between objects.
 pub const CONTACT: f32 = 1.0 / 32.0;
 
-/// What an error comes from. The first five are means of |mask - truth| over all counted pixels,
-/// 0..=1.
+/// Error by cause. The first five are means of |mask - truth| over all counted pixels, 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Causes {
     /// Surfaces that shadow themselves.
     pub acne: f64,
-    /// Shadows that begin too far from what throws them.
+    /// Shadows detached from their casters.
     pub gap: f64,
     /// Light through blockers.
     pub leak: f64,
-    /// Hard edges in the wrong place, or with a map's texels.
+    /// Hard edges that are displaced, or show a map's texels.
     pub edge: f64,
     /// Soft edges of the wrong width or with noise.
     pub penumbra: f64,
-    /// How far from the blocker light still reaches under it, metres: of the false light
-    /// ([`ERROR_THRESHOLD`]) that is a gap, 19 of 20 pixels are closer to their blocker. None
-    /// without any.
+    /// Width of the gap between blocker and shadow, metres: the 95th percentile of the distances to
+    /// the blocker of false light ([`ERROR_THRESHOLD`]) in a gap. `None` without any.
     pub gap_metres: Option<f64>,
-    /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0
-    /// hard. None where truth has no penumbra.
+    /// Ratio of the mask's penumbra pixels to truth's, around true penumbrae: 1 is correct, 0 hard.
+    /// `None` if truth has no penumbra.
     pub penumbra_width: Option<f64>,
 }
 
-/// A cause, one of those that [`Causes`] adds up.
+/// One of the causes in [`Causes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
     /// [`Causes::acne`].
@@ -62,7 +62,7 @@ pub enum Cause {
     Penumbra,
 }
 
-/// Truth of an image, prepared for finding the causes of many masks' errors.
+/// Truth of an image, prepared for the attribution of many masks' errors.
 #[derive(Clone, Debug)]
 pub struct TruthImage<'a> {
     size: UVec2,
@@ -70,20 +70,20 @@ pub struct TruthImage<'a> {
     pixels: &'a [Pixel],
     blocker: &'a [f32],
     contact: f32,
-    /// Pixels around true penumbrae, as far as [`ACNE_DISTANCE`].
+    /// Pixels within [`ACNE_DISTANCE`] of true penumbrae.
     near_soft: Vec<bool>,
-    /// Pixels around any true edge.
+    /// Pixels near any true edge.
     near_edge: Vec<bool>,
 }
 
 impl<'a> TruthImage<'a> {
-    /// All slices hold one entry a pixel. `blocker`: from the receiver to the blocker that is
-    /// nearest to the light on the way to the light's middle, metres; infinite where there is none.
-    /// `contact`: blockers closer than this are in contact, metres: [`CONTACT`] of the diagonal of
-    /// the box around what is seen.
+    /// Prepares truth. All slices have one entry per pixel. `blocker` is the distance, metres, from
+    /// the receiver to the blocker nearest to the light, towards the light's centre; infinite if
+    /// there is none. `contact` is the distance, metres, below which blockers are in contact:
+    /// [`CONTACT`] times the diagonal of the box around the visible geometry.
     ///
     /// # Errors
-    /// When sizes differ or a visibility is not within 0..=1.
+    /// Errors if sizes differ or a visibility is not within 0..=1.
     pub fn new(
         size: UVec2,
         visibility: &'a [f32],
@@ -110,10 +110,10 @@ impl<'a> TruthImage<'a> {
 }
 
 impl TruthImage<'_> {
-    /// The same for a backend for which other pixels count; shadow edges stay where they are.
+    /// Returns the same truth with other pixel classes, for another backend; shadow edges are kept.
     ///
     /// # Errors
-    /// When there is not one class a pixel.
+    /// Errors if the number of classes is not the number of pixels.
     pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<TruthImage<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
         Ok(TruthImage {
@@ -127,7 +127,7 @@ impl Causes {
     /// Splits a mask's error by its causes.
     ///
     /// # Errors
-    /// When sizes differ or a value is not within 0..=1.
+    /// Errors if sizes differ or a value is not within 0..=1.
     pub fn measure(mask: &[f32], truth: &TruthImage<'_>) -> Result<Self, Invalid> {
         let causes = attribute(mask, truth)?;
         let mut out = Self::default();
@@ -175,21 +175,20 @@ impl Causes {
     }
 }
 
-/// Returns the cause of each pixel's error; none where there is no error, and where pixels don't
-/// count.
+/// Returns the cause of each pixel's error; `None` for pixels without error or not counted.
 ///
 /// # Errors
-/// When sizes differ or a value is not within 0..=1.
+/// Errors if sizes differ or a value is not within 0..=1.
 pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
     check("mask", truth.size, mask)?;
-    // Pixels beside the sample that is judged count here: light spreads over them.
+    // Include pixels outside the judged sample: gaps spread over them.
     let is_too_light = |i: usize| {
         truth.pixels[i].is_candidate()
             && mask[i] > truth.visibility[i]
             && truth.visibility[i] < PENUMBRA
     };
-    // A gap begins in contact with the blocker, and spreads as far as that light reaches, edges
-    // left out.
+    // Grow gaps from the pixels in contact with the blocker, over connected false light, except
+    // edges.
     let gap = flood(
         truth.size,
         |i| is_too_light(i) && truth.blocker[i] <= truth.contact,
@@ -216,8 +215,8 @@ pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Caus
     Ok(causes)
 }
 
-/// Returns the pixels for which `start` is true, and those that can be reached from them by steps
-/// to one of four neighbours along pixels for which `spread` is true.
+/// Returns the pixels for which `start` is true, and those connected to them by pixels for which
+/// `spread` is true (4-connectivity).
 fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> bool) -> Vec<bool> {
     let width = size.x as usize;
     let count = width * size.y as usize;
@@ -241,7 +240,7 @@ fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> b
     reached
 }
 
-/// Returns whether a visibility counts as penumbra: see [`PENUMBRA`].
+/// Returns whether a visibility counts as penumbra, see [`PENUMBRA`].
 pub fn is_penumbra(visibility: f32) -> bool {
     (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
 }
@@ -254,8 +253,8 @@ fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
         .collect()
 }
 
-/// Returns the mask's number of penumbra pixels over that of truth, around true penumbrae; none
-/// where truth has none.
+/// Returns the ratio of the mask's penumbra pixels to truth's, around true penumbrae; `None` if
+/// truth has none.
 fn penumbra_width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
     let mut in_mask = 0_usize;
     let mut in_truth = 0_usize;
@@ -275,8 +274,8 @@ mod tests {
     const SIZE: UVec2 = UVec2::new(60, 10);
     const N: usize = 600;
 
-    /// Dark left of column 20, whose blocker touches it up to column 4; lit elsewhere, but for
-    /// columns 40 to 44: a penumbra.
+    /// Dark left of column 20, with a blocker in contact up to column 4. Lit elsewhere, except for
+    /// a penumbra in columns 40 to 44.
     struct Truth {
         visibility: Vec<f32>,
         blocker: Vec<f32>,
@@ -306,7 +305,7 @@ mod tests {
         Causes::measure(mask, &truth).expect("valid")
     }
 
-    /// The causes when one pixel of truth is replaced.
+    /// Returns the causes when one pixel of truth is replaced.
     fn spoilt(column: usize, value: f32) -> Causes {
         let mut mask = truth().visibility;
         mask[5 * 60 + column] = value;
@@ -326,10 +325,7 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(
-        miri,
-        ignore = "measures seven pictures, which takes many minutes there"
-    )]
+    #[cfg_attr(miri, ignore = "measures seven images, which takes many minutes there")]
     fn each_place_has_its_cause() {
         let one = 1.0 / N as f64;
         let right = Causes {
@@ -351,8 +347,8 @@ mod tests {
         assert_eq!(spoilt(56, 0.0), Causes { acne: one, ..right });
     }
 
-    /// Light that comes in where the blocker touches belongs to the gap as far as it reaches, but
-    /// not along the edge.
+    /// False light that begins at the contact belongs to the gap as far as it is connected, except
+    /// along the edge.
     #[test]
     fn a_gap_spreads_from_the_contact() {
         let mut mask = truth().visibility;

@@ -1,11 +1,11 @@
-//! Every comparator is fed spoilt inputs: it must object, by the right figure.
+//! Tests of the metrics with corrupted inputs: each must change the right figure.
 
 use super::*;
 
 const SIZE: UVec2 = UVec2::new(40, 30);
 const N: usize = 1200;
 
-/// Dark left of column 20.
+/// Returns a mask that is dark left of column 20.
 fn truth() -> Vec<f32> {
     (0..N)
         .map(|i| if i % 40 < 20 { 0.0 } else { 1.0 })
@@ -125,7 +125,7 @@ fn spoilt_masks_are_refused() {
         assert!(e.to_string().contains("pixel (1, 1)"), "{e}");
         assert!(
             Errors::measure(SIZE, &truth(), &mask, &pixels).is_err(),
-            "spoilt truth"
+            "corrupted truth"
         );
         assert!(Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).is_err());
         assert!(Agreement::measure(SIZE, &truth(), &mask, &[Doubt::None; N], 0.0).is_err());
@@ -167,7 +167,7 @@ fn one_decided_pixel_breaks_agreement_and_an_undecided_one_does_not() {
         (1, 0.5, 1, false)
     );
     let mut doubts = [Doubt::None; N];
-    // Doubts where the masks agree excuse nothing.
+    // Doubts at pixels where the masks agree excuse nothing.
     (doubts[7], doubts[8]) = (Doubt::Rounding, Doubt::Rounding);
     let a = Agreement::measure(SIZE, &mask, &truth(), &doubts, 0.0).expect("valid");
     assert_eq!(
@@ -216,7 +216,7 @@ fn a_tiny_difference_is_told_but_tolerated() {
     assert_eq!((a.differing, a.violations), (1, 0));
 }
 
-/// What a kernel allows comes on top of a step of 255, and no more than that.
+/// A kernel's tolerance is added to one 8-bit step.
 #[test]
 fn a_tolerance_excuses_differences() {
     let mut mask = truth();
@@ -229,7 +229,7 @@ fn a_tolerance_excuses_differences() {
     assert_eq!([0.0, 0.005, 0.008].map(violations), [1, 1, 0]);
 }
 
-/// The standard error that is told is how far the RMSE of samples scatters.
+/// The reported standard error equals the spread of the RMSE over samples.
 #[test]
 #[cfg_attr(miri, ignore = "200 draws of 16,384 pixels take hours there")]
 fn samples_tell_their_own_error() {
@@ -264,9 +264,9 @@ fn samples_tell_their_own_error() {
         squared_errors += (errors.rmse - all.rmse).powi(2) / f64::from(draws);
     }
     let found = squared_errors.sqrt();
-    // 200 draws tell a standard deviation within 5 %, at one standard deviation.
+    // 200 draws estimate a standard deviation within 5 %, at one standard deviation.
     assert!(
         (told / found - 1.0).abs() < 0.2,
-        "told {told}, found {found}"
+        "reported {told}, found {found}"
     );
 }

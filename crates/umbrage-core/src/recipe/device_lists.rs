@@ -1,77 +1,82 @@
-//! Lists of casters that a device makes itself.
+//! Per-cell triangle lists that a device builds.
 
 use crate::recipe::{Recipe, shader::Module};
 
-/// Lists of the casters in the cells of a grid around a light, which a device makes by compute
-/// passes: for renderers whose casters' vertices are on the device alone. They become the tables of
-/// the recipe's kernel, in this order: tiles, cells, items, corners.
+/// Lists of the casters in the cells of a grid around a light, built by compute passes. For
+/// renderers whose vertices exist only on the device. They replace the tables of the recipe's
+/// kernel, in this order: tiles, cells, items, corners.
 ///
-/// The modules declare one uniform struct, [`uniforms_name`](Self::uniforms_name), `struct
-/// ListsPlace { rows: vec4u, triangles: u32, items: u32, touches: u32, cells: u32 }` (the tables'
-/// first rows, how many casters there are, and for how many items, rows of touches, and cells of
-/// the first try there is room), an `override DOES: u32`, and these compute shaders, which are run
-/// in this order. In brackets: what there is an invocation for; groups have 64 of them, and for
-/// blocks of 1,024 cells 256.
+/// The modules declare a uniform struct named [`uniforms_name`](Self::uniforms_name), `struct
+/// ListsPlace { rows: vec4u, triangles: u32, items: u32, touches: u32, cells: u32 }`, and `override
+/// DOES: u32`. The fields of `ListsPlace` are the tables' first rows, the number of casters, and
+/// the capacity for items, rows of touches, and cells of the first attempt.
 ///
-/// `note_touches` (casters). Then a try: `visit_small` (casters) and `visit_large` (groups of
-/// threads, as many as wanted in both directions), each with `DOES` 0 (casters that cover cells),
-/// then 1 (items are counted); `sum_blocks` (blocks); `sum_all` (one group), which knows whether
-/// there is room. If there is none, further tries, each after `clear_cells` (cells). Then
-/// `place_cells` (blocks, and one cell more), `visit_small` and `visit_large` with `DOES` 2 (items
-/// are filled in), `sort_items` (cells).
+/// The modules also declare the compute shaders below, which run in this order. Each has one
+/// invocation for each of the things in brackets. Workgroups have 64 invocations, or 256 for blocks
+/// of 1,024 cells.
 ///
-/// They read and write, in group 0, `grid` (the uniform struct), `made` (`ListsPlace`),
-/// `tables: array<u32>` (four words a row; three rows a caster hold its corners, x, y, z, unused),
-/// `work: array<atomic<u32>>` ([`work_words`](Self::work_words) of them, 0 at the beginning),
-/// `unsorted: array<u32>` (three words an item) and `touches: array<vec4u>`. `sum_all` also writes,
-/// in group 1, `further: array<u32>`: 0 into all of it once there is room. Backends keep there what
-/// passes of further tries are dispatched by. At the end the second word of `work` tells how often
-/// cells were made twice as wide, the first one is 1 if the lists had room then, and from
-/// [`NEEDED`](Self::NEEDED) on three words say how many items the first try needs, how many touches
-/// of large casters ([`LARGE_TOUCH`](Self::LARGE_TOUCH) rows each), and how many of small ones.
+/// 1. `note_touches` (casters).
+/// 2. An attempt: `visit_small` (casters) and `visit_large` (any number of workgroups in both
+///    directions), each with `DOES` 0 (casters cover cells), then 1 (count items); `sum_blocks`
+///    (blocks); `sum_all` (one workgroup), which determines whether the capacity suffices.
+/// 3. If it doesn't, further attempts, each after `clear_cells` (cells).
+/// 4. `place_cells` (blocks, and one more cell), `visit_small` and `visit_large` with `DOES` 2
+///    (write items), `sort_items` (cells).
+///
+/// They use these bindings in group 0: `grid` (the uniform struct), `made` (`ListsPlace`),
+/// `tables: array<u32>` (four words a row; three rows a caster contain its corners, x, y, z,
+/// unused), `work: array<atomic<u32>>` ([`work_words`](Self::work_words) words, initially 0),
+/// `unsorted: array<u32>` (three words an item) and `touches: array<vec4u>`. `sum_all` also writes
+/// `further: array<u32>` in group 1: it sets all of it to 0 once the capacity suffices. Backends
+/// store the indirect dispatch arguments of further attempts there.
+///
+/// At the end, the first word of `work` is 1 if the capacity sufficed. The second word is the
+/// number of times the cells were made twice as wide. The three words from [`NEEDED`](Self::NEEDED)
+/// on are the number of items that the first attempt needs, the number of touches of large casters
+/// ([`LARGE_TOUCH`](Self::LARGE_TOUCH) rows each), and that of small ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceLists {
-    /// The WGSL.
+    /// The WGSL modules.
     pub modules: Vec<Module>,
-    /// The uniform struct's name in WGSL.
+    /// Name of the uniform struct in WGSL.
     pub uniforms_name: &'static str,
-    /// Its bytes. While they stay the same, and the casters, so do the lists.
+    /// Bytes of the uniform struct. The lists are valid while these and the casters are unchanged.
     pub uniforms: Vec<u8>,
-    /// Tiles of all faces.
+    /// Number of tiles of all faces.
     pub tiles: u32,
-    /// Cells along a tile's side at the first try, as a power of two.
+    /// Cells along a tile's side at the first attempt, as a power of two.
     pub side_log2: u32,
-    /// Faces on which a caster may show.
+    /// Number of faces on which a caster may be visible.
     pub faces: u32,
 }
 
 impl DeviceLists {
-    /// Words at the beginning of `work` that say how lists were made.
+    /// Number of words at the beginning of `work` that describe the result.
     pub const HEAD: u64 = 16;
-    /// The first of the words of `work` that say what the first try needs.
+    /// Index of the first word of `work` that describes what the first attempt needs.
     pub const NEEDED: u64 = 3;
-    /// Rows of `touches` that a large caster takes.
+    /// Number of rows of `touches` per large caster.
     pub const LARGE_TOUCH: u32 = 5;
-    /// Cells of a block.
+    /// Number of cells per block.
     pub const BLOCK: u32 = 1024;
 
-    /// Returns the cells of the first try.
+    /// Returns the number of cells of the first attempt.
     pub fn cells(&self) -> u32 {
         self.tiles << (2 * self.side_log2)
     }
 
-    /// Returns the words of `work`.
+    /// Returns the number of words of `work`.
     pub fn work_words(&self) -> u64 {
         let cells = u64::from(self.cells());
         Self::HEAD + cells.div_ceil(u64::from(Self::BLOCK)) + 2 * cells
     }
 }
 
-/// A recipe whose tables a device makes.
+/// A recipe whose tables are built by a device.
 #[derive(Clone, Debug)]
 pub struct DeviceRecipe {
-    /// The recipe. Its tables are those of no casters: the device's take their place.
+    /// The recipe, with tables for a scene without casters. The device's tables replace them.
     pub recipe: Recipe,
-    /// What makes them.
+    /// The lists that the device builds.
     pub lists: DeviceLists,
 }

@@ -1,24 +1,24 @@
-//! Images that a recipe's stages write and read: shadow maps and what is filtered from them.
+//! Images that a recipe's stages write and read: shadow maps and filtered maps.
 
 use glam::UVec2;
 
-/// What a texel holds.
+/// Texel format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
-    /// Depth 0..=1 in 32-bit floats.
+    /// Depth 0..=1 as 32-bit float.
     Depth32,
     /// Depth 0..=1 in steps of 1/65535.
     Depth16,
-    /// Whole numbers 0..=255, which wrap: what
-    /// [`CastMode::StencilDepthFail`](crate::CastMode::StencilDepthFail) writes.
+    /// Wrapping integers 0..=255, written by
+    /// [`CastMode::StencilDepthFail`](crate::CastMode::StencilDepthFail).
     Stencil8,
     /// Four channels 0..=1 in steps of 1/255, without sRGB.
     Rgba8,
-    /// Two channels 0..=1 in steps of 1/65535, which share a 32-bit word on GPUs: no format of core
-    /// WebGPU that is drawn into has channels of 16 bits in whole steps. Filters write the nearest
-    /// step, halves upwards, by arithmetic that is written out.
+    /// Two channels 0..=1 in steps of 1/65535, packed into a 32-bit word on GPUs: core WebGPU has
+    /// no renderable format with 16-bit normalized channels. Filters round to the nearest step,
+    /// halves upwards, with explicit arithmetic.
     Rg16,
-    /// Four of them, in two words.
+    /// Four such channels, in two words.
     Rgba16,
     /// One 32-bit float.
     R32,
@@ -29,7 +29,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Floats a texel.
+    /// Returns the number of floats per texel.
     pub const fn channels(self) -> usize {
         match self {
             Self::Depth32 | Self::Depth16 | Self::Stencil8 | Self::R32 => 1,
@@ -38,8 +38,8 @@ impl Format {
         }
     }
 
-    /// Bytes a texel takes on a GPU. The CPU backend holds every channel as a 32-bit float that has
-    /// one of the values that the format can hold.
+    /// Returns the number of bytes per texel on a GPU. The CPU backend stores every channel as a
+    /// 32-bit float, rounded to a value of the format.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Stencil8 => 1,
@@ -50,53 +50,53 @@ impl Format {
         }
     }
 
-    /// Whether casts of the nearest depth write it.
+    /// Returns whether nearest-depth casts write this format.
     pub const fn is_depth(self) -> bool {
         matches!(self, Self::Depth32 | Self::Depth16)
     }
 
-    /// Whether casts alone write it: filters can't.
+    /// Returns whether only casts write this format, not filters.
     pub const fn is_cast_only(self) -> bool {
         self.is_depth() || matches!(self, Self::Stencil8)
     }
 
-    /// What texels hold before anything is written: 1 for depth, else 0.
+    /// Returns the initial value of texels: 1 for depth, otherwise 0.
     pub const fn start(self) -> f32 {
         if self.is_depth() { 1.0 } else { 0.0 }
     }
 }
 
-/// An image to be made. Layers hold the light spaces of a layout.
+/// Description of an image. Layers store the light spaces of a layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ImageDesc {
-    /// For error messages and profilers.
+    /// Label for error messages and profilers.
     pub label: &'static str,
-    /// Texels.
+    /// Size in texels.
     pub size: UVec2,
-    /// One or more.
+    /// Number of layers, at least one.
     pub layers: u32,
-    /// What a texel holds.
+    /// Texel format.
     pub format: Format,
 }
 
 impl ImageDesc {
-    /// Texels of all its layers.
+    /// Returns the number of texels of all layers.
     pub fn texels(&self) -> u64 {
         u64::from(self.size.x) * u64::from(self.size.y) * u64::from(self.layers)
     }
 
-    /// Bytes of all its texels on a GPU.
+    /// Returns the number of bytes of all texels on a GPU.
     pub fn bytes(&self) -> u64 {
         self.texels() * self.format.bytes() as u64
     }
 
-    /// How many floats [`Image::texels`] has.
+    /// Returns the number of floats in [`Image::texels`].
     pub fn floats(&self) -> u64 {
         self.texels() * self.format.channels() as u64
     }
 }
 
-/// An image's contents: layers one after the other, rows from the top, channels interleaved.
+/// Contents of an image: layer by layer, rows from the top, channels interleaved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Size, layers and format.
@@ -106,7 +106,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// An image whose every float is `value`.
+    /// Returns an image filled with `value`.
     pub fn filled(desc: ImageDesc, value: f32) -> Self {
         Self {
             desc,
@@ -114,7 +114,7 @@ impl Image {
         }
     }
 
-    /// For reading in kernels.
+    /// Returns a view for reading in kernels.
     pub fn view(&self) -> ImageView<'_> {
         ImageView {
             desc: self.desc,
@@ -122,33 +122,33 @@ impl Image {
         }
     }
 
-    /// The floats of one layer.
+    /// Returns the floats of one layer.
     pub fn layer_mut(&mut self, layer: u32) -> &mut [f32] {
         let n = self.texels.len() / self.desc.layers as usize;
         &mut self.texels[layer as usize * n..][..n]
     }
 }
 
-/// An image seen by a kernel's Rust half.
+/// View of an image for a kernel's Rust half.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageView<'a> {
     /// Size, layers and format.
     pub desc: ImageDesc,
-    /// As [`Image::texels`].
+    /// See [`Image::texels`].
     pub texels: &'a [f32],
 }
 
 impl ImageView<'_> {
-    /// The first channel of a texel that lies within the image.
+    /// Returns the first channel of a texel.
     ///
     /// # Panics
-    /// Panics if it doesn't.
+    /// Panics if the texel is outside the image.
     #[inline(always)]
     pub fn load(&self, x: i32, y: i32, layer: u32) -> f32 {
         self.texels[self.index(x, y, layer)]
     }
 
-    /// Where a texel's channels start in [`ImageView::texels`].
+    /// Returns the index of a texel's first channel in [`ImageView::texels`].
     #[inline(always)]
     pub fn index(&self, x: i32, y: i32, layer: u32) -> usize {
         let row = layer as usize * self.desc.size.y as usize + y as usize;

@@ -1,11 +1,16 @@
-//! Recipes: a shadow algorithm as plain data, which any backend can run.
+//! Recipes: shadow algorithms as plain data that any backend can execute.
 //!
-//! | stage | what it says |
-//! |---|---|
-//! | cast | a *source* (casters, everything, or faces that the technique made, homogeneous so that they may reach infinity), drawn from a light space; what *stays*: the nearest depth, the nearest behind another image (peeling), or a count of faces behind what is seen (stencil) |
-//! | filter | a kernel makes an image from images: moments, midpoints, packed depth |
-//! | receive | a kernel answers for each receiver: visibility 0 to 1. It may use comparison samplers |
-//! | shade | for pictures alone: a kernel colours each pixel, given the visibility. Linear; `picture.rs` encodes sRGB, once |
+//! A recipe has these stages:
+//!
+//! * **cast**: draws a *source* from a light space. The source is casters, all geometry, or faces
+//!   computed by the technique, in homogeneous coordinates so that they may extend to infinity. The
+//!   image keeps the nearest depth, the nearest depth behind another image (peeling), or a count of
+//!   faces behind the visible surface (stencil).
+//! * **filter**: a kernel computes an image from images: moments, midpoints, packed depth.
+//! * **receive**: a kernel computes the visibility of each receiver, 0 to 1. It may use comparison
+//!   samplers.
+//! * **shade**, for colour images only: a kernel computes the colour of each pixel, given the
+//!   visibility. Colours are linear; `picture.rs` encodes sRGB.
 
 pub(crate) mod device_lists;
 pub(crate) mod image;
@@ -34,7 +39,7 @@ pub type ImageId = usize;
 /// Index into [`Recipe::tables`].
 pub type TableId = usize;
 
-/// Three stages, run in order: casts, filters, receive; and, for pictures, shading.
+/// Three stages, executed in order (casts, filters, receive), and optional shading.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The images that the stages write. Depth images start at 1, others at 0.
@@ -43,18 +48,17 @@ pub struct Recipe {
     pub tables: Vec<Table>,
     /// Geometry drawn into images.
     pub casts: Vec<Cast>,
-    /// Images made from images.
+    /// Filter passes, which compute images from images.
     pub filters: Vec<Filter>,
-    /// What computes each receiver's visibility.
+    /// Computes the visibility of each receiver.
     pub receive: Receive,
-    /// Colours for what is seen; none when only the mask is wanted.
+    /// Shades visible geometry; `None` if only the mask is needed.
     pub shade: Option<Shade>,
-    /// Whether the backend is to hand the images back in
-    /// [`Shadows::images`](crate::Shadows::images).
+    /// True to return the images in [`Shadows::images`](crate::Shadows::images).
     pub keep_images: bool,
 }
 
-/// Which casters' faces are left out.
+/// Face culling of casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -65,15 +69,15 @@ pub enum Cull {
     /// Draw both sides.
     #[default]
     None,
-    /// Leave out faces turned to the light: needs closed casters.
+    /// Cull faces towards the light; requires closed casters.
     Front,
-    /// Leave out faces turned away from the light: needs closed casters.
+    /// Cull faces away from the light; requires closed casters.
     Back,
 }
 
-/// Polygon offset, as Vulkan and WebGPU define it: depth grows by `constant * r + slope * m`, where
-/// m is the greater of the triangle's depth slopes in x and y (clip depth a texel) and r the
-/// spacing of floats at its greatest depth.
+/// Polygon offset, as in Vulkan and WebGPU: depth grows by `constant * r + slope * m`. Here m is
+/// the greater of the triangle's depth slopes in x and y (clip depth per texel), and r the spacing
+/// of floats at its greatest depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -81,11 +85,11 @@ pub enum Cull {
     serde(deny_unknown_fields)
 )]
 pub struct RasterBias {
-    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two,
-    /// depending on the device.
+    /// Constant offset in units of r. For 32-bit images r is about 6e-8 near depth 1; for 16-bit
+    /// images, one or two steps of 1/65536, depending on the device.
     #[cfg_attr(feature = "serde", serde(default))]
     pub constant: i32,
-    /// In units of m.
+    /// Slope-scaled offset in units of m.
     #[cfg_attr(feature = "serde", serde(default))]
     pub slope: f32,
     /// Bound of the sum, clip depth; 0 for none, negative for a lower bound.
@@ -93,27 +97,27 @@ pub struct RasterBias {
     pub clamp: f32,
 }
 
-/// Draws geometry, seen from a light or the camera, into one layer of an image.
+/// A draw of geometry into one layer of an image, from a light or the camera.
 #[derive(Clone, Debug)]
 pub struct Cast {
-    /// The image: depth, or for [`CastMode::StencilDepthFail`] a [`Format::Stencil8`].
+    /// The target image: depth, or for [`CastMode::StencilDepthFail`] a [`Format::Stencil8`].
     pub image: ImageId,
-    /// Its layer.
+    /// The target layer.
     pub layer: u32,
-    /// Where it is seen from.
+    /// View and projection.
     pub space: LightSpace,
-    /// What is drawn.
+    /// Geometry to draw.
     pub source: Source,
-    /// What is kept of it.
+    /// Result to keep in the image.
     pub mode: CastMode,
-    /// Faces left out.
+    /// Face culling.
     pub cull: Cull,
     /// Polygon offset.
     pub bias: RasterBias,
 }
 
 impl Cast {
-    /// Returns a cast of all casters' least depth, without culling and bias.
+    /// Returns a cast that keeps the least depth of all casters, without culling and bias.
     pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
         Self {
             image,
@@ -127,25 +131,24 @@ impl Cast {
     }
 }
 
-/// What a cast draws.
+/// Geometry drawn by a cast.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
     /// All casters.
     #[default]
     Casters,
-    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between
-    /// them. The other casters don't show in the image, so a backend that can't tell them apart may
-    /// draw all.
+    /// Some casters: rising ranges of the geometry's list of triangles, with gaps between them. The
+    /// other casters are not visible in the image, so a backend without ranges may draw all.
     SomeCasters(Arc<[Range<u32>]>),
-    /// All that the camera may see: casters, receivers, and what is neither.
+    /// All geometry that the camera may see: casters, receivers, and the rest.
     Everything,
-    /// What the technique made from the casters: shadow volumes, flattened casters.
+    /// Faces that the technique computes from the casters, such as shadow volumes.
     Faces(Arc<Faces>),
 }
 
 impl Source {
-    /// Returns the ranges of a geometry's list of triangles that are drawn, rising; none for faces
-    /// that a technique made. Runs end where the casters end.
+    /// Returns the ranges of a geometry's list of triangles to draw, rising; empty for faces of a
+    /// technique. Ranges are clipped to the casters.
     pub fn runs(&self, geometry: &Geometry) -> Vec<Range<u32>> {
         let casters = geometry.casters();
         let everything = 0..geometry.triangles().len() as u32;
@@ -171,13 +174,13 @@ impl From<&CasterSet> for Source {
     }
 }
 
-/// Triangles that a technique made. Backends may recognise them by their address.
+/// Triangles computed by a technique. Backends may identify them by their address.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faces {
-    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) the point infinitely far
-    /// along a direction.
+    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) a point at infinity in a
+    /// direction.
     pub vertices: Vec<Vec4>,
-    /// Counter-clockwise seen from outside.
+    /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -201,44 +204,44 @@ impl Faces {
     }
 }
 
-/// What an image keeps of what a cast draws.
+/// Result of a cast that an image keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CastMode {
     /// The least depth at each texel.
     #[default]
     Depth,
-    /// The least of those depths that are greater than what this image, of the same size and
-    /// format, holds at the same texel and layer: depth peeling (Everitt 2001, "Interactive
-    /// order-independent transparency"). No bias.
+    /// The least depth that is greater than that of this image at the same texel and layer: depth
+    /// peeling (Everitt 2001, "Interactive order-independent transparency"). The image has the same
+    /// size and format. No bias.
     DepthPeel(ImageId),
-    /// At each texel, how many back faces minus how many front faces are not before what this
-    /// [`Format::Depth32`] image of the same size and layer holds, modulo 256: depth-fail counting
-    /// (Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes"). No bias, no
-    /// culling.
+    /// Depth-fail counting (Everitt and Kilgard 2002, "Practical and robust stenciled shadow
+    /// volumes"): the number of back faces minus front faces that are not in front of the depth in
+    /// another image, modulo 256. The other image is a [`Format::Depth32`] of the same size and
+    /// layer. No bias, no culling.
     StencilDepthFail {
-        /// Drawn before, in the same space.
+        /// Depth image drawn earlier, in the same space.
         depth: ImageId,
     },
 }
 
-/// Makes all layers of an image from other images.
+/// A pass that computes all layers of an image from other images.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// What it does.
+    /// The kernel.
     pub kernel: Arc<dyn FilterKernel>,
-    /// Images read.
+    /// Input images.
     pub inputs: Vec<ImageId>,
-    /// Tables read.
+    /// Input tables.
     pub tables: Vec<TableId>,
-    /// Image written; not among the inputs.
+    /// Output image; not among the inputs.
     pub output: ImageId,
 }
 
 impl Filter {
-    /// Returns whether another filter makes the same texels of the same images and tables. Kernels
-    /// are alike if they have the same type, WGSL and uniforms.
+    /// Returns whether another filter computes the same texels from the same images and tables.
+    /// Kernels are equal if they have the same type, WGSL and uniforms.
     pub fn is_like(&self, other: &Self) -> bool {
-        // By name, so that a new field can't be forgotten here.
+        // Destructure by name, so that a new field can't be forgotten here.
         let Self {
             kernel,
             inputs,
@@ -256,45 +259,46 @@ impl Filter {
     }
 }
 
-/// Runs a kernel for each receiver.
+/// The receive stage, which runs a kernel for each receiver.
 #[derive(Clone, Debug)]
 pub struct Receive {
     /// Computes the light's visibility.
     pub kernel: Arc<dyn ReceiveKernel>,
-    /// Images read.
+    /// Input images.
     pub inputs: Vec<ImageId>,
-    /// Tables read.
+    /// Input tables.
     pub tables: Vec<TableId>,
 }
 
-/// Colours every pixel that shows a triangle, whether it receives or not.
+/// The shade stage, which computes the colour of every pixel with a triangle, whether it receives
+/// or not.
 #[derive(Clone, Debug)]
 pub struct Shade {
-    /// How.
+    /// The kernel.
     pub kernel: Arc<dyn ShadeKernel>,
-    /// Tables read.
+    /// Input tables.
     pub tables: Vec<TableId>,
-    /// Linear colour where nothing is seen.
+    /// Linear colour of empty pixels.
     pub background: [f32; 4],
 }
 
-/// Constant data: rows of four words. Cheap to clone; backends may recognise it by its address.
+/// Constant data: rows of four words. Cheap to clone; backends may identify it by its address.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// For error messages.
+    /// Label for error messages.
     pub label: &'static str,
     /// The rows; at least one.
     pub rows: TableRows,
 }
 
 impl Table {
-    /// Returns the rows; they are made now if nobody asked before.
+    /// Returns the rows; computes them on first use.
     pub fn rows(&self) -> &Arc<[[u32; 4]]> {
         self.rows.get()
     }
 }
 
-/// What a backend can hold.
+/// Limits of a backend.
 #[derive(Clone, Copy, Debug)]
 pub struct BackendLimits {
     /// Greatest image side, texels.
@@ -311,32 +315,32 @@ impl Recipe {
         self.images.iter().map(ImageDesc::bytes).sum()
     }
 
-    /// Returns the bytes of all tables; those that nobody asked for before are made now.
+    /// Returns the bytes of all tables; computes those that are not yet computed.
     pub fn table_bytes(&self) -> u64 {
         let bytes = |table: &Table| size_of_val::<[[u32; 4]]>(table.rows()) as u64;
         self.tables.iter().map(bytes).sum()
     }
 
-    /// Returns the bytes of the tables that were made so far.
+    /// Returns the bytes of the tables computed so far.
     pub fn made_table_bytes(&self) -> u64 {
         let made = self.tables.iter().filter_map(|table| table.rows.made());
         made.map(|rows| size_of_val::<[[u32; 4]]>(rows) as u64)
             .sum()
     }
 
-    /// Makes all tables that nobody asked for so far.
+    /// Computes all tables that are not yet computed.
     pub fn make_tables(&self) {
         for table in &self.tables {
             table.rows();
         }
     }
 
-    /// Checks that a backend with these limits can run the recipe. Of tables only those that were
-    /// made are checked: who reads all of them calls [`make_tables`](Self::make_tables) before.
+    /// Checks that a backend with these limits can execute the recipe. Only checks tables that were
+    /// computed already: call [`make_tables`](Self::make_tables) first to check all.
     ///
     /// # Errors
-    /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name
-    /// nothing, formats that don't fit a stage, numbers that are not finite.
+    /// Errors with the first fault found: sizes of zero or beyond the limits, invalid ids, formats
+    /// that don't fit a stage, numbers that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
         for image in &self.images {
             check_image(image, limits)?;
@@ -348,7 +352,7 @@ impl Recipe {
             let bytes = size_of_val::<[[u32; 4]]>(rows) as u64;
             if bytes == 0 || bytes > limits.table_bytes {
                 let why = format!(
-                    "takes {bytes} bytes, and this backend holds 1 to {}",
+                    "takes {bytes} bytes, and this backend supports 1 to {}",
                     limits.table_bytes
                 );
                 return Err(Invalid::new(
@@ -373,10 +377,11 @@ impl Recipe {
         }
     }
 
-    /// Checks that what is cut out of a geometry's triangles can be left out of all casts.
+    /// Checks that all casts support the geometry's alpha-tested triangles.
     ///
     /// # Errors
-    /// Errors if a cast counts faces of triangles with holes: counts know no ids to tell holes by.
+    /// Errors if a cast counts faces of alpha-tested triangles: counts have no triangle ids for the
+    /// alpha test.
     pub fn check_holes(&self, geometry: &Geometry) -> Result<(), Invalid> {
         let counts = |cast: &Cast| {
             let is_counted = matches!(cast.mode, CastMode::StencilDepthFail { .. });
@@ -385,8 +390,8 @@ impl Recipe {
         if geometry.cut_outs().is_none() || !self.casts.iter().any(counts) {
             return Ok(());
         }
-        let why = "counts faces of triangles into which an alpha texture cuts holes";
-        let help = "count faces that the technique makes, or leave `Material::alpha` out";
+        let why = "counts faces of alpha-tested triangles";
+        let help = "count faces computed by the technique, or remove `Material::alpha`";
         Err(Invalid::new("cast", why, help))
     }
 
@@ -400,21 +405,21 @@ impl Recipe {
             return Ok(());
         }
         let why = format!("writes image {}", filter.output);
-        let help = "write an image that it doesn't read and that holds neither depth nor counts";
+        let help = "write an image that is not an input and has neither a depth nor a stencil format";
         Err(Invalid::new("filter", why, help))
     }
 
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
         let Some(image) = self.image_with_layer(cast.image, cast.layer) else {
-            let why = format!("names layer {} of image {}", cast.layer, cast.image);
-            let help = "name a layer of an image of the recipe";
+            let why = format!("refers to layer {} of image {}", cast.layer, cast.image);
+            let help = "use a layer of an image of the recipe";
             return Err(Invalid::new("cast", why, help));
         };
         let fits_mode = match cast.mode {
             CastMode::Depth => {
                 if !image.format.is_depth() {
                     let why = format!("writes image {}", cast.image);
-                    return Err(Invalid::new("cast", why, "name one of a depth format"));
+                    return Err(Invalid::new("cast", why, "use an image with a depth format"));
                 }
                 true
             }
@@ -423,7 +428,7 @@ impl Recipe {
         };
         if !fits_mode {
             let why = format!(
-                "into image {} asks for {:?} with {:?} and {:?}",
+                "into image {} uses {:?} with {:?} and {:?}",
                 cast.image, cast.mode, cast.cull, cast.bias
             );
             let help = "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
@@ -437,7 +442,7 @@ impl Recipe {
         }
     }
 
-    /// Returns whether a cast into `image` can peel off the same layer of `other`.
+    /// Returns whether a cast into `image` can peel the same layer of `other`.
     fn can_peel(&self, cast: &Cast, image: &ImageDesc, other: ImageId) -> bool {
         let Some(peeled) = self.image_with_layer(other, cast.layer) else {
             return false;
@@ -445,8 +450,8 @@ impl Recipe {
         let is_like = peeled.size == image.size
             && peeled.layers == image.layers
             && peeled.format == image.format;
-        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled
-        // again and again.
+        // Reject a bias: a surface would be behind its own depth of the last peel, and would be
+        // peeled repeatedly.
         let is_biased = cast.bias != RasterBias::default();
         is_like && image.format.is_depth() && other != cast.image && !is_biased
     }
@@ -461,13 +466,13 @@ impl Recipe {
         is_like && fits && cast.cull == Cull::None
     }
 
-    /// Returns an image, unless there is none with this id, or it has no such layer.
+    /// Returns an image, or `None` if the id is invalid or the image has no such layer.
     fn image_with_layer(&self, id: ImageId, layer: u32) -> Option<&ImageDesc> {
         self.images.get(id).filter(|image| layer < image.layers)
     }
 
-    /// Errors if the receive kernel compares, but reads no depth image: comparison samplers read
-    /// depth alone.
+    /// Errors if the receive kernel compares, but reads no depth image: comparison samplers only
+    /// read depth.
     fn check_compared(&self) -> Result<(), Invalid> {
         let reads_depth = self
             .receive
@@ -481,11 +486,11 @@ impl Recipe {
         Err(Invalid::new(
             "receive",
             "compares, but reads no depth image",
-            "name a depth image among its inputs",
+            "add a depth image to its inputs",
         ))
     }
 
-    /// Errors if a stage, `what`, reads an image or a table that the recipe doesn't have.
+    /// Errors if the stage `what` reads an image or a table that the recipe doesn't have.
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
         check_ids_below(what, "image", images, self.images.len())?;
         check_ids_below(what, "table", tables, self.tables.len())
@@ -497,7 +502,7 @@ fn check_ids_below(what: &str, kind: &str, ids: &[usize], count: usize) -> Resul
         None => Ok(()),
         Some(id) => {
             let why = format!("reads {kind} {id} of {count}");
-            Err(Invalid::new(what, why, "name one of the recipe's"))
+            Err(Invalid::new(what, why, "use an index of the recipe"))
         }
     }
 }
@@ -510,7 +515,7 @@ fn check_runs(runs: &[Range<u32>]) -> Result<(), Invalid> {
             return Err(Invalid::new(
                 "cast",
                 why,
-                "name ranges that rise, do not overlap and are not empty",
+                "use rising ranges that do not overlap and are not empty",
             ));
         }
         end = run.end;
@@ -524,7 +529,7 @@ fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
         &cast.space.view_from_world.to_cols_array(),
     )?;
     invalid::finite("clip from view", &cast.space.clip_from_view.to_cols_array())?;
-    // Two finite matrices may have a product that isn't.
+    // The product of two finite matrices may not be finite.
     invalid::finite(
         "clip from world",
         &cast.space.clip_from_world().to_cols_array(),

@@ -1,19 +1,19 @@
-//! WGSL texts and the uniforms they read.
+//! WGSL modules and their uniforms.
 
 use encase::{ShaderType, UniformBuffer, internal::WriteInto};
 
-/// A piece of WGSL with a name. Shaders are lists of modules put one after the other; a module that
-/// several kernels list is the same text, so there is nothing to keep in sync.
+/// A named piece of WGSL. Shaders are concatenated lists of modules. Kernels share modules, so
+/// there are no copies to keep in sync.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Module {
-    /// For error messages; the stem of its file.
+    /// Name for error messages; the stem of its file.
     pub name: &'static str,
     /// The WGSL.
     pub text: &'static str,
 }
 
-/// Makes the [`Module`](crate::Module) of the WGSL file with this stem beside the Rust file:
-/// `module!("pcf")`; or of another file: `module!("soft_holes", "holes.wgsl")`.
+/// Declares the [`Module`](crate::Module) of the WGSL file with this stem in the Rust file's
+/// folder, `module!("pcf")`, or of another file, `module!("soft_holes", "holes.wgsl")`.
 #[macro_export]
 macro_rules! module {
     ($stem:literal) => {
@@ -27,7 +27,7 @@ macro_rules! module {
     };
 }
 
-/// Returns the modules' texts, one after the other, each below a line with its file's name.
+/// Concatenates the modules' texts, each below a line with its file's name.
 pub fn join(modules: &[Module]) -> String {
     let mut out = String::new();
     for Module { name, text } in modules {
@@ -41,16 +41,16 @@ pub fn join(modules: &[Module]) -> String {
     out
 }
 
-/// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with
+/// A struct written by Rust and read by WGSL, with the layout of `encase`. Declare it with
 /// [`uniforms!`](crate::uniforms).
 pub trait Uniforms: ShaderType + WriteInto {
-    /// The struct's name in WGSL.
+    /// Name of the struct in WGSL.
     const NAME: &'static str;
-    /// The fields' names, in order.
+    /// Names of the fields, in order.
     const FIELDS: &'static [&'static str];
-    /// The fields' offsets in bytes, in order.
+    /// Returns the offsets of the fields in bytes, in order.
     fn offsets() -> Vec<u64>;
-    /// Name, fields and size, without the type.
+    /// Returns name, fields and size, without the type.
     fn layout() -> UniformLayout {
         let fields = Self::FIELDS.iter().copied().zip(Self::offsets()).collect();
         UniformLayout {
@@ -59,10 +59,10 @@ pub trait Uniforms: ShaderType + WriteInto {
             size: Self::min_size().get(),
         }
     }
-    /// The bytes as the shader wants them.
+    /// Returns the bytes in the shader's layout.
     ///
     /// # Panics
-    /// Panics never: a growing buffer takes any struct.
+    /// Never panics: a growing buffer accepts any struct.
     fn to_bytes(&self) -> Vec<u8> {
         let mut buffer = UniformBuffer::new(Vec::new());
         buffer.write(self).expect("a Vec grows as needed");
@@ -70,11 +70,11 @@ pub trait Uniforms: ShaderType + WriteInto {
     }
 }
 
-/// A uniform struct of any type: every [`Uniforms`] is one.
+/// A uniform struct of any type, implemented by every [`Uniforms`].
 pub trait UniformBlock {
     /// Returns name, fields and size.
     fn uniform_layout(&self) -> UniformLayout;
-    /// Returns the bytes as the shader wants them.
+    /// Returns the bytes in the shader's layout.
     fn uniform_bytes(&self) -> Vec<u8>;
 }
 
@@ -88,18 +88,18 @@ impl<T: Uniforms> UniformBlock for T {
     }
 }
 
-/// A uniform struct's layout, to be compared with what the shader compiler makes of its twin.
+/// Layout of a uniform struct, for comparison with the layout that the shader compiler computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UniformLayout {
-    /// The struct's name in WGSL.
+    /// Name of the struct in WGSL.
     pub name: &'static str,
-    /// Each field's name and offset in bytes.
+    /// Name and offset in bytes of each field.
     pub fields: Vec<(&'static str, u64)>,
-    /// Bytes in all.
+    /// Size in bytes.
     pub size: u64,
 }
 
-/// Declares a struct that is [`Uniforms`](crate::Uniforms): field names and offsets come with it.
+/// Declares a struct that implements [`Uniforms`](crate::Uniforms), with field names and offsets.
 /// The WGSL twin has the same name.
 #[macro_export]
 macro_rules! uniforms {

@@ -1,4 +1,4 @@
-//! Rows of tables, made beforehand or when somebody asks for them.
+//! Rows of tables, computed in advance or on first use.
 
 use std::{
     fmt::{Debug, Formatter},
@@ -8,7 +8,7 @@ use std::{
 type Rows = Arc<[[u32; 4]]>;
 type Make = dyn Fn() -> Rows + Send + Sync;
 
-/// Rows of a table. Copies share them.
+/// Rows of a table. Clones share them.
 #[derive(Clone)]
 pub struct TableRows(Content);
 
@@ -24,9 +24,9 @@ struct Later {
 }
 
 impl Later {
-    /// Rows are made without a lock: who makes them may have threads do a part of it, and a thread
-    /// that waits for them may meanwhile be given work that asks for the same rows. If several
-    /// threads make them, all get those of the first.
+    /// Computes rows without a lock. The computation may run on a thread pool, where a waiting
+    /// thread may be given work that requests the same rows. If several threads compute them, all
+    /// use the first result.
     fn get(&self) -> &Rows {
         if let Some(rows) = self.made.get() {
             return rows;
@@ -37,8 +37,8 @@ impl Later {
 }
 
 impl TableRows {
-    /// Returns rows that `make` makes when they are first asked for: for tables that not every
-    /// backend reads. Threads that ask at once may each call it; all get the same rows.
+    /// Returns rows that `make` computes on first use, for tables that not every backend reads.
+    /// Concurrent first calls may each run it; all get the same rows.
     pub fn on_first_use(make: impl Fn() -> Arc<[[u32; 4]]> + Send + Sync + 'static) -> Self {
         Self(Content::OnFirstUse(Arc::new(Later {
             made: OnceLock::new(),
@@ -46,7 +46,7 @@ impl TableRows {
         })))
     }
 
-    /// Returns the rows; they are made now if nobody asked before.
+    /// Returns the rows; computes them on first use.
     pub fn get(&self) -> &Arc<[[u32; 4]]> {
         match &self.0 {
             Content::Made(rows) => rows,
@@ -54,7 +54,7 @@ impl TableRows {
         }
     }
 
-    /// Returns the rows if they were made.
+    /// Returns the rows if they are computed already.
     pub fn made(&self) -> Option<&Arc<[[u32; 4]]>> {
         match &self.0 {
             Content::Made(rows) => Some(rows),
@@ -79,7 +79,7 @@ impl Debug for TableRows {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self.made() {
             Some(rows) => write!(f, "{} rows", rows.len()),
-            None => f.write_str("rows that nobody asked for yet"),
+            None => f.write_str("rows that are not computed yet"),
         }
     }
 }
@@ -99,7 +99,7 @@ mod tests {
         });
         let copy = rows.clone();
         assert!(rows.made().is_none());
-        assert_eq!(format!("{rows:?}"), "rows that nobody asked for yet");
+        assert_eq!(format!("{rows:?}"), "rows that are not computed yet");
         assert_eq!(calls.load(Ordering::Relaxed), 0);
         assert_eq!(copy.get()[0], [7; 4]);
         assert!(Arc::ptr_eq(rows.get(), copy.get()));

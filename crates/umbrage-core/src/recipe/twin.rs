@@ -1,4 +1,4 @@
-//! Twin functions, written in Rust and in WGSL: each pair is declared once, and tests run both on
+//! Twin functions, written in Rust and in WGSL. Each pair is declared once, and tests run both on
 //! the same inputs.
 
 use crate::recipe::shader::Module;
@@ -7,29 +7,29 @@ use glam::{IVec2, Mat4, UVec2, Vec2, Vec3, Vec4};
 /// A function written in Rust and in WGSL under the same name.
 #[derive(Clone, Copy, Debug)]
 pub struct Twin {
-    /// Its name in both languages.
+    /// Name in both languages.
     pub name: &'static str,
-    /// The module that holds the WGSL half.
+    /// Module of the WGSL half.
     pub module: Module,
-    /// Modules that the WGSL half calls into, other than `math`, which is always there.
+    /// Modules that the WGSL half calls, other than `math`, which is always included.
     pub needs: &'static [Module],
     /// WGSL types of the parameters.
     pub parameters: &'static [&'static str],
     /// WGSL type of the result.
     pub result: &'static str,
-    /// The Rust half over raw words: the parameters' components in order, 32 bits each.
+    /// The Rust half on raw words: the parameters' components in order, 32 bits each.
     pub call: fn(&[u32]) -> Vec<u32>,
-    /// Greatest difference allowed, in units in the last place; 0 means bit-equal.
+    /// Greatest allowed difference, in units in the last place; 0 means bit-equal.
     pub ulps: u32,
 }
 
-/// A type of parameters and results of twins, as a sequence of 32-bit words.
+/// A parameter or result type of twins, as a sequence of 32-bit words.
 pub trait Words: Sized {
-    /// The type's WGSL name.
+    /// WGSL name of the type.
     const WGSL: &'static str;
     /// Number of words.
     const COUNT: usize;
-    /// Reads a value from the front of `words`, and moves `words` past it.
+    /// Reads a value from the front of `words`, and advances `words`.
     fn take(words: &mut &[u32]) -> Self;
     /// Appends the value to `words`.
     fn put(self, words: &mut Vec<u32>);
@@ -117,8 +117,8 @@ fn matrix_from_columns(components: [f32; 16]) -> Mat4 {
     Mat4::from_cols_array(&components)
 }
 
-/// Declares a twin: `twin!(MODULE, name(a: Vec3, b: f32) -> f32)`, bit-equal; `twin!(.., ulps 2)`
-/// allows a difference; `twin!(.., needs [OTHER])` names modules that the WGSL half calls into.
+/// Declares a twin. `twin!(MODULE, name(a: Vec3, b: f32) -> f32)` is bit-equal; `twin!(.., ulps 2)`
+/// allows a difference; `twin!(.., needs [OTHER])` lists modules that the WGSL half calls.
 #[macro_export]
 macro_rules! twin {
     ($module:expr, $name:ident($($p:ident: $t:ty),*) -> $r:ty $(, needs [$($need:expr),*])? $(, ulps $ulps:expr)?) => {

@@ -1,23 +1,24 @@
-//! Worlds larger than 32-bit numbers can describe: positions relative to a point near the eye.
+//! Large worlds: positions relative to a point near the eye.
 //!
-//! All else in the library is 32-bit. Scene files (their key `anchor`) and
-//! `LightSet::rebase_caster` are the only users of anchors: after a hop all layers are drawn again.
-//! Stable fits count their texels from the anchor, so a hop moves them by part of a texel.
+//! The rest of the library uses 32-bit positions. Scene files (their key `anchor`) and
+//! `LightSet::rebase_caster` are the only users of anchors. All layers are redrawn after a change
+//! of the anchor. Stable fits count their texels from the anchor, so a change moves them by part of
+//! a texel.
 
 use crate::invalid::Invalid;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
-/// A point of the world near the eye, from which positions are counted, so that the library's
-/// 32-bit positions stay small.
+/// A point of the world near the eye, relative to which positions are stored. It keeps the
+/// library's 32-bit positions small.
 ///
-/// At 1e6 m from the origin 32-bit positions are 6 cm apart; within 2,048 m of an anchor they are
-/// at most .12 mm apart. A program keeps its positions in 64 bits, and hands the library what an
-/// anchor makes of them: casters, lights, the camera, and what its shaders ask for. All that the
-/// library calls world space is then relative to the anchor.
+/// At 1e6 m from the origin, 32-bit positions are 6 cm apart. Within 2,048 m of an anchor they are
+/// at most 0.12 mm apart. A program keeps its positions in 64 bits, and converts them with the
+/// anchor before passing them to the library: casters, lights, the camera, and shader inputs. The
+/// library's world space is then relative to the anchor.
 ///
-/// Anchors are whole multiples of [`Anchor::STEP`] along each axis. So a position that is a
-/// multiple of a power of two is relative to all anchors without an error, and what stands at the
-/// same place from its anchor has the same shadows everywhere, bit for bit.
+/// Anchors are whole multiples of [`Anchor::STEP`] along each axis. Positions that are multiples of
+/// a power of two are therefore converted exactly. Objects at the same offset from their anchor
+/// have bit-equal shadows everywhere.
 ///
 /// ```
 /// use glam::{Affine3A, DAffine3, DVec3, UVec2, Vec3};
@@ -34,14 +35,17 @@ use glam::{Affine3A, DAffine3, DVec3, Vec3};
 /// let light = Light::Point { position: anchor.position(lamp), radius: 0.1 };
 /// let instance = Instance::new(0, anchor.placement(&crate_place));
 /// let target = anchor.position(crate_place.translation);
-/// let camera = Camera::perspective(anchor.position(eye), target, Vec3::Y, 0.9, [0.1, 100.0], UVec2::new(640, 360))?;
+/// let size = UVec2::new(640, 360);
+/// let near_far = [0.1, 100.0];
+/// let eye_position = anchor.position(eye);
+/// let camera = Camera::perspective(eye_position, target, Vec3::Y, 0.9, near_far, size)?;
 /// # assert_eq!(instance.world_from_local.translation, glam::Vec3A::new(-448.0, 0.5, -134.0));
 /// # assert_eq!(light.position(), Some(Vec3::new(-445.0, 4.0, -128.0)));
 /// # assert_eq!(anchor.position(eye), Vec3::new(-448.0, 1.7, -128.0));
-/// # // The camera keeps a matrix, whose inverse has the eye to within rounding.
+/// # // The camera stores a matrix, whose inverse has the eye to within rounding.
 /// # assert!(camera.eye().distance(anchor.position(eye)) < 1e-5);
 ///
-/// // In the next frame, the same anchor while the eye is near enough.
+/// // In the next frame, keep the anchor while the eye is near enough.
 /// let walked = eye + DVec3::new(700.0, 0.0, 0.0);
 /// assert_eq!(anchor.held(walked)?, anchor);
 /// # Ok::<(), umbrage_core::Invalid>(())
@@ -53,15 +57,14 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// Metres between neighbouring anchors along each axis.
+    /// Distance between neighbouring anchors along each axis, metres.
     pub const STEP: f64 = 1024.0;
-    /// How far the eye may go from an anchor that is held, metres. More than the .87 steps within
-    /// which a new one is, so that an eye that goes to and fro keeps its anchor.
+    /// Greatest distance of the eye from a held anchor, metres. It exceeds the 0.87 steps within
+    /// which a new anchor is, so that small movements to and fro don't change the anchor.
     pub const REACH: f64 = 1.5 * Self::STEP;
-    /// The greatest coordinate, metres: beyond it, not all multiples of the step are 64-bit
-    /// numbers.
+    /// Greatest coordinate, metres. Beyond it, some multiples of the step are not exact in 64 bits.
     pub const MAX: f64 = Self::STEP * (1_u64 << f64::MANTISSA_DIGITS) as f64;
-    /// The world's origin, for worlds that need no other.
+    /// The world's origin, for small worlds.
     pub const ORIGIN: Self = Self { point: DVec3::ZERO };
 
     /// Returns the anchor nearest to the eye (world space, metres).
@@ -89,30 +92,30 @@ impl Anchor {
         Self::near(eye)
     }
 
-    /// Returns where the anchor is, world space, metres.
+    /// Returns the position of the anchor, world space, metres.
     pub const fn point(self) -> DVec3 {
         self.point
     }
 
-    /// Returns a position (world space, metres) relative to the anchor: the difference, taken in 64
-    /// bits, rounded once to 32. It is not finite if the position isn't or 32 bits can't hold it,
-    /// which all that takes positions refuses.
+    /// Returns a position (world space, metres) relative to the anchor: a difference in 64 bits,
+    /// rounded once to 32. It is not finite if the position isn't or exceeds 32 bits; functions
+    /// that use positions reject it.
     pub fn position(self, world: DVec3) -> Vec3 {
         (world - self.point).as_vec3()
     }
 
     /// Returns a placement (world from local, metres) relative to the anchor, of an instance, a
     /// caster, or a camera ([`Camera::world_from_view`](crate::Camera::world_from_view)).
-    /// Differences are taken in 64 bits; each number is rounded once to 32.
+    /// Differences are computed in 64 bits; each number is rounded once to 32.
     pub fn placement(self, world_from_local: &DAffine3) -> Affine3A {
         let matrix = world_from_local.matrix3.as_mat3();
         Affine3A::from_mat3_translation(matrix, self.position(world_from_local.translation))
     }
 }
 
-/// Errors unless all multiples of the step are 64-bit numbers around the eye.
+/// Errors unless all multiples of the step around the eye are exact in 64 bits.
 fn check(eye: DVec3) -> Result<(), Invalid> {
-    // No comparison holds for what is not a number.
+    // Comparisons with NaN are false.
     if eye.abs().cmple(DVec3::splat(Anchor::MAX)).all() {
         return Ok(());
     }
@@ -141,7 +144,7 @@ mod tests {
     fn an_eye_that_goes_to_and_fro_keeps_its_anchor() {
         let mut anchor = Anchor::ORIGIN;
         let mut hops = Vec::new();
-        // Out to 4 km and back, and to and fro about each place.
+        // Move out to 4 km and back, and to and fro around each position.
         let out = 0..400;
         let back = (0..400).rev();
         for metres in out.chain(back).map(|i| 10.0 * f64::from(i)) {
@@ -163,7 +166,7 @@ mod tests {
     fn eyes_that_have_no_anchor_are_refused() {
         let most = Anchor::MAX;
         assert_eq!(near(most, -most, 0.0).point().x, most);
-        // Up to there every multiple is a number: the one before differs.
+        // Up to there every multiple is exact: it differs from the previous one.
         assert_eq!(most - (most - Anchor::STEP), Anchor::STEP);
         for x in [f64::NAN, f64::INFINITY, -f64::INFINITY, most * 1.001] {
             for eye in [DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 1.0, x)] {

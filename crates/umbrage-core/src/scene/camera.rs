@@ -1,4 +1,4 @@
-//! The camera, and the ray through each of its pixels.
+//! The camera, and the rays through its pixels.
 
 use crate::{
     invalid::{self, Invalid},
@@ -6,30 +6,31 @@ use crate::{
 };
 use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
 
-/// Largest image side that is accepted anywhere.
+/// Greatest supported image side.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// A pinhole or orthographic camera. Row 0 is the top row; pixel centres are at .5.
+/// A pinhole or orthographic camera. Row 0 is the top row; pixel centres are at 0.5.
 ///
-/// The constructors make cameras that look along their own -z, with depth 0 at near and 1 at far.
-/// Matrices of a renderer with reversed depth, without a far plane, or whose views are left-handed
-/// may be put in as they are: all that the library computes goes through [`Camera::standard`].
+/// The constructors return cameras that look along their own -z, with depth 0 at near and 1 at far.
+/// Matrices of other conventions may be used unchanged: reversed depth, no far plane, or
+/// left-handed views. The library converts them with [`Camera::standard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
-    /// Where it stands; it looks along its own -z, or along +z if its projection is that of a
-    /// left-handed view.
+    /// Position and orientation. The camera looks along its own -z, or along +z if its projection
+    /// is that of a left-handed view.
     pub world_from_view: Affine3A,
-    /// Its projection, depth in 0..1: 0 at near, or 1 at near if it is reversed.
+    /// Projection, depth in 0..1: 0 at near, or 1 at near if reversed.
     pub clip_from_view: Mat4,
     /// Image size, pixels.
     pub size: UVec2,
 }
 
 crate::uniforms! {
-    /// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy`
-    /// along `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not
-    /// unit vectors. The fourth components are unused.
+    /// Rays through pixel centres. The ray of pixel (x, y) starts at
+    /// `origin + fx origin_dx + fy origin_dy` and runs along `dir + fx dir_dx + fy dir_dy`, with fx
+    /// = x + 0.5 and fy = y + 0.5. Directions are not unit vectors. The fourth components are
+    /// unused.
     pub struct CameraRays {
         /// Start of the ray at the image's top left corner.
         pub origin: Vec4,
@@ -47,7 +48,7 @@ crate::uniforms! {
 }
 
 impl Camera {
-    /// Returns a pinhole camera; `fov_y` is the full vertical angle in radians, `near_far` the
+    /// Returns a pinhole camera. `fov_y` is the full vertical angle in radians, `near_far` are the
     /// distances of the near and the far plane in metres. `up` may be parallel to the view.
     ///
     /// # Errors
@@ -66,7 +67,7 @@ impl Camera {
         Self::new(eye, target, up, projection, size)
     }
 
-    /// Returns a camera without perspective.
+    /// Returns an orthographic camera.
     ///
     /// # Errors
     /// Errors if [`Camera::perspective`] does.
@@ -130,22 +131,23 @@ impl Camera {
         self.world_from_view.translation.into()
     }
 
-    /// Returns a camera of the same image that looks along its own -z, with depth that grows from 0
-    /// at near; the same bits if this one does already.
+    /// Returns an equivalent camera that looks along its own -z, with depth that grows from 0 at
+    /// near. It is bit-equal if this camera already does.
     ///
-    /// The view is left-handed if clip w grows along +z. Without perspective w says nothing: then
-    /// it is left-handed if depth grows along +z and all that it shows lies there, so give
-    /// left-handed views that are orthographic usual depth.
+    /// The view is left-handed if clip w grows along +z. An orthographic projection has constant w.
+    /// It counts as left-handed if depth grows along +z and the whole view volume is at positive z,
+    /// so orthographic left-handed views must not use reversed depth.
     #[must_use]
     pub fn standard(&self) -> Self {
         let mut out = *self;
         if looks_along_plus_z(&self.clip_from_view) {
-            // Both matrices are mirrored, so clip from world stays.
+            // Mirror both matrices, so that clip from world stays the same.
             out.world_from_view.matrix3.z_axis = -out.world_from_view.matrix3.z_axis;
             out.clip_from_view.z_axis = -out.clip_from_view.z_axis;
         }
         if is_reversed(&out.clip_from_view) {
-            // Depth becomes 1 - z / w = (w - z) / w. The transpose's columns are the matrix' rows.
+            // Replace depth by 1 - z / w = (w - z) / w. The transpose's columns are the matrix'
+            // rows.
             let mut rows = out.clip_from_view.transpose();
             rows.z_axis = rows.w_axis - rows.z_axis;
             out.clip_from_view = rows.transpose();
@@ -163,7 +165,7 @@ impl Camera {
         }
     }
 
-    /// Returns the same camera with another image size; what it sees vertically stays.
+    /// Returns the same camera with another image size; the vertical field of view is kept.
     #[must_use]
     pub fn resized(&self, size: UVec2) -> Self {
         let old_aspect = f64::from(self.size.x) / f64::from(self.size.y);
@@ -189,7 +191,7 @@ impl Camera {
     /// Returns the rays through the pixels' centres.
     pub fn rays(&self) -> CameraRays {
         let unprojection = Unprojection::new(&self.standard());
-        // Both ends of a ray are linear in the place on the image, so three rays give all.
+        // Interpolate from three rays: both ends of a ray are linear in the image position.
         let corner = unprojection.ray(0.0, 0.0);
         let right = unprojection.ray(1.0, 0.0);
         let down = unprojection.ray(0.0, 1.0);
@@ -210,7 +212,7 @@ struct ImageRay {
     direction: DVec3,
 }
 
-/// The way from a standard camera's image back into the world.
+/// The transform from a standard camera's image to world space.
 struct Unprojection {
     world_from_view: DAffine3,
     view_from_clip: DMat4,
@@ -230,7 +232,7 @@ impl Unprojection {
         }
     }
 
-    /// Returns the ray through a place on the image, pixels from its top left corner.
+    /// Returns the ray through a position on the image, pixels from its top left corner.
     fn ray(&self, x: f64, y: f64) -> ImageRay {
         let on_near_plane = DVec3::new(
             2.0 * x / self.size.x - 1.0,
@@ -257,20 +259,20 @@ fn rounded(v: DVec3) -> Vec4 {
     v.as_vec3().extend(0.0)
 }
 
-/// Returns whether a projection is for a left-handed view: see [`Camera::standard`].
+/// Returns whether a projection is for a left-handed view, see [`Camera::standard`].
 fn looks_along_plus_z(clip_from_view: &Mat4) -> bool {
     let depth = clip_from_view.row(2);
     let w = clip_from_view.row(3);
     if w.z != 0.0 {
         return w.z > 0.0;
     }
-    // Depth is depth.z z + depth.w: it is depth.w at the plane z = 0, before which (as depth grows)
-    // nothing seen lies if that is not positive.
+    // Depth is depth.z z + depth.w. At the plane z = 0 it is depth.w; if that is not positive,
+    // nothing visible is in front of that plane.
     depth.z > 0.0 && depth.w <= 0.0
 }
 
-/// Returns whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the
-/// sign of a d - b c.
+/// Returns whether depth decreases along -z. Depth is (a z + b) / (c z + d), whose derivative has
+/// the sign of a d - b c.
 fn is_reversed(clip_from_view: &Mat4) -> bool {
     let depth = clip_from_view.row(2).as_dvec4();
     let w = clip_from_view.row(3).as_dvec4();

@@ -1,63 +1,64 @@
-//! The kinds of light. Closed on purpose: a new kind must be met by everything that matches on it.
+//! The kinds of light. The enum is exhaustive on purpose: matches must handle every kind.
 
 use crate::invalid::{Invalid, direction, finite, not_negative, positive};
 use glam::Vec3;
 
-/// A light. Lights with an extent emit from all of it, to both sides, and are seen as a fraction.
+/// A light. Area lights emit from their whole area, to both sides, and may be partially visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Light {
-    /// Infinitely far.
+    /// At infinity.
     Directional {
-        /// The way light travels; any length.
+        /// Direction of the light's travel; any length.
         direction: Vec3,
         /// Full angle of the light's disc in the sky, radians; 0 for an ideal light. The sun's is
-        /// .0093.
+        /// 0.0093.
         angular_diameter: f32,
     },
-    /// Shines within a cone.
+    /// Emits within a cone.
     Spot {
-        /// Where it is.
+        /// Position.
         position: Vec3,
-        /// The cone's axis; any length.
+        /// Axis of the cone; any length.
         direction: Vec3,
-        /// Half angle of full light, radians.
+        /// Half angle of the fully lit cone, radians.
         inner: f32,
-        /// Half angle where light ends, radians, below pi/2.
+        /// Half angle of the whole cone, radians, below pi/2.
         outer: f32,
-        /// Radius of the disc across the axis that emits, metres; 0 for an ideal light.
+        /// Radius of the emitting disc, which is perpendicular to the axis, metres; 0 for an ideal
+        /// light.
         radius: f32,
     },
-    /// Shines every way.
+    /// Emits in all directions.
     Point {
-        /// Where it is.
+        /// Position.
         position: Vec3,
-        /// Radius of the ball that emits, metres; 0 for an ideal light. Seen from a receiver it
-        /// counts as the disc through its centre that faces the receiver.
+        /// Radius of the emitting sphere, metres; 0 for an ideal light. For each receiver, it is
+        /// approximated by the disc through its centre that faces the receiver.
         radius: f32,
     },
-    /// A rectangle (more exactly, a parallelogram).
+    /// A rectangle (more generally, a parallelogram).
     Rect {
-        /// Its middle.
+        /// Centre.
         center: Vec3,
-        /// From the middle to the middle of one side.
+        /// Vector from the centre to the midpoint of one side.
         half_u: Vec3,
-        /// From the middle to the middle of a neighbouring side.
+        /// Vector from the centre to the midpoint of a neighbouring side.
         half_v: Vec3,
     },
     /// A flat disc.
     Disc {
-        /// Its middle.
+        /// Centre.
         center: Vec3,
-        /// Across the disc; any length.
+        /// Normal of the disc; any length.
         normal: Vec3,
-        /// Metres, greater than zero.
+        /// Radius, metres, greater than zero.
         radius: f32,
     },
 }
 
 impl Light {
-    /// The kind's name, as scene files have it.
+    /// Returns the kind's name, as in scene files.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Directional { .. } => "directional",
@@ -68,7 +69,7 @@ impl Light {
         }
     }
 
-    /// Returns whether every receiver sees the light whole or not at all.
+    /// Returns whether every receiver sees all of the light or nothing.
     pub fn is_ideal(&self) -> bool {
         match *self {
             Self::Directional {
@@ -79,8 +80,8 @@ impl Light {
         }
     }
 
-    /// Returns the ideal light in this one's middle: itself without an extent, or a point light in
-    /// the place of an area.
+    /// Returns the ideal light at this one's centre: the same kind without extent, or a point light
+    /// instead of a rectangle or disc.
     #[must_use]
     pub fn without_extent(&self) -> Self {
         match *self {
@@ -114,7 +115,7 @@ impl Light {
         }
     }
 
-    /// Returns the light's middle, world space; `None` for a directional light.
+    /// Returns the centre of the light, world space; `None` for a directional light.
     pub fn position(&self) -> Option<Vec3> {
         match *self {
             Self::Directional { .. } => None,
@@ -123,8 +124,8 @@ impl Light {
         }
     }
 
-    /// Returns the same light with its middle elsewhere, world space; a directional light stays as
-    /// it is.
+    /// Returns the light with its centre moved to `to`, world space; a directional light is
+    /// unchanged.
     #[must_use]
     pub fn moved_to(mut self, to: Vec3) -> Self {
         match &mut self {
@@ -135,7 +136,7 @@ impl Light {
         self
     }
 
-    /// Returns the unit direction from `p` to the light's middle.
+    /// Returns the unit direction from `p` to the centre of the light.
     pub fn direction_from(&self, p: Vec3) -> Vec3 {
         let to_light = match *self {
             Self::Directional { direction, .. } => -direction.as_dvec3(),
@@ -183,14 +184,14 @@ impl Light {
                     return Ok(());
                 }
                 let why = format!(
-                    "is {} degrees, the outer one {}",
+                    "is {} degrees, and the outer angle is {}",
                     inner.to_degrees(),
                     outer.to_degrees()
                 );
                 Err(Invalid::new(
                     "inner angle",
                     why,
-                    "make the inner angle the smaller",
+                    "make the inner angle at most the outer angle",
                 ))
             }
             Self::Point { radius, .. } => not_negative("radius", radius),

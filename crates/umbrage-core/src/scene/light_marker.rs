@@ -1,17 +1,17 @@
-//! The light's marker: a small cube that shows in pictures where the light is.
+//! Light markers: small cubes at the positions of lights, for images.
 
 use crate::scene::{Instance, Mesh, Scene, camera::Camera, light::Light, material::Material};
 use glam::{Affine3A, Mat4, Vec3};
 
-/// How the light is marked.
+/// Settings of the light marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightMarker {
-    /// The cube's own light, linear: the light's colour.
+    /// Emitted colour of the cube, linear: the light's colour.
     pub color: Vec3,
-    /// The cube's side as a fraction of the image's height, where it stands.
+    /// Side of the cube as a fraction of the image's height, at its depth.
     pub height: f32,
-    /// Where a directional light is marked, which has no place of its own: the eye of a manual fit,
-    /// say. None: not at all.
+    /// Position of the marker of a directional light, for example the eye of a manual fit. `None`
+    /// for no marker.
     pub directional_at: Option<Vec3>,
 }
 
@@ -26,9 +26,9 @@ impl Default for LightMarker {
 }
 
 impl LightMarker {
-    /// Returns where the cube stands, and half its side in metres; `None` where nothing can be
-    /// marked: a directional light without a place, or a light in the plane through the camera's
-    /// eye across its view.
+    /// Returns the position of the cube, and half its side in metres. `None` if it can't be marked:
+    /// a directional light without a position, or a light in the plane through the camera's eye
+    /// perpendicular to its view.
     pub fn place(&self, light: &Light, camera: &Camera) -> Option<(Vec3, f32)> {
         let at = light.position().or(self.directional_at)?;
         let camera = camera.standard();
@@ -45,11 +45,11 @@ impl LightMarker {
 }
 
 impl Scene {
-    /// Returns the same scene with a cube in the light's colour where its first light is, of the
-    /// same size in the image of its first camera wherever that light is; lights with an extent are
-    /// marked at their middle. The cube neither casts nor receives, so it changes no shadow; but it
-    /// hides what is behind it, so take errors from masks of the scene without it. The scene stays
-    /// as it is if there is nothing to mark.
+    /// Returns the scene with a cube in the light's colour at its first light; area lights are
+    /// marked at their centre. The cube has the same size in the image of the first camera at any
+    /// distance. It neither casts nor receives, so it changes no shadow. It hides the geometry
+    /// behind it, so compute errors from masks of the scene without it. Returns the scene unchanged
+    /// if there is nothing to mark.
     #[must_use]
     pub fn with_light_marker(&self, marker: LightMarker) -> Self {
         let mut scene = self.clone();
@@ -81,7 +81,7 @@ impl Scene {
     }
 }
 
-/// Returns a cube from -1 to 1. Bit 0 of a corner's number says whether x is 1, bit 1 y, bit 2 z.
+/// Returns a cube from -1 to 1. Bits 0, 1 and 2 of a corner's index select x, y and z of 1.
 fn cube() -> Mesh {
     let corner = |i: u32| {
         let unit = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
@@ -147,7 +147,7 @@ mod tests {
         Camera::perspective(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, [0.1, 99.0], SIZE).unwrap()
     }
 
-    /// Rows between the cube's top and bottom edge, halfway along the view, in the image.
+    /// Returns the number of rows between the cube's top and bottom edge, halfway along the view.
     fn rows(camera: &Camera, at: Vec3, half: f32) -> f32 {
         let clip_from_world = camera.space().clip_from_world();
         let ndc_y = |p: Vec3| {

@@ -1,11 +1,12 @@
-//! Sampling of lights: the points at which shadow rays end, for truth and for the traced technique.
+//! Sampling of lights: the end points of shadow rays, for truth and the traced technique.
 //!
 //! All of it is explicit arithmetic on `f32` and `u32` in a fixed order, without the transcendental
-//! functions of either language, so that a shading-language twin can give the same bits.
+//! functions of either language, so that the WGSL twin is bit-equal.
 //!
-//! A receiver's samples are points of the unit square (a scrambled (0, 2)-sequence, so every power
-//! of two of them is stratified in all ways at once), mapped onto the light with areas (for suns:
-//! solid angles) kept. Their mean is the **unweighted fraction of the light seen**.
+//! A receiver's samples are points of the unit square, from a scrambled (0, 2)-sequence: every
+//! power of two of them is stratified in all elementary intervals. The map from the square to the
+//! light preserves areas (for suns: solid angles). The mean of the samples is the **unweighted
+//! visible fraction of the light**.
 
 use crate::{math::dot3, recipe::shader::Module, scene::light::Light, uniforms};
 use glam::{DVec3, UVec4, Vec2, Vec3, Vec4};
@@ -15,43 +16,44 @@ pub const LIGHT_SAMPLE: Module = crate::module!("light_sample");
 
 /// Kinds of [`LightSampler`]: the first component of `shape`.
 pub mod kind {
-    /// A direction: all samples are alike.
+    /// A direction: all samples are equal.
     pub const DIRECTION: u32 = 0;
     /// A cap of directions, uniform in solid angle.
     pub const CAP: u32 = 1;
-    /// A point: all samples are alike.
+    /// A point: all samples are equal.
     pub const POINT: u32 = 2;
     /// A parallelogram.
     pub const RECT: u32 = 3;
     /// A flat disc.
     pub const DISC: u32 = 4;
-    /// A ball, as the disc through its centre that faces the receiver.
+    /// A sphere, as the disc through its centre that faces the receiver.
     pub const BALL: u32 = 5;
 }
 
-/// Segments to a light end short of it by this fraction (2^-14): a lamp's own mesh, in which the
-/// light lies, must not hide it, and the rounding of a hit on it is far smaller. A real caster that
-/// close to the light is not seen.
+/// Length of segments to a light, as a fraction: they end short of it by 2^-14. A light fixture's
+/// own mesh, which contains the light, must not hide it, and the rounding of a hit on it is far
+/// smaller. A real caster that close to the light is missed.
 pub const SHORT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// Ray origins are lifted off their surface by this fraction (2^-20, 8 units in the last place) of
-/// the greatest length that went into the receiver's position or that goes into the test of a
-/// neighbouring triangle: both are wrong by about one to four units in the last place of it.
+/// Offset of ray origins from their surface, as a fraction (2^-20, 8 units in the last place) of a
+/// length. That length is the greatest one used to compute the receiver's position or to test a
+/// neighbouring triangle. Both have errors of about one to four units in its last place.
 pub const LIFT: f32 = 1.0 / 1_048_576.0;
 
 uniforms! {
-    /// A light, ready to be sampled.
+    /// A light, prepared for sampling.
     pub struct LightSampler {
-        /// The [`kind`]; the rest is unused. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's
-        /// drivers.rs.
+        /// The [`kind`]; the other components are unused. It is the first field: see
+        /// `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub shape: UVec4,
-        /// World position of the light's middle; for directions the unit vector towards the light.
-        /// Fourth: unused.
+        /// World position of the light's centre; for directions, the unit vector towards the light.
+        /// Fourth component: unused.
         pub center: Vec4,
-        /// From the middle to the rim, metres; for caps a unit vector across the axis. Fourth: for
-        /// caps 1 - cos of the half angle, for balls the radius in metres.
+        /// Vector from the centre to the rim, metres; for caps, a unit vector perpendicular to the
+        /// axis. Fourth component: for caps 1 - cos of the half angle, for spheres the radius in
+        /// metres.
         pub half_u: Vec4,
-        /// The other half axis, likewise. Fourth: unused.
+        /// The second half axis, like `half_u`. Fourth component: unused.
         pub half_v: Vec4,
     }
 }
@@ -102,7 +104,7 @@ impl LightSampler {
     fn directional(direction: Vec3, angular_diameter: f32) -> Self {
         let to_light = -direction.as_dvec3().normalize_or(DVec3::NEG_Y);
         let (u, v) = to_light.any_orthonormal_pair();
-        // 1 - cos(a) = 2 sin(a / 2)^2, without the cancellation; the half angle a is half the
+        // Compute 1 - cos(a) = 2 sin(a / 2)^2, without cancellation; the half angle a is half the
         // diameter.
         let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
         let kind = if angular_diameter > 0.0 {
@@ -122,14 +124,14 @@ impl LightSampler {
         Self::of_kind(kind::DISC, center, half_u, (v * radius).as_vec3())
     }
 
-    /// Returns whether all samples are alike, so that one is enough.
+    /// Returns whether all samples are equal, so that one is enough.
     pub fn is_ideal(&self) -> bool {
         self.shape.x == kind::DIRECTION || self.shape.x == kind::POINT
     }
 }
 
 /// Returns the vector from `p` to the light's point at `uv` of the unit square, shortened by
-/// [`SHORT`]; for directions it is `far` metres long.
+/// [`SHORT`]; for directions its length is `far` metres.
 #[inline(always)]
 pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     let center = Vec3::new(s.center.x, s.center.y, s.center.z);
@@ -158,10 +160,10 @@ pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     (to_center + tangent(n) * q.x + bitangent(n) * q.y) * SHORT
 }
 
-/// Returns the unit vector, in the cap around the unit vector `axis`, to which the point `q` of the
-/// unit disc is mapped; areas become solid angles (Archimedes' hat box: height on the sphere grows
-/// with the square of the radius). `u` and `v` are unit vectors across the axis; `cap` is 1 - cos
-/// of the cap's half angle.
+/// Returns the unit vector, in the cap around the unit vector `axis`, for the point `q` of the unit
+/// disc. Areas become solid angles (Archimedes' hat-box theorem: height on the sphere grows with
+/// the square of the radius). `u` and `v` are unit vectors perpendicular to the axis; `cap` is 1 -
+/// cos of the cap's half angle.
 #[inline(always)]
 pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     let h = (q.x * q.x + q.y * q.y) * cap;
@@ -169,8 +171,8 @@ pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side)
 }
 
-/// Maps the unit square to the unit disc and keeps areas: Shirley, Chiu 1997, "A Low Distortion Map
-/// Between Disk and Square".
+/// Maps the unit square to the unit disc, preserving areas: Shirley, Chiu 1997, "A Low Distortion
+/// Map Between Disk and Square".
 #[inline(always)]
 pub fn disc_point(uv: Vec2) -> Vec2 {
     const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
@@ -201,8 +203,8 @@ pub fn small_cos(x: f32) -> f32 {
     1.0 + q * (-0.5 + q * (4.166_666_8e-2 + q * (-1.388_888_9e-3 + q * 2.480_158_7e-5)))
 }
 
-/// Returns a unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal
-/// Basis, Revisited".
+/// Returns a unit vector perpendicular to the unit vector `n`: Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited".
 #[inline(always)]
 pub fn tangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -214,7 +216,7 @@ pub fn tangent(n: Vec3) -> Vec3 {
     )
 }
 
-/// Returns a unit vector across the unit vector `n` and its [`tangent`].
+/// Returns a unit vector perpendicular to the unit vector `n` and its [`tangent`].
 #[inline(always)]
 pub fn bitangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -222,15 +224,15 @@ pub fn bitangent(n: Vec3) -> Vec3 {
     Vec3::new(n.x * n.y * a, sign + n.y * n.y * a, -n.y)
 }
 
-/// Returns how far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the
-/// greatest other length that went into it (distance to the eye, extent of the receiver's
+/// Returns the offset of a ray's origin from its surface, metres. `p` is the receiver, `reach` the
+/// greatest other length used to compute it (distance to the eye, extent of the receiver's
 /// triangle).
 #[inline(always)]
 pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
     p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
 }
 
-/// Returns where the rays of a receiver at `p` with the unit normal `n` start: lifted off its
+/// Returns the origin of the rays of a receiver at `p` with the unit normal `n`, offset from its
 /// surface. `eye` is the camera's position, `extent` the greatest extent of a receiving triangle,
 /// metres.
 #[inline(always)]
@@ -240,21 +242,21 @@ pub fn ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3 {
     p + n * origin_offset(p, reach)
 }
 
-/// Returns a pixel's own scramble.
+/// Returns the scramble of a pixel.
 #[inline(always)]
 pub fn seed(x: u32, y: u32) -> u32 {
     hash(x.wrapping_add(hash(y.wrapping_add(0x9e37_79b9))))
 }
 
 /// Returns point `i` of the unit square's sequence with this scramble: van der Corput's sequence
-/// and Sobol's second one, each put through a nested uniform (Owen) scramble.
+/// and Sobol's second one, each with a nested uniform (Owen) scramble.
 #[inline(always)]
 pub fn unit_square(i: u32, seed: u32) -> Vec2 {
     scrambled(sobol_bits(i), seed)
 }
 
-/// Returns point `i` of the sequence before scrambling, as binary fractions with their bits
-/// reversed (lowest bit = 1/2).
+/// Returns point `i` of the sequence before scrambling, as binary fractions with reversed bits
+/// (lowest bit = 1/2).
 #[inline(always)]
 pub fn sobol_bits(i: u32) -> [u32; 2] {
     [i, sobol_second(i).reverse_bits()]
@@ -284,9 +286,9 @@ pub fn sobol_second(i: u32) -> u32 {
     bits
 }
 
-/// Nested uniform scrambling of bit-reversed fractions, each bit by a hash of those below it:
-/// Laine, Karras 2011, "Stratified Sampling for Stochastic Transparency"; constants from Vegdahl
-/// 2021, "Owen Scrambling Hash Functions".
+/// Applies nested uniform scrambling to bit-reversed fractions, each bit by a hash of those below
+/// it: Laine, Karras 2011, "Stratified Sampling for Stochastic Transparency"; constants from
+/// Vegdahl 2021, "Owen Scrambling Hash Functions".
 #[inline(always)]
 pub fn owen(reversed: u32, seed: u32) -> u32 {
     let mut x = reversed;
@@ -310,7 +312,7 @@ pub fn hash(x: u32) -> u32 {
     x
 }
 
-/// All twins of this module, for the tests that compare them.
+/// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(LIGHT_SAMPLE, small_sin(x: f32) -> f32, needs [crate::math::MATH]),
@@ -332,8 +334,8 @@ pub const TWINS: &[crate::recipe::twin::Twin] = &[
 mod tests {
     use super::*;
 
-    /// Every elementary interval of a (0, 2)-sequence's first 2^m points holds exactly one,
-    /// scrambled or not.
+    /// Every elementary interval of a (0, 2)-sequence's first 2^m points contains exactly one
+    /// point, scrambled or not.
     #[test]
     fn points_are_stratified_every_way() {
         for seed in [0, 1, 0xdead_beef] {
@@ -365,8 +367,8 @@ mod tests {
         }
     }
 
-    /// A quarter of the disc's area lies within half its radius, and a half of it left of the
-    /// middle.
+    /// A quarter of the disc's area is within half its radius, and half of it is left of the
+    /// centre.
     #[test]
     fn the_disc_keeps_areas() {
         let points: Vec<Vec2> = (0..4096).map(|i| disc_point(unit_square(i, 7))).collect();
@@ -393,7 +395,7 @@ mod tests {
             .collect();
         let widest = angles.iter().copied().fold(0.0, f32::max);
         assert!(widest <= 0.2 + 1e-5 && widest > 0.19, "{widest}");
-        // Half the solid angle lies within acos(1 - (1 - cos .2) / 2) of the axis.
+        // Half the solid angle is within acos(1 - (1 - cos 0.2) / 2) of the axis.
         let median = (1.0 - (1.0 - 0.2_f32.cos()) / 2.0).acos();
         let within = angles.iter().filter(|&&a| a < median).count();
         assert!((within as i32 - 512).abs() <= 4, "{within}");

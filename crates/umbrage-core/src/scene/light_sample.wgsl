@@ -1,4 +1,4 @@
-// Twin of light_sample.rs: where on a light a shadow ray ends.
+// Twin of light_sample.rs: the end points of shadow rays on a light.
 
 const LIGHT_DIRECTION = 0u;
 const LIGHT_CAP = 1u;

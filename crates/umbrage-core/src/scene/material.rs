@@ -1,81 +1,80 @@
-//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of
-//! them but displacement and alpha.
+//! Materials and textures for colour images and detailed surfaces. Masks only depend on their
+//! displacement and alpha.
 
 use crate::invalid::{Invalid, finite, not_negative};
 use glam::{UVec2, Vec3};
 
-/// Texels of any meaning: colour, tangent-space normals, height, alpha.
+/// Texels of any kind: colour, tangent-space normals, height, alpha.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Texture {
-    /// A name for error messages.
+    /// Name for error messages.
     pub name: String,
-    /// Texels.
+    /// Size in texels.
     pub size: UVec2,
-    /// Rows from the top. Colours are linear: who loads a file decodes sRGB, once.
+    /// Rows from the top. Colours are linear: loaders must decode sRGB.
     pub texels: Vec<[f32; 4]>,
 }
 
-/// How a surface looks. Colours are linear, 0 to 1.
+/// Appearance of a surface. Colours are linear, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
-    /// Colour of diffuse reflection; multiplied with the texture, if there is one.
+    /// Colour of diffuse reflection, multiplied by the texture, if any.
     pub diffuse: Vec3,
     /// Index into [`Scene::textures`](crate::Scene::textures): colour over the mesh's uvs.
     pub diffuse_texture: Option<usize>,
     /// Colour of the highlight.
     pub specular: Vec3,
-    /// The highlight's power is 2 to this: 5 for 32. Powers of two are made by repeated squaring,
-    /// the same on every driver.
+    /// Base-2 logarithm of the highlight's exponent: 5 for 32. Powers of two are computed by
+    /// repeated squaring, which is the same on every driver.
     pub shininess_log2: u32,
-    /// Light of its own, which no shadow touches: lamps' markers.
+    /// Emitted light, unaffected by shadows: used for light markers.
     pub emissive: Vec3,
-    /// Index into the scene's textures: tangent-space normals as `(n + 1) / 2`, green up (OpenGL's
+    /// Index into the scene's textures: tangent-space normals as `(n + 1) / 2`, green up (OpenGL
     /// convention).
     pub normal_map: Option<usize>,
-    /// Relief.
+    /// Displacement of the surface.
     pub displacement: Option<Displacement>,
-    /// Where the surface isn't there: leaves, fences.
+    /// Alpha test, for leaves and fences.
     pub alpha: Option<AlphaCutout>,
 }
 
-/// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point
-/// is a hole if the fourth channel of the texel nearest to its uv (repeating) is less than the
-/// cut-off. A texture without such a texel cuts nothing out, and
-/// [`Geometry::bake`](crate::Geometry::bake) leaves it aside.
+/// Alpha test of a surface: light and camera rays pass through its holes. A point is a hole if the
+/// fourth channel of the texel nearest to its uv (repeating) is less than the cut-off.
+/// [`Geometry::bake`](crate::Geometry::bake) ignores textures without such texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlphaCutout {
     /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear
     /// to 1 opaque.
     pub texture: usize,
-    /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is
-    /// not negative.
+    /// Least alpha of an opaque texel, 0 to 1. With 0, a texture whose alpha is not negative has no
+    /// holes.
     pub cutoff: f32,
-    /// What images ask of the texture where their pixels are larger than its texels.
+    /// Filter for images whose pixels are larger than the texels.
     #[cfg_attr(feature = "serde", serde(default))]
     pub filter: AlphaFilter,
 }
 
-/// What the camera's image and shadow maps ask of an alpha texture where a pixel of theirs is
-/// larger than a texel. Rays always ask for the nearest texel, and so truth does.
+/// Alpha filter of the camera's image and shadow maps where their pixels are larger than a texel.
+/// Rays, and therefore truth, always use the nearest texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlphaFilter {
-    /// The texel at the pixel's centre, as rays do: no approximation. Far away an edge is as noisy
-    /// as one ray a pixel is.
+    /// The texel at the pixel's centre, as for rays: no approximation. Distant edges are as noisy
+    /// as with one ray per pixel.
     #[default]
     Nearest,
-    /// How much of the texture is there on the average over about a pixel, compared with a
-    /// threshold that is hashed from the place on the triangle: what is seen from far keeps its
-    /// mean coverage, and doesn't flicker where the camera moves. It is an approximation (Wyman and
-    /// McGuire 2017, "Hashed Alpha Testing"; [`hashed_alpha`](crate::hashed_alpha) has the rule).
+    /// The mean coverage of about a pixel, compared with a threshold hashed from the position on
+    /// the triangle. Distant geometry keeps its mean coverage, and doesn't flicker when the camera
+    /// moves. This is an approximation (Wyman and McGuire 2017, "Hashed Alpha Testing", see
+    /// [`hashed_alpha`](crate::hashed_alpha)).
     Hashed,
 }
 
 impl AlphaCutout {
-    /// Returns whether there is surface where a texel is the nearest one.
+    /// Returns whether a texel is opaque.
     pub(crate) fn is_there(&self, texel: &[f32; 4]) -> bool {
         texel[3] >= self.cutoff
     }
@@ -94,21 +93,22 @@ impl AlphaCutout {
     }
 }
 
-/// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first
-/// channel of the texture at its uv, bilinear and repeating. It is baked into the geometry, so that
-/// camera and light see the same relief.
+/// Displacement: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the
+/// first channel of the texture at its uv, bilinear and repeating. It is baked into the geometry,
+/// so camera and light see the same relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Displacement {
     /// Index into the scene's textures.
     pub texture: usize,
-    /// Metres (of the mesh's own space); negative turns the relief inside out.
+    /// Scale, metres in mesh space; negative inverts the relief.
     pub lambda: f32,
-    /// How often each triangle is split in four before: a coarse mesh cannot show relief. 0 to 8.
+    /// Number of times that each triangle is first split in four, 0 to 8. A coarse mesh cannot show
+    /// relief.
     pub subdivisions: u32,
 }
 
-/// Most subdivisions accepted: each triangle becomes 65,536.
+/// Greatest number of subdivisions: each triangle becomes 65,536.
 pub const MAX_SUBDIVISIONS: u32 = 8;
 /// Greatest [`Material::shininess_log2`].
 pub const MAX_SHININESS_LOG2: u32 = 12;
@@ -132,8 +132,8 @@ impl Texture {
     /// Checks that the texture can be read.
     ///
     /// # Errors
-    /// Errors with the first fault found: a size that doesn't fit the texels, a texel that is not
-    /// finite.
+    /// Errors with the first fault found: a size that doesn't match the number of texels, a texel
+    /// that is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let what = format!("texture `{}`", self.name);
         let texels = u64::from(self.size.x) * u64::from(self.size.y);
@@ -144,12 +144,12 @@ impl Texture {
                 self.size.x,
                 self.size.y
             );
-            let help = "give width times height texels, at least one";
+            let help = "use width times height texels, at least one";
             return Err(Invalid::new(what, why, help));
         }
         for (i, texel) in self.texels.iter().enumerate() {
-            // Names are made only for what is not finite: making one for each texel would take
-            // long.
+            // Format names only for texels that are not finite: formatting one for each texel is
+            // slow.
             if texel.iter().any(|v| !v.is_finite()) {
                 finite(&format!("texel {i}"), texel).map_err(|e| e.within(&what))?;
             }
@@ -159,11 +159,11 @@ impl Texture {
 }
 
 impl Material {
-    /// Checks that the material can be used in a scene with so many `textures`.
+    /// Checks that the material can be used in a scene with `textures` textures.
     ///
     /// # Errors
-    /// Errors with the first fault found: a texture that isn't there, a number that is negative or
-    /// not finite, an absurd setting, a cut-off outside 0 to 1.
+    /// Errors with the first fault found: an invalid texture index, a number that is negative or
+    /// not finite, a setting or a cut-off out of range.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
         for (what, color) in [
             ("diffuse colour", self.diffuse),

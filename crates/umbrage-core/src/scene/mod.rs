@@ -1,5 +1,5 @@
-//! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is
-//! wrong.
+//! Scenes: meshes, instances of them, lights and cameras. Fields are public; `validate` reports
+//! errors.
 
 pub(crate) mod anchor;
 pub(crate) mod camera;
@@ -18,27 +18,26 @@ use crate::{
 };
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-/// Triangles in their own space. Right-handed; counter-clockwise seen from outside.
+/// Triangles in local space. Right-handed; counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// A name for error messages.
+    /// Name for error messages.
     pub name: String,
     /// Vertex positions, metres.
     pub positions: Vec<Vec3>,
-    /// Shading normals, one a vertex, any length; or empty, and they are averaged from the
-    /// triangles.
+    /// Shading normals, one per vertex, any length. If empty, they are averaged from the triangles.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates, one a vertex, origin top left; or empty.
+    /// Texture coordinates, one per vertex, origin top left; or empty.
     pub uvs: Vec<Vec2>,
-    /// Tangents for normal maps, one a vertex: xyz along growing u, w the handedness (bitangent = w
-    /// n x t); or empty.
+    /// Tangents for normal maps, one per vertex: xyz along growing u, w the handedness (bitangent =
+    /// w n x t); or empty.
     pub tangents: Vec<Vec4>,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// A mesh without normals and texture coordinates.
+    /// Returns a mesh without normals and texture coordinates.
     ///
     /// # Errors
     /// Errors if [`Mesh::validate`] does.
@@ -66,7 +65,7 @@ impl Mesh {
         let what = format!("mesh `{}`", self.name);
         let count = self.positions.len();
         if self.triangles.is_empty() || count == 0 {
-            let help = "give it at least one, or leave the mesh out";
+            let help = "add at least one, or remove the mesh";
             return Err(Invalid::new(what, "has no triangles", help));
         }
         if u32::try_from(count).is_err() || u32::try_from(self.triangles.len()).is_err() {
@@ -80,7 +79,7 @@ impl Mesh {
         ] {
             if len != 0 && len != count {
                 let why = format!("has {len} {kind} for {count} vertices");
-                return Err(Invalid::new(what, why, "give one a vertex or none"));
+                return Err(Invalid::new(what, why, "use one per vertex or none"));
             }
         }
         self.validate_numbers().map_err(|e| e.within(&what))?;
@@ -95,7 +94,7 @@ impl Mesh {
     }
 
     fn validate_numbers(&self) -> Result<(), Invalid> {
-        // Names are made only for what is not finite: making one for each vertex would take long.
+        // Format names only for values that are not finite: formatting one for each vertex is slow.
         for (i, position) in self.positions.iter().enumerate() {
             if !position.is_finite() {
                 finite(&format!("vertex {i}"), &position.to_array())?;
@@ -120,23 +119,23 @@ impl Mesh {
     }
 }
 
-/// One placement of a mesh.
+/// An instance of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
     /// Index into [`Scene::meshes`].
     pub mesh: usize,
-    /// Where it stands.
+    /// Placement in the world.
     pub world_from_local: Affine3A,
-    /// Whether it throws shadows.
+    /// True if it casts shadows.
     pub casts: bool,
-    /// Whether shadows fall on it.
+    /// True if it receives shadows.
     pub receives: bool,
-    /// Index into [`Scene::materials`]; [`Material::default`] if none.
+    /// Index into [`Scene::materials`]; `None` for [`Material::default`].
     pub material: Option<usize>,
 }
 
 impl Instance {
-    /// An instance that casts and receives.
+    /// Returns an instance that casts and receives.
     pub fn new(mesh: usize, world_from_local: Affine3A) -> Self {
         Self {
             mesh,
@@ -148,23 +147,22 @@ impl Instance {
     }
 }
 
-/// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few
-/// letters around it.
+/// Greatest length of a scene's name, bytes: most file systems allow names of 255, and reports add
+/// a few letters.
 pub const MAX_NAME_BYTES: usize = 200;
 
-/// All there is to see. The first light and the first camera are the ones compared.
+/// A scene. Comparisons use the first light and the first camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// A short name, at most [`MAX_NAME_BYTES`] bytes, fit for a file name once blanks are
-    /// replaced.
+    /// Short name, at most [`MAX_NAME_BYTES`] bytes, valid as a file name once blanks are replaced.
     pub name: String,
-    /// Shapes.
+    /// Meshes.
     pub meshes: Vec<Mesh>,
-    /// Placements of the shapes.
+    /// Instances of the meshes.
     pub instances: Vec<Instance>,
-    /// Looks.
+    /// Materials.
     pub materials: Vec<Material>,
-    /// Colours, normals and heights of the looks.
+    /// Textures of the materials.
     pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
@@ -173,7 +171,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks that the scene can be rendered. An empty scene (no instance) is fine: all is lit.
+    /// Checks that the scene can be rendered. A scene without instances is valid: everything is
+    /// lit.
     ///
     /// # Errors
     /// Errors with the first fault found, with the scene's name.
@@ -189,7 +188,7 @@ impl Scene {
             return Ok(());
         }
         let start = &self.name[..self.name.floor_char_boundary(20)];
-        let why = format!("has a name of {length} bytes, and reports make it a folder's");
+        let why = format!("has a name of {length} bytes, which reports use as a folder name");
         Err(Invalid::new(
             format!("scene `{start}..`"),
             why,
@@ -215,7 +214,7 @@ impl Scene {
 
     fn validate_instance(&self, instance: &Instance) -> Result<(), Invalid> {
         if instance.mesh >= self.meshes.len() {
-            let why = format!("names mesh {} of {}", instance.mesh, self.meshes.len());
+            let why = format!("refers to mesh {} of {}", instance.mesh, self.meshes.len());
             return Err(Invalid::new(
                 "instance",
                 why,
@@ -240,7 +239,7 @@ impl Scene {
             return Ok(());
         };
         let Some(material) = self.materials.get(id) else {
-            let why = format!("names material {id} of {}", self.materials.len());
+            let why = format!("refers to material {id} of {}", self.materials.len());
             return Err(Invalid::new(
                 "instance",
                 why,
@@ -256,7 +255,7 @@ impl Scene {
             return Err(Invalid::new(
                 format!("mesh `{}`", mesh.name),
                 why,
-                "give it uvs, or leave textures out",
+                "add uvs, or remove the textures",
             ));
         }
         if material.normal_map.is_some() && mesh.tangents.is_empty() {
@@ -264,7 +263,7 @@ impl Scene {
             return Err(Invalid::new(
                 format!("mesh `{}`", mesh.name),
                 why,
-                "make them: `umbrage_scenes::with_tangents`",
+                "add them with `umbrage_scenes::with_tangents`",
             ));
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Which triangles touch which tile.
+//! Assignment of triangles to tiles.
 
 use crate::raster::record::Record;
 use glam::UVec2;
@@ -9,23 +9,23 @@ pub(crate) const TILE: usize = 64;
 /// Triangles fetched at a time.
 pub(crate) const FETCH: usize = 16;
 
-/// The triangles of one chunk of input, sorted by tile. Buffers are kept between uses.
+/// Triangles of one chunk of input, sorted by tile. Buffers are kept between uses.
 #[derive(Debug, Default)]
 pub(crate) struct Bins {
     /// All triangles of the chunk that may cover a pixel.
     records: Vec<Record>,
-    /// The tiles that each of them may touch.
+    /// Tiles that each of them may touch.
     touched: Vec<Touched>,
     /// Tiles in a row of the image.
     columns: usize,
-    /// Before sorting: how many records touch each tile. Then: where each tile starts in `order`,
-    /// and the end.
+    /// Before sorting, the number of records that touch each tile. After it, the start of each tile
+    /// in `order`, and the end.
     starts: Vec<u32>,
     /// Indices into `records`.
     order: Vec<u32>,
 }
 
-/// A rectangle of tiles. The largest image has 256 of them on a side.
+/// Rectangle of tiles. The largest image has 256 of them on a side.
 #[derive(Clone, Copy, Debug, Default)]
 struct Touched {
     min: [u8; 2],
@@ -42,7 +42,7 @@ impl Touched {
         }
     }
 
-    /// The numbers of its tiles, counted row by row in the image.
+    /// Calls `f` with the index of each of its tiles, row by row in the image.
     #[inline(always)]
     fn for_each(self, columns: usize, mut f: impl FnMut(usize)) {
         let first = usize::from(self.min[1]) * columns + usize::from(self.min[0]);
@@ -58,7 +58,7 @@ impl Touched {
 }
 
 impl Bins {
-    /// Forgets all triangles; the image has so many tiles.
+    /// Removes all triangles, and sets the number of tiles.
     pub(crate) fn clear(&mut self, size: UVec2) {
         self.columns = size.x.div_ceil(TILE as u32) as usize;
         let tiles = self.columns * size.y.div_ceil(TILE as u32) as usize;
@@ -87,8 +87,8 @@ impl Bins {
         }
         self.order.clear();
         self.order.resize(sum as usize, 0);
-        // Counts have become ends; filling from the back turns them into starts, and keeps the
-        // records' order.
+        // Counts are now ends. Filling from the back converts them to starts, and keeps the order
+        // of the records.
         for (i, touched) in self.touched.iter().enumerate().rev() {
             touched.for_each(self.columns, |tile| {
                 let end = &mut self.starts[tile];
@@ -98,18 +98,18 @@ impl Bins {
         }
     }
 
-    /// How many triangles touch a tile.
+    /// Returns the number of triangles that touch a tile.
     pub(crate) fn count(&self, tile: usize) -> u32 {
         self.starts[tile + 1] - self.starts[tile]
     }
 
-    /// Numbers of the triangles that touch a tile, in their order.
+    /// Returns the indices of the triangles that touch a tile, in order.
     pub(crate) fn of_tile(&self, tile: usize) -> &[u32] {
         &self.order[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Copies the triangles with these (at most `FETCH`) numbers. They lie far apart, beyond the
-    /// nearest caches, so fetching some together takes little longer than fetching one.
+    /// Copies the triangles with these indices (at most `FETCH`). They are far apart in memory,
+    /// outside the nearest caches, so fetching several takes little longer than fetching one.
     #[inline(always)]
     pub(crate) fn fetch<'a>(
         &self,
@@ -122,7 +122,7 @@ impl Bins {
         &fetched[..numbers.len()]
     }
 
-    /// Bytes of its buffers.
+    /// Returns the bytes of its buffers.
     pub(crate) fn bytes(&self) -> usize {
         let words = self.starts.capacity() + self.order.capacity() + self.touched.capacity();
         self.records.capacity() * size_of::<Record>() + 4 * words

@@ -1,18 +1,18 @@
 //! Clipping of triangles to the view volume (Sutherland and Hodgman 1974, "Reentrant Polygon
 //! Clipping").
 //!
-//! `umbrage-core` has a clipper, too, in 64 bits. This one must stay apart: it follows Mesa's
-//! software rasterisers in 32 bits, in the order of the planes, in how a crossing is interpolated
-//! (from the end that is nearer to the plane), and in which corners it marks as new, since these
-//! are projected by another formula. So cut edges get the same bits as Mesa's, and masks on the CPU
-//! equal those of the driver.
+//! `umbrage-core` also has a clipper, in 64 bits. This one must stay separate, since it follows
+//! Mesa's software rasterisers in 32 bits. It has their order of planes, and interpolates a
+//! crossing from the end closer to the plane. It marks the same corners as new, since these are
+//! projected by another formula. Clipped edges thus have Mesa's bits, and masks on the CPU equal
+//! those of the driver.
 
 use crate::raster::viewport::Viewport;
 use glam::{Vec3, Vec4};
 use umbrage_core::Cull;
 
-/// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for
-/// plane `i`.
+/// Planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w. Bit `i` of an outcode denotes plane
+/// `i`.
 pub(crate) const PLANES: [[f32; 4]; 6] = [
     [-1.0, 0.0, 0.0, 1.0],
     [1.0, 0.0, 0.0, 1.0],
@@ -22,10 +22,10 @@ pub(crate) const PLANES: [[f32; 4]; 6] = [
     [0.0, 0.0, -1.0, 1.0],
 ];
 
-/// A triangle gains at most one corner a plane.
+/// Greatest number of corners: a triangle gains at most one corner per plane.
 const MAX_CORNERS: usize = 3 + PLANES.len();
 
-/// Returns the set of planes that a vertex (clip space) lies outside of, as bits in the order of
+/// Returns the set of planes that a vertex (clip space) is outside of, as bits in the order of
 /// [`PLANES`].
 #[inline(always)]
 pub(crate) fn outcode(p: Vec4) -> u32 {
@@ -37,12 +37,12 @@ pub(crate) fn outcode(p: Vec4) -> u32 {
         | u32::from(p.z > p.w) << 5
 }
 
-/// A corner of a polygon.
+/// Corner of a polygon.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
-    /// Clip space.
+    /// Position in clip space.
     pub(crate) position: Vec4,
-    /// Whether clipping made it.
+    /// True if clipping created it.
     is_new: bool,
 }
 
@@ -55,7 +55,7 @@ impl Corner {
         }
     }
 
-    /// Returns a corner that clipping made.
+    /// Returns a corner created by clipping.
     pub(crate) fn new(position: Vec4) -> Self {
         Self {
             position,
@@ -64,7 +64,7 @@ impl Corner {
     }
 }
 
-/// A convex polygon of few corners.
+/// Convex polygon of few corners.
 pub(crate) struct Polygon {
     corners: [Corner; MAX_CORNERS],
     len: usize,
@@ -93,7 +93,7 @@ impl Polygon {
         self.len
     }
 
-    /// Makes the corner of this number the first one.
+    /// Makes the corner with this index the first one.
     pub(crate) fn rotate_left(&mut self, corner: usize) {
         self.corners[..self.len].rotate_left(corner);
     }
@@ -111,8 +111,8 @@ impl Polygon {
         }
     }
 
-    /// Appends a corner. Rounding may make a sliver cross a plane more than twice: corners beyond
-    /// `MAX_CORNERS` are left out.
+    /// Appends a corner. Rounding may make a sliver cross a plane more than twice; corners beyond
+    /// `MAX_CORNERS` are dropped.
     pub(crate) fn push(&mut self, corner: Corner) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
@@ -120,7 +120,7 @@ impl Polygon {
         }
     }
 
-    /// The part inside a plane; empty if a distance isn't finite.
+    /// Returns the part inside a plane, or an empty polygon if a distance isn't finite.
     pub(crate) fn clipped(&self, plane: &[f32; 4]) -> Self {
         let mut out = Self::EMPTY;
         let corners = self.as_slice();
@@ -147,9 +147,9 @@ fn signed_distance(plane: &[f32; 4], p: Vec4) -> f32 {
     p.x * plane[0] + p.y * plane[1] + p.z * plane[2] + p.w * plane[3]
 }
 
-/// Returns the point at which the edge from `a` to `b` crosses a plane, interpolated from the end
-/// that is nearer to it. `distance_a` and `distance_b` are the signed distances of the ends, of
-/// different signs.
+/// Returns the intersection of the edge from `a` to `b` with a plane, interpolated from the end
+/// closer to it. `distance_a` and `distance_b` are the signed distances of the ends, of different
+/// signs.
 fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
     let span = distance_b - distance_a;
     let b_is_nearer = if distance_b < 0.0 {
@@ -164,8 +164,8 @@ fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
     }
 }
 
-/// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes, and
-/// calls `emit` with the window corners of each triangle of what is left.
+/// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes. Calls
+/// `emit` with the window corners of each resulting triangle.
 pub(crate) fn clip(
     triangle: [Vec4; 3],
     mask: u32,
@@ -181,13 +181,13 @@ pub(crate) fn clip(
     polygon.for_each_triangle(|corners| emit(corners.map(|corner| project(corner, viewport))));
 }
 
-/// Returns whether culling leaves out a piece of a clipped triangle before its corners (window
-/// space) are moved to the grid.
+/// Returns whether culling removes a piece of a clipped triangle before its corners (window space)
+/// are moved to the grid.
 ///
-/// Mesa's software drivers ask twice which way a piece turns: as clipping leaves it, and again on
-/// the grid. Both have to be faces that are kept. The two differ for pieces thinner than a step of
-/// the grid, such as a wall's that a vertical sun sees edge-on; without an area a piece is a back
-/// face. (Measured; the first question is Mesa's `draw_pipe_cull.c`.)
+/// Mesa's software drivers determine a piece's orientation twice: after clipping, and again on the
+/// grid. Both must be faces that are kept. The two differ for pieces thinner than a step of the
+/// grid, such as those of a wall that a vertical sun sees edge-on. Without an area, a piece is a
+/// back face. (Measured; the first test is Mesa's `draw_pipe_cull.c`.)
 pub(crate) fn is_culled(piece: [Vec3; 3], cull: Cull) -> bool {
     let [a, b, c] = piece;
     let from_c_to_a = a - c;
@@ -264,7 +264,8 @@ mod tests {
 
     #[test]
     fn cutting_at_near_keeps_the_part_in_front() {
-        // Half of each slanted edge lies before the near plane: three quarters of the area remain.
+        // Half of each slanted edge is in front of the near plane: three quarters of the area
+        // remain.
         let out = pieces([
             Vec4::new(0.0, 0.5, -0.5, 1.0),
             Vec4::new(-0.5, -0.5, 0.5, 1.0),

@@ -1,9 +1,9 @@
-//! Ways in which hardware clips triangles otherwise than at the planes of the view volume, as
-//! models to test techniques with.
+//! Models of hardware clipping that differs from the planes of the view volume, for testing
+//! techniques.
 //!
-//! Software drivers clip at all six planes. Hardware clips at the near plane first, and sideways
-//! only at a guard band far outside of the picture. Corners that the near plane makes keep the clip
-//! w that they have: 0, if both ends of their edge lie infinitely far away.
+//! Software drivers clip at all six planes. Hardware clips at the near plane first, and at the
+//! sides only at a guard band far outside the image. Corners created by the near plane keep their
+//! clip w, which is 0 if both ends of their edge are infinitely far away.
 
 use crate::raster::{
     clip::{Corner, PLANES, Polygon, project},
@@ -11,34 +11,34 @@ use crate::raster::{
 };
 use glam::{UVec2, Vec3, Vec4};
 
-/// How the rasteriser clips triangles.
+/// Clipping of triangles in the rasteriser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Clipping {
-    /// At the six planes of the view volume, as Mesa's software drivers do.
+    /// Clips at the six planes of the view volume, as Mesa's software drivers do.
     #[default]
     Exact,
-    /// At the near and the far plane, and sideways at a guard band of 8192 pixels around the
-    /// picture. All ways below do the same.
+    /// Clips at the near and the far plane, and at the sides at a guard band of 8192 pixels around
+    /// the image. All variants below do the same.
     GuardBand,
-    /// Rounds half of the vertices on the far plane to beyond it.
+    /// Also rounds half of the vertices on the far plane to beyond it.
     FarRounding,
-    /// Draws no triangles that have a corner near clip w = 0 after clipping at the near plane.
+    /// Also drops triangles that have a corner near clip w = 0 after clipping at the near plane.
     ZeroWDropped,
-    /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than
-    /// all there is. An NVIDIA H200 does so.
+    /// Also moves triangles with such a corner, if rounding made its w positive, behind all others.
+    /// An NVIDIA H200 does so.
     ZeroWBehind,
 }
 
-/// How far the guard band reaches beyond the picture, pixels. Hardware has twice to four times as
-/// much; here window coordinates on the finest grid have to fit the rasteriser's integers.
+/// Distance of the guard band from the image, pixels. Hardware has two to four times as much. Here,
+/// window coordinates on the finest grid must fit the rasteriser's integers.
 const GUARD_BAND: f32 = 8192.0;
 
-/// A corner's clip w counts as nearly 0 below this share of its clip x or y: it lies outside of any
+/// Share of a corner's clip x or y below which its clip w counts as nearly 0: it is outside of any
 /// guard band.
 const NEARLY_ZERO_W: f32 = 1e-5;
 
 impl Clipping {
-    /// All ways but the exact one.
+    /// All variants except the exact one.
     pub const INEXACT: [Self; 4] = [
         Self::GuardBand,
         Self::FarRounding,
@@ -46,8 +46,8 @@ impl Clipping {
         Self::ZeroWBehind,
     ];
 
-    /// Clips a triangle (clip space) for an image of this size, and calls `emit` with the window
-    /// corners of each triangle of what is left.
+    /// Clips a triangle (clip space) for an image of this size. Calls `emit` with the window
+    /// corners of each resulting triangle.
     #[cold]
     pub(crate) fn clip(
         self,
@@ -79,9 +79,9 @@ impl Clipping {
         });
     }
 
-    /// Returns a vertex (clip space) as this way rounds it.
+    /// Returns a vertex (clip space) as this variant rounds it.
     fn rounded(self, mut clip: Vec4) -> Vec4 {
-        // Any bit that neighbours don't share picks the half that is rounded.
+        // Use any bit that neighbours don't share to select the half that is rounded.
         let is_odd = (clip.x.to_bits() ^ clip.y.to_bits()) & 1 == 1;
         if self == Self::FarRounding && is_odd && clip.z == clip.w {
             clip.z = clip.z.next_up();
@@ -90,15 +90,15 @@ impl Clipping {
     }
 }
 
-/// The far plane.
+/// Far plane.
 const FAR: [f32; 4] = PLANES[5];
 
 /// Returns the part of a triangle (clip space) behind the near plane, a fan around the first corner
-/// that clipping made.
+/// created by clipping.
 ///
-/// A crossing is found from the end before the plane, so that neighbours agree, in one fused
-/// operation. These roundings take those corners of `bar-at-lamp` and `two-blockers` to clip w > 0
-/// whose faces went wrong on an H200, and no others.
+/// A crossing is computed from the end in front of the plane, so that neighbours agree, in one
+/// fused operation. With these roundings, exactly those corners of `bar-at-lamp` and `two-blockers`
+/// get clip w > 0 whose faces are wrong on an H200.
 fn clip_at_near(triangle: [Vec4; 3]) -> Polygon {
     let mut polygon = Polygon::EMPTY;
     let mut first_new = None;
@@ -119,7 +119,7 @@ fn clip_at_near(triangle: [Vec4; 3]) -> Polygon {
     polygon
 }
 
-/// Returns the planes right, left, above and below of the guard band around a picture of this size.
+/// Returns the right, left, upper and lower planes of the guard band around an image of this size.
 fn guard_band(size: UVec2) -> [[f32; 4]; 4] {
     let reach = 1.0 + 2.0 * GUARD_BAND / size.as_vec2();
     [

@@ -1,4 +1,4 @@
-//! Filling a triangle's pixels within a tile, some pixels of a row at a time.
+//! Filling of a triangle's pixels within a tile, several pixels of a row at a time.
 
 use crate::raster::{
     bin::TILE,
@@ -8,15 +8,15 @@ use crate::raster::{
     tile::{LANES, STRIDE, TINY_ROWS, TileBuffer},
 };
 
-/// Numbers of the lanes.
+/// Indices of the lanes.
 const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 const LANE_F: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Triangles up to this wide and high are filled without looking for blocks that are all inside or
-/// outside.
+/// Greatest width and height of triangles that are filled without skipping blocks that are entirely
+/// inside or outside.
 const SMALL: i32 = 16;
 
-/// Pixels that a triangle may cover in a tile, and its edge functions there.
+/// Pixels that a triangle may cover in a tile, with its edge functions there.
 #[derive(Clone, Copy, Debug)]
 struct Patch {
     /// Least x and y, pixels of the image.
@@ -25,30 +25,30 @@ struct Patch {
     max: [i32; 2],
     /// Edge functions at `min`.
     at_min: [i32; 3],
-    /// Their change a pixel to the right.
+    /// Change of the edge functions per pixel to the right.
     dx: [i32; 3],
-    /// Their change a pixel down.
+    /// Change of the edge functions per pixel down.
     dy: [i32; 3],
 }
 
-/// A tile's buffer and place.
+/// Buffer of a tile with its position.
 pub(crate) struct Canvas<'a> {
-    /// Where to draw.
+    /// Buffer to draw into.
     pub(crate) buffer: &'a mut TileBuffer,
-    /// The tile's first pixel.
+    /// First pixel of the tile.
     pub(crate) origin: [i32; 2],
 }
 
 /// Draws a triangle into a tile.
 #[inline(always)]
 pub(crate) fn fill<P: DepthOp, C: HoleTest>(canvas: &mut Canvas<'_>, r: &Record, holes: &C) {
-    // From the first pixel to the last: 0 for a single one.
+    // Measure from the first pixel to the last: 0 for a single one.
     let width = i32::from(r.max[0] - r.min[0]);
     let height = i32::from(r.max[1] - r.min[1]);
     let patch = Patch::new(r, canvas.origin);
     if width < LANES as i32 && height < TINY_ROWS {
-        // A fixed number of rows, as the processor can't guess theirs; those below the triangle are
-        // outside its edges.
+        // Use a fixed number of rows, since the branch predictor can't guess the actual one. Rows
+        // below the triangle are outside its edges.
         let right = patch.min[0] - i32::from(r.min[0]);
         let down = patch.min[1] - i32::from(r.min[1]);
         let edges = Edges::new(r.at_min, &patch, right, down);
@@ -80,12 +80,12 @@ fn fill_small<P: DepthOp, C: HoleTest>(
 }
 
 impl Patch {
-    /// The part of a triangle's bounds that lies in the tile.
+    /// Returns the part of a triangle's bounds in the tile.
     #[inline(always)]
     fn new(r: &Record, origin: [i32; 2]) -> Self {
         let last = TILE as i32 - 1;
-        // An edge along (x, y) has the function `x down - y right`. The three edges add up to
-        // nothing, and so do the changes.
+        // An edge along (x, y) has the function `x down - y right`. The three edges add up to zero,
+        // and so do the changes.
         let ax = -r.edge_a[1];
         let ay = r.edge_a[0];
         let bx = -r.edge_b[1];
@@ -105,7 +105,8 @@ impl Patch {
         }
     }
 
-    /// With the edge functions of any triangle; none if it covers nothing here.
+    /// Returns the patch with the edge functions of any triangle, or `None` if it covers nothing
+    /// here.
     #[inline(always)]
     fn with_edges(mut self, r: &Record) -> Option<Self> {
         let pixel = [self.min[0] << 8, self.min[1] << 8];
@@ -113,20 +114,20 @@ impl Patch {
         let third = [second[0] + r.edge_b[0], second[1] + r.edge_b[1]];
         let edge_c = [r.corner[0] - third[0], r.corner[1] - third[1]];
         let starts = [(r.corner, r.edge_a), (second, r.edge_b), (third, edge_c)];
-        // Lanes may look at pixels right of the patch.
+        // Include pixels right of the patch, which lanes may evaluate.
         let width = i64::from(self.max[0] - self.min[0]) + LANES as i64 - 1;
         let height = i64::from(self.max[1] - self.min[1]);
         for (k, &(corner, edge)) in starts.iter().enumerate() {
             let value = edge_function(corner, edge, pixel);
-            // How much the function changes over the patch's width and height.
+            // Compute the change of the function over the patch's width and height.
             let right = i64::from(self.dx[k]) * width;
             let down = i64::from(self.dy[k]) * height;
             if value + right.max(0) + down.max(0) < 0 {
                 return None;
             }
             if value + right.min(0) + down.min(0) >= 0 {
-                // All of the patch lies inside this edge: it drops out. The others pass through the
-                // patch, so that their values there fit 32 bits.
+                // The whole patch is inside this edge, so the edge is dropped. The others pass
+                // through the patch, so that their values fit 32 bits.
                 self.at_min[k] = 0;
                 self.dx[k] = 0;
                 self.dy[k] = 0;
@@ -137,7 +138,7 @@ impl Patch {
         Some(self)
     }
 
-    /// Edge functions at a pixel.
+    /// Returns the edge functions at a pixel.
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> [i32; 3] {
         let right = x - self.min[0];
@@ -149,7 +150,7 @@ impl Patch {
         values
     }
 
-    /// How much the edge functions can at most fall and rise over a block of `LANES` by `LANES`
+    /// Returns the greatest fall and rise of the edge functions over a block of `LANES` by `LANES`
     /// pixels.
     #[inline(always)]
     fn reach(&self) -> ([i32; 3], [i32; 3]) {
@@ -164,8 +165,8 @@ impl Patch {
     }
 }
 
-/// Fills a patch block by block: those wholly outside an edge are left out, and those inside all
-/// need no tests.
+/// Fills a patch block by block. Skips blocks outside an edge, and tests no pixels in blocks inside
+/// all edges.
 #[inline(always)]
 fn fill_blocks<P: DepthOp, C: HoleTest>(
     canvas: &mut Canvas<'_>,
@@ -180,7 +181,7 @@ fn fill_blocks<P: DepthOp, C: HoleTest>(
         let mut x = patch.min[0];
         while x <= patch.max[0] {
             let at = patch.at(x, y);
-            // The sign bit of a union is set where one of the numbers is negative.
+            // The sign bit of a bitwise or is set if any of the numbers is negative.
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
             if inside >= 0 {
@@ -195,7 +196,7 @@ fn fill_blocks<P: DepthOp, C: HoleTest>(
     }
 }
 
-/// Edge functions in the lanes of one row, and their change a row down.
+/// Edge functions in the lanes of one row, with their change per row down.
 #[derive(Clone, Copy)]
 struct Edges {
     values: [[i32; LANES]; 3],
@@ -208,8 +209,8 @@ impl Edges {
         dy: [0; 3],
     };
 
-    /// Returns the edge functions `right` pixels right of and `down` pixels below a pixel where
-    /// they are `start`.
+    /// Returns the edge functions at `right` pixels right of and `down` pixels below a pixel with
+    /// the values `start`.
     #[inline(always)]
     fn new(start: [i32; 3], patch: &Patch, right: i32, down: i32) -> Self {
         let mut values = [[0; LANES]; 3];
@@ -228,7 +229,7 @@ impl Edges {
         }
     }
 
-    /// Negative in the lanes outside the triangle.
+    /// Returns a number per lane that is negative outside the triangle.
     #[inline(always)]
     fn outside(&self) -> [i32; LANES] {
         let [a, b, c] = &self.values;
@@ -249,7 +250,7 @@ impl Edges {
     }
 }
 
-/// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside
+/// Fills `rows` rows of `LANES` pixels from pixel `first` on; with `TEST`, only the pixels inside
 /// the edges.
 #[inline(always)]
 fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
@@ -264,6 +265,7 @@ fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
         (first[1] - canvas.origin[1]) as usize * STRIDE + (first[0] - canvas.origin[0]) as usize;
     let px = first[0] as f32;
     let mut py = first[1] as f32;
+    // Evaluate the depth plane for the columns.
     let mut column = [0.0_f32; LANES];
     for i in 0..LANES {
         column[i] = r.plane.dx.mul_add(px + LANE_F[i], r.plane.at_origin);
@@ -280,6 +282,7 @@ fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
         &[]
     };
     let mut y = first[1];
+    // Draw row by row.
     for row in texels[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
         let Some(stored) = row.first_chunk_mut::<LANES>() else {
             return;
@@ -308,7 +311,7 @@ fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
     }
 }
 
-/// Clamps to 0..=1; what is not a number becomes 1, which never is nearer than what is stored.
+/// Clamps to 0..=1. NaN becomes 1, which is never closer than the stored depth.
 #[inline(always)]
 fn unit_clamp(z: f32) -> f32 {
     let z = if z < 1.0 { z } else { 1.0 };

@@ -1,23 +1,22 @@
-//! Holes of triangles, cut out by alpha textures: pixels in them are as if outside the triangle.
+//! Alpha test of triangles: rejected pixels count as outside the triangle.
 
 use crate::raster::tile::LANES;
 use umbrage_core::{CameraRays, CutOuts, Geometry};
 
-/// What tells which pixels of which triangles are holes. Triangles are those of the geometry, under
-/// its ids.
+/// Inputs of the alpha test. Triangle ids are those of the geometry.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Holes<'a> {
-    /// The holes.
+    /// Alpha-test data.
     pub(crate) cut_outs: &'a CutOuts,
-    /// The triangles.
+    /// Triangles.
     pub(crate) geometry: &'a Geometry,
-    /// The rays through the image's pixels.
+    /// Rays through the image's pixels.
     pub(crate) rays: &'a CameraRays,
 }
 
 impl Holes<'_> {
-    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, by the rule
-    /// of its material.
+    /// Returns whether the alpha test of a triangle's material rejects the ray through a pixel's
+    /// centre.
     pub(crate) fn is_hole(&self, triangle: u32, x: u32, y: u32) -> bool {
         let corners = self.geometry.corners(triangle);
         self.cut_outs
@@ -25,15 +24,13 @@ impl Holes<'_> {
     }
 }
 
-/// What a fill does about holes. One type for triangles that have none, so that their loops have no
-/// trace of it.
+/// Alpha test of a fill. A separate type for opaque triangles keeps the test out of their loops.
 pub(crate) trait HoleTest {
-    /// Whether there may be holes.
+    /// True if pixels may be rejected.
     const HAS_HOLES: bool;
 
-    /// Takes the pixels of a row that lie in holes out of it: their depth `z` becomes 1. Pixels
-    /// that are not nearer than `stored` aren't asked, as none of the modes that know ids keeps
-    /// what is farther.
+    /// Rejects the pixels of a row that fail the alpha test, by setting their depth `z` to 1. Skips
+    /// pixels that are not closer than `stored`, since no mode with ids keeps farther depths.
     fn take_holes(
         &self,
         triangle: u32,
@@ -43,7 +40,7 @@ pub(crate) trait HoleTest {
     );
 }
 
-/// No triangle has holes.
+/// Alpha test that rejects nothing.
 pub(crate) struct NoHoles;
 
 impl HoleTest for NoHoles {
@@ -64,8 +61,8 @@ impl HoleTest for Holes<'_> {
         stored: &[f32; LANES],
     ) {
         for i in 0..LANES {
-            // Equally near triangles change ids. A depth of 1 is never kept: it is what a clear
-            // image holds.
+            // Triangles at equal depth change ids. A depth of 1 is never kept, since it is the
+            // value of a clear image.
             let may_be_kept = z[i] <= stored[i] && z[i] < 1.0;
             if may_be_kept && self.is_hole(triangle, first[0] as u32 + i as u32, first[1] as u32) {
                 z[i] = 1.0;

@@ -1,4 +1,5 @@
-//! The rasteriser: triangles into depth (and id) images, bit-equal to Mesa's software rasterisers.
+//! Rasteriser: draws triangles into depth (and id) images, bit-equal to Mesa's software
+//! rasterisers.
 
 mod bin;
 mod clip;
@@ -41,10 +42,10 @@ use glam::{Mat4, UVec2, Vec3, Vec4};
 use rayon::prelude::*;
 use umbrage_core::{Cull, DepthPlanes, RasterBias, Simd, SimdTask, Snapping};
 
-/// Triangles that one task sets up.
+/// Number of triangles that one task sets up.
 const CHUNK: usize = 4096;
 
-/// Triangles to draw, and how.
+/// Triangles to draw, with the parameters of the draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draw<'a, P = Vec3> {
     /// World-space vertices.
@@ -53,23 +54,24 @@ pub(crate) struct Draw<'a, P = Vec3> {
     pub(crate) triangles: &'a [[u32; 3]],
     /// Id of the first triangle; the others follow.
     pub(crate) first_id: u32,
-    /// Where it is seen from.
+    /// Matrix from world to clip space.
     pub(crate) clip_from_world: Mat4,
     /// Image size, pixels.
     pub(crate) size: UVec2,
-    /// Faces left out.
+    /// Faces to cull.
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What the image keeps of what is drawn.
+    /// Test and update of the image.
     pub(crate) mode: Mode,
-    /// What loops are compiled for.
+    /// Instructions that loops are compiled for.
     pub(crate) simd: Simd,
-    /// Holes of the triangles, whose ids are those of its geometry; for modes that don't count.
+    /// Alpha test of the triangles, whose ids are those of its geometry; ignored by modes that
+    /// count.
     pub(crate) holes: Option<Holes<'a>>,
 }
 
-/// A vertex in the window, and which planes of the view volume it lies outside of.
+/// Vertex in the window, with the set of planes of the view volume that it is outside of.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vertex {
     window: Vec3,
@@ -86,38 +88,38 @@ impl Vertex {
     }
 }
 
-/// What a thread needs to set up a chunk.
+/// Buffers of a thread for setting up a chunk.
 #[derive(Debug, Default)]
 struct Worker {
     vertices: Vec<Vertex>,
     bins: Bins,
 }
 
-/// How a rasteriser rounds.
+/// Rounding of a rasteriser.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rounding {
-    /// Vertices, depth planes, units of polygon offset.
+    /// Rounding of vertices, depth planes and units of polygon offset.
     pub(crate) snapping: Snapping,
-    /// What depths are moved by.
+    /// Shift of the triangles' depths.
     pub(crate) plane_shift: PlaneShift,
-    /// Where triangles are clipped.
+    /// Clipping of triangles.
     pub(crate) clipping: Clipping,
-    /// How vertices are transformed.
+    /// Order of sums in the transform of vertices.
     pub(crate) vertex_sums: VertexSums,
 }
 
-/// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next
-/// is set up.
+/// Rasteriser with its working memory, which is kept between uses. One set of chunks is filled
+/// while the next is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
-    /// How it rounds.
+    /// Rounding.
     pub(crate) rounding: Rounding,
     filled: Vec<Worker>,
     set_up: Vec<Worker>,
 }
 
 impl Rasterizer {
-    /// Returns a rasteriser that rounds so.
+    /// Returns a rasteriser with this rounding.
     pub(crate) fn new(rounding: Rounding) -> Self {
         Self {
             rounding,
@@ -134,6 +136,7 @@ impl Rasterizer {
             columns: target.width.div_ceil(TILE),
             holes: draw.holes,
         };
+        // Fill each batch while the next is set up.
         let mut tiles = target.into_tiles(draw.mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
@@ -155,8 +158,8 @@ impl Rasterizer {
         tiles.par_iter_mut().for_each(Tile::finish);
     }
 
-    /// How many triangles go into a batch: few enough to keep working memory well below the
-    /// image's, and at most some tens of thousands (more only with many threads), which fit the
+    /// Returns the number of triangles in a batch. It keeps working memory well below the image's.
+    /// It is at most some tens of thousands (more only with many threads), which fit the
     /// processor's caches.
     fn prepare(&mut self, size: UVec2) -> usize {
         let pixels = size.x as usize * size.y as usize;
@@ -168,14 +171,14 @@ impl Rasterizer {
         chunks * CHUNK
     }
 
-    /// Bytes of working memory.
+    /// Returns the bytes of working memory.
     pub(crate) fn bytes(&self) -> usize {
         let of = |w: &Worker| w.vertices.capacity() * size_of::<Vertex>() + w.bins.bytes();
         self.filled.iter().chain(&self.set_up).map(of).sum()
     }
 }
 
-/// Sets up a batch, one chunk a worker.
+/// Sets up a batch, one chunk per worker.
 fn set_up<P: Position>(draw: &Draw<'_, P>, rounding: Rounding, workers: &mut [Worker]) {
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
@@ -192,7 +195,7 @@ fn set_up<P: Position>(draw: &Draw<'_, P>, rounding: Rounding, workers: &mut [Wo
     });
 }
 
-/// How tiles are filled.
+/// Parameters for filling tiles.
 #[derive(Clone, Copy)]
 struct Filling<'a> {
     mode: Mode,
@@ -225,7 +228,7 @@ fn fill_tiles(tiles: &mut [Tile<'_>], workers: &[Worker], filling: Filling<'_>) 
     );
 }
 
-/// Sets up one chunk.
+/// Task that sets up one chunk.
 struct SetUp<'a, P> {
     worker: &'a mut Worker,
     rounding: Rounding,
@@ -241,7 +244,7 @@ impl<P: Position> SimdTask for SetUp<'_, P> {
     }
 }
 
-/// Fills one tile.
+/// Task that fills one tile.
 struct FillTile<'a> {
     buffer: &'a mut TileBuffer,
     workers: &'a [Worker],
@@ -270,7 +273,7 @@ impl FillTile<'_> {
             Mode::Depth16 => self.fill_all::<Depth16, C>(holes),
             Mode::DepthPeel => self.fill_all::<DepthPeel, C>(holes),
             Mode::DepthPeel16 => self.fill_all::<DepthPeel16, C>(holes),
-            // Counts have no ids to tell holes by.
+            // Counts have no ids for an alpha test.
             Mode::StencilDepthFail => self.fill_all::<StencilDepthFail, NoHoles>(&NoHoles),
         }
     }
@@ -307,10 +310,11 @@ impl Worker {
             mode: draw.mode,
             rounding,
         };
-        // Pieces of clipped triangles, on devices that leave their planes as they are.
+        // Pieces of clipped triangles are culled twice on devices that don't snap their planes.
         let culls_twice = rounding.snapping.planes == DepthPlanes::Unsnapped;
+        // Transform the vertices.
         let first = match rounding.vertex_sums {
-            // Inlined, without a branch a vertex.
+            // Inlined, without a branch per vertex.
             VertexSums::InOrder => self.transform(draw, &viewport, P::to_clip),
             sums => self.transform(draw, &viewport, |p, m| p.to_clip_by(sums, m)),
         };
@@ -320,6 +324,7 @@ impl Worker {
         };
         let mut group = Group::new();
         self.bins.clear(draw.size);
+        // Set up each triangle, and clip it if needed.
         for (i, indices) in draw.triangles.iter().enumerate() {
             let id = draw.first_id + i as u32;
             if rounding.clipping != Clipping::Exact {
@@ -372,8 +377,9 @@ impl Worker {
         self.bins.sort();
     }
 
-    /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose
-    /// least it returns; or, where that would be wasteful, each triangle's corners.
+    /// Transforms the chunk's vertices. Transforms the whole range from the least index to the
+    /// greatest and returns the least one. If that would be wasteful, transforms each triangle's
+    /// corners and returns `None`.
     #[inline(always)]
     fn transform<P: Position>(
         &mut self,

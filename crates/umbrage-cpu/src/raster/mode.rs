@@ -1,30 +1,30 @@
-//! How a triangle's depths are merged into a row of pixels, [`LANES`] at a time.
+//! Merging of a triangle's depths into a row of pixels, [`LANES`] at a time.
 //!
-//! One type per mode, so that each gets its own loops. All loops are plain, so that the compiler
-//! can vectorise them.
+//! Each mode has its own type, and so its own loops. All loops are simple, so that the compiler can
+//! vectorise them.
 
 use crate::raster::tile::{LANES, TileBuffer};
 
-/// What an image keeps of what is drawn.
+/// Test and update of an image when triangles are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// The least depth.
+    /// Keeps the least depth.
     Depth,
-    /// The least depth, and the id of its triangle.
+    /// Keeps the least depth, and the id of its triangle.
     DepthWithIds,
-    /// The least depth, in steps of 1/65535.
+    /// Keeps the least depth, in steps of 1/65535.
     Depth16,
-    /// The least of the depths beyond another image's.
+    /// Keeps the least of the depths beyond another image's.
     DepthPeel,
-    /// The same, both in steps of 1/65535.
+    /// Keeps the least of the depths beyond another image's, both in steps of 1/65535.
     DepthPeel16,
-    /// Back faces minus front faces that are at or behind another image's depth, modulo 256
+    /// Counts back faces minus front faces that are at or behind another image's depth, modulo 256
     /// (depth-fail count).
     StencilDepthFail,
 }
 
 impl Mode {
-    /// Returns what every texel of a cleared image holds.
+    /// Returns the value of every texel of a cleared image.
     pub(crate) const fn clear_value(self) -> f32 {
         if matches!(self, Self::StencilDepthFail) {
             0.0
@@ -33,12 +33,12 @@ impl Mode {
         }
     }
 
-    /// Whether it writes ids.
+    /// Returns whether it writes ids.
     pub(crate) const fn has_ids(self) -> bool {
         matches!(self, Self::DepthWithIds)
     }
 
-    /// Whether it reads another image.
+    /// Returns whether it reads another image.
     pub(crate) const fn reads_other_image(self) -> bool {
         matches!(
             self,
@@ -46,30 +46,31 @@ impl Mode {
         )
     }
 
-    /// Whether the image holds depths in fixed point, where one unit of polygon offset is the same
-    /// for all triangles.
+    /// Returns whether the image stores fixed-point depths, for which one unit of polygon offset is
+    /// the same for all triangles.
     pub(crate) const fn is_fixed_point(self) -> bool {
         matches!(self, Self::Depth16 | Self::DepthPeel16)
     }
 }
 
-/// What a mode writes or reads besides `stored`: slices that begin at the first lane.
+/// Attachments other than `stored` that a mode writes or reads: slices that begin at the first
+/// lane.
 pub(crate) struct TileAttachments<'a> {
-    /// Triangle ids if [`Mode::has_ids`], else empty.
+    /// Triangle ids if [`Mode::has_ids`], otherwise empty.
     pub(crate) ids: &'a mut [u32],
-    /// The other image's texels if [`Mode::reads_other_image`], else empty.
+    /// Texels of the other image if [`Mode::reads_other_image`], otherwise empty.
     pub(crate) other: &'a [f32],
 }
 
-/// A mode's loops over the lanes of a row.
+/// Loops of a mode over the lanes of a row.
 pub(crate) trait DepthOp {
     /// The mode.
     const MODE: Mode;
 
     /// Draws the depths `z` (0..=1) over `stored`.
     ///
-    /// `outside` is negative in the lanes that lie outside the triangle.
-    /// Where `outside` is negative, `z` is 1, which never is nearer than what is stored.
+    /// `outside` is negative in the lanes outside the triangle.
+    /// There, `z` is 1, which is never closer than the stored depth.
     /// `tag` is [`Record::tag`](crate::raster::record::Record::tag).
     fn write(
         stored: &mut [f32; LANES],
@@ -83,17 +84,17 @@ pub(crate) trait DepthOp {
     fn finish_tile(_: &mut TileBuffer) {}
 }
 
-/// The loops of [`Mode::Depth`].
+/// Loops of [`Mode::Depth`].
 pub(crate) struct Depth;
-/// The loops of [`Mode::DepthWithIds`].
+/// Loops of [`Mode::DepthWithIds`].
 pub(crate) struct DepthWithIds;
-/// The loops of [`Mode::Depth16`].
+/// Loops of [`Mode::Depth16`].
 pub(crate) struct Depth16;
-/// The loops of [`Mode::DepthPeel`].
+/// Loops of [`Mode::DepthPeel`].
 pub(crate) struct DepthPeel;
-/// The loops of [`Mode::DepthPeel16`].
+/// Loops of [`Mode::DepthPeel16`].
 pub(crate) struct DepthPeel16;
-/// The loops of [`Mode::StencilDepthFail`].
+/// Loops of [`Mode::StencilDepthFail`].
 pub(crate) struct StencilDepthFail;
 
 impl DepthOp for Depth {
@@ -114,7 +115,7 @@ impl DepthOp for Depth {
 impl DepthOp for DepthWithIds {
     const MODE: Mode = Mode::DepthWithIds;
 
-    /// Of equal depths the lower id is kept, since triangles come in any order and the first one
+    /// Keeps the lower id at equal depths, since triangles arrive in any order and the first one
     /// must win. Depth 1 writes no id, since the image is cleared to it.
     #[inline(always)]
     fn write(
@@ -169,8 +170,8 @@ impl DepthOp for DepthPeel {
 impl DepthOp for DepthPeel16 {
     const MODE: Mode = Mode::DepthPeel16;
 
-    /// The other image holds whole steps, too: a depth that was drawn there equals it after
-    /// rounding, and isn't behind it.
+    /// Compares whole steps, as in the other image: a depth that was drawn there is equal after
+    /// rounding, and not beyond it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -186,7 +187,7 @@ impl DepthOp for DepthPeel16 {
 impl DepthOp for StencilDepthFail {
     const MODE: Mode = Mode::StencilDepthFail;
 
-    /// Sums of floats are exact in any order, since counts are whole numbers far below 2^24.
+    /// Adds floats, which is exact in any order, since counts are whole numbers far below 2^24.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -220,9 +221,8 @@ impl DepthOp for StencilDepthFail {
 
 /// Keeps the lesser depth in each lane.
 ///
-/// Compares bits, whose order is that of positive floats.
-/// For a comparison of floats the compiler may emit masked stores, which are slow on many
-/// processors.
+/// Compares bits, whose order is that of positive floats. For a comparison of floats, the compiler
+/// may emit masked stores, which are slow on many processors.
 #[inline(always)]
 fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
     for i in 0..LANES {
@@ -243,11 +243,11 @@ fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &
     keep_least(stored, &beyond);
 }
 
-/// Returns what is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
+/// Returns the value read back from a 16-bit depth image after `z` (0..=1) was drawn.
 #[inline(always)]
 pub(crate) fn stored16(z: f32) -> f32 {
-    // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to
-    // nearest, ties to even.
+    // The spacing of floats from 128 to 256 is 2^-16, so the sum's low bits are z * 65535, rounded
+    // to nearest, ties to even.
     const MAGIC: f32 = 128.0;
     let steps = (z * (65_535.0 / 65_536.0) + MAGIC).to_bits() - MAGIC.to_bits();
     steps as f32 * (1.0 / 65_535.0)
@@ -261,8 +261,8 @@ mod tests {
     fn sixteen_bits_hold_every_step_and_both_ends() {
         assert_eq!((stored16(0.0), stored16(1.0)), (0.0, 1.0));
         for step in 0..=65_535_u32 {
-            // Twice drawn is once drawn, and the value is within half a step of f32 of the step's
-            // own.
+            // Drawing twice equals drawing once, and the value is within half a step of f32 of the
+            // exact step.
             let z = (f64::from(step) / 65_535.0) as f32;
             assert!((stored16(z) - z).abs() <= f32::EPSILON * z, "{step}");
             assert_eq!(stored16(stored16(z)), stored16(z), "{step}");

@@ -1,4 +1,5 @@
-//! The modes beyond the least depth: against the plain rasteriser, and against what they are for.
+//! Tests of the modes other than the least depth, against the reference rasteriser and by their
+//! purpose.
 
 use crate::raster::{
     Draw, Mode, Position, Rasterizer, Target,
@@ -16,7 +17,7 @@ const SIZES: [UVec2; 4] = [
     UVec2::new(257, 3),
 ];
 
-/// Panics unless both rasterisers give the same bits.
+/// Panics unless both rasterisers produce the same bits.
 fn compare<P: Position>(draw: &Draw<'_, P>, other: &[f32], what: &str) -> Vec<f32> {
     let (texels, _) = fast(draw, other);
     assert!(
@@ -27,8 +28,8 @@ fn compare<P: Position>(draw: &Draw<'_, P>, other: &[f32], what: &str) -> Vec<f3
     texels
 }
 
-/// Depth that is drawn behind and before: some of it exactly at what the triangles give, some at
-/// either end.
+/// Returns depths in front of and behind the triangles, some exactly equal to theirs, some at
+/// either end of the range.
 fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     let (least, _) = reference::draw(
         &Draw {
@@ -49,14 +50,15 @@ fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     }
 }
 
-/// A projection whose far plane is infinitely far.
+/// Returns a projection with an infinite far plane.
 fn infinite() -> Mat4 {
     Mat4::from_cols_array(&[
         1.2, 0.0, 0.0, 0.0, 0.0, 1.6, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -0.1, 0.0,
     ])
 }
 
-/// The same triangles with other weights, some of them infinitely far away along their direction.
+/// Returns the same triangles with other weights, some of them infinitely far away along their
+/// direction.
 fn homogeneous(positions: &[Vec3], r: &mut Random) -> Vec<Vec4> {
     let scaled = |p: &Vec3| match r.bits() % 4 {
         0 => p.extend(0.0),
@@ -102,7 +104,7 @@ fn homogeneous_vertices_agree_with_the_plain_rasteriser() {
     let mut r = Random(5);
     for i in 0..40 {
         let (positions, triangles) = soup(0..KINDS, 60, &mut r);
-        // In front of the eye, and some behind it.
+        // Most are in front of the eye, and some behind it.
         let positions: Vec<Vec3> = positions
             .iter()
             .map(|p| Vec3::new(p.x * 3.0, p.y * 3.0, 0.5 - p.z * 4.0))
@@ -169,7 +171,7 @@ fn a_spoilt_other_image_is_noticed() {
         };
         let (mut other, plain) = (noise(&draw, &mut r), fast(&draw, &vec![0.5; 150 * 75]).0);
         other.fill(0.5);
-        // A covered texel from before everything to behind it, or back.
+        // Move a covered texel from in front of everything to behind it, or back.
         let Some(i) = plain.iter().position(|&v| v != mode.clear_value()) else {
             panic!("nothing was drawn")
         };
@@ -185,7 +187,7 @@ fn a_spoilt_other_image_is_noticed() {
     }
 }
 
-/// Two triangles over all of the image at a depth; fronts, or backs.
+/// Returns a triangle over the whole image at a depth, a front or a back face.
 fn wall(z: f32, front: bool) -> ([Vec3; 3], [u32; 3]) {
     let corners = [
         Vec3::new(-1.0, -1.0, z),
@@ -206,7 +208,7 @@ fn walls(of: &[(f32, bool)]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 
 const SIZE: UVec2 = UVec2::new(70, 66);
 
-/// The one value that all texels have.
+/// Returns the common value of all texels.
 fn uniform(texels: &[f32]) -> f32 {
     assert_eq!(texels.len(), (SIZE.x * SIZE.y) as usize);
     assert!(texels.iter().all(|v| v == &texels[0]));
@@ -238,8 +240,8 @@ fn layers_peel_off_one_by_one() {
 
 #[test]
 fn counts_tell_inside_from_outside() {
-    // Seen from the front, a volume from 0.25 to 0.75; what it touches at the back is outside, at
-    // the front inside.
+    // A volume from 0.25 to 0.75, seen from the front. Points on its back are outside, points on
+    // its front inside.
     let (positions, triangles) = walls(&[(0.25, true), (0.75, false)]);
     let draw = Draw {
         size: SIZE,
@@ -290,8 +292,8 @@ fn counts_wrap_and_go_on_without_clearing() {
 fn a_face_and_its_reverse_cancel() {
     let mut r = Random(9);
     let (positions, triangles) = soup(0..6, 600, &mut r);
-    // Clipping cuts the two into different pieces if it takes their first corner, and planes
-    // through those round apart.
+    // Exclude clipped triangles. Clipping splits the two into different pieces if it removes their
+    // first corner, and the planes of those round differently.
     let inside = |p: Vec3| p.truncate().abs().max_element() <= 1.0 && (0.0..=1.0).contains(&p.z);
     let whole = |t: &&[u32; 3]| t.iter().all(|&v| inside(positions[v as usize]));
     let triangles: Vec<[u32; 3]> = triangles.iter().filter(whole).copied().collect();

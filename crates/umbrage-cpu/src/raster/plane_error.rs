@@ -1,20 +1,21 @@
-//! How far devices may be apart in the depths of one triangle, and depths moved by that much.
+//! Bounds on the difference between devices in the depths of one triangle, and shifts by that
+//! amount.
 
 use glam::DVec3;
 
-/// Moves depths of triangles by parts of what rounding may come to, to find out which answers hang
-/// on rounding. Triangles of even and of odd numbers may move apart: so surfaces that meet change
-/// places.
+/// Shift of the triangles' depths by parts of the rounding bound, to find results that depend on
+/// rounding. Triangles with even and odd ids may move in opposite directions, so that coplanar
+/// surfaces swap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneShift {
-    /// Of triangles with even numbers: parts of the bound, -1..=1; positive is away from the light.
+    /// Part of the bound for triangles with even ids, -1..=1; positive is away from the light.
     pub even: f32,
-    /// Of triangles with odd numbers.
+    /// Part of the bound for triangles with odd ids.
     pub odd: f32,
 }
 
 impl PlaneShift {
-    /// Nothing moves.
+    /// No shift.
     pub const NONE: Self = Self {
         even: 0.0,
         odd: 0.0,
@@ -30,20 +31,22 @@ impl PlaneShift {
     }
 }
 
-/// Window coordinates beyond which devices can't be followed: in steps of 1/16 pixel they don't fit
+/// Window coordinate above which devices can't be modelled: in steps of 1/16 pixel it doesn't fit
 /// 32 bits.
 const MAX_PLACE: f64 = 134_217_728.0;
 
-/// Over 100,000 random triangles, the error of a plane evaluated in 32 bits was below 4 times the
-/// sum in [`plane_error`]; two devices may err in opposite directions.
+/// Factor on the sum in [`plane_error`]. Over 100,000 random triangles, the error of a plane
+/// evaluated in 32 bits was below 4 times the sum. Two devices may deviate in opposite directions.
 const ERRORS: f64 = 2.0 * 4.0;
 
-/// Returns by how much two devices' depths of a triangle may differ within an image; at most 1, all
-/// of the range. Each evaluates the plane through the corners (window space, pixels and depth) in
-/// 32 bits, from an origin of its choice. The error grows with the plane's change up to the origin,
-/// and with its change over the triangle times the condition of the area, which is a difference of
-/// two products: slivers have almost no area. Where a corner lies so near the eye's plane that it
-/// has no place, anything may be drawn.
+/// Returns the greatest difference between two devices' depths of a triangle within an image, at
+/// most 1, the whole range.
+///
+/// Each device evaluates the plane through the corners (window space, pixels and depth) in 32 bits,
+/// from an origin of its choice. The error grows with the plane's change up to the origin. It also
+/// grows with the plane's change over the triangle times the condition of the area, which is a
+/// difference of two products: slivers have almost no area. If a corner is so close to the eye's
+/// plane that it has no window position, any depth may be drawn.
 pub(crate) fn plane_error(corners: [DVec3; 3]) -> f32 {
     let [a, b, c] = corners;
     let least = a.min(b).min(c);
@@ -71,7 +74,7 @@ pub(crate) fn plane_error(corners: [DVec3; 3]) -> f32 {
 }
 
 /// Returns the sum of the magnitudes of the two products whose difference is a triangle's doubled
-/// area, found from corner `a`.
+/// area, computed from corner `a`.
 fn products(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let d = b - a;
     let e = c - a;
@@ -82,7 +85,7 @@ fn products(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// A right triangle whose depth grows to the right by 1/128 a pixel.
+    /// Returns a right triangle whose depth grows to the right by 1/128 per pixel.
     fn triangle(left: f64) -> [DVec3; 3] {
         [
             DVec3::new(left, 0.0, 0.0),
@@ -101,14 +104,14 @@ mod tests {
         ]);
         let far = plane_error(triangle(1e6));
         assert!(plain < 1e-5, "{plain}");
-        // Its plane alone, without the condition of its area, would give less than a hundredth.
+        // Without the condition of its area, the bound would be below a hundredth.
         assert_eq!(sliver, 1.0);
         assert!(far > 100.0 * plain, "{far}");
     }
 
     #[test]
     fn what_has_no_place_may_be_anything() {
-        // Without slope nothing but its place makes it err.
+        // Without a slope, only the position causes the error.
         let flat = triangle(1e9).map(|corner| corner.with_z(0.5));
         assert_eq!(plane_error(flat), 1.0);
         assert_eq!(plane_error([DVec3::NAN; 3]), 1.0);

@@ -1,25 +1,26 @@
-//! Kinds of vertices that can be drawn, and the arithmetic of their transform.
+//! Kinds of vertices that can be drawn, with the arithmetic of their transform.
 
 use glam::{Mat4, Vec3, Vec4};
 use umbrage_core::math::transform;
 
-/// How the four products of a vertex's transform to clip space are added. WGSL lets devices add in
-/// another order than is written. Guarded products (`product4` in math.wgsl) prevent fusing alone.
+/// Order in which the four products of a vertex's transform to clip space are added. WGSL allows
+/// devices to use another order than the source. Guarded products (`product4` in math.wgsl) only
+/// prevent fusing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum VertexSums {
-    /// From x to w, as the shader is written.
+    /// From x to w, as in the shader source.
     #[default]
     InOrder,
-    /// From w to x, each product and the sum that it goes into rounded once.
+    /// From w to x, each product and its sum rounded once.
     Fused,
     /// From w to x.
     Reversed,
-    /// x and y, z and w, then both.
+    /// x and y, z and w, then both sums.
     Paired,
 }
 
 impl VertexSums {
-    /// All ways but the written one.
+    /// All orders except that of the source.
     pub const OTHERS: [Self; 3] = [Self::Fused, Self::Reversed, Self::Paired];
 
     /// Returns a homogeneous vertex in clip space.
@@ -41,7 +42,7 @@ impl VertexSums {
     }
 }
 
-/// A vertex in world space.
+/// Vertex in world space.
 pub(crate) trait Position: Copy + Send + Sync {
     /// Returns the vertex in clip space: columns times components, added from left to right.
     fn to_clip(self, clip_from_world: Mat4) -> Vec4;
@@ -58,7 +59,7 @@ pub(crate) trait Position: Copy + Send + Sync {
     }
 }
 
-/// A point.
+/// Point.
 impl Position for Vec3 {
     #[inline(always)]
     fn to_clip(self, clip_from_world: Mat4) -> Vec4 {
@@ -70,7 +71,7 @@ impl Position for Vec3 {
     }
 }
 
-/// A homogeneous point; w = 0 is the point infinitely far along a direction.
+/// Homogeneous point; w = 0 is the point infinitely far along a direction.
 impl Position for Vec4 {
     #[inline(always)]
     fn to_clip(self, m: Mat4) -> Vec4 {
@@ -94,7 +95,7 @@ mod tests {
             let plain = p.to_clip(m);
             assert_eq!(plain, VertexSums::InOrder.to_clip(p.extend(1.0), m));
             // Entries of the matrix are at most 1. Three products and three sums are each rounded
-            // by half a unit, on either side.
+            // by half a unit, in either direction.
             let greatest = 3.0 * p.abs().max_element() + 1.0;
             for sums in VertexSums::OTHERS {
                 let error = (p.to_clip_by(sums, m) - plain).abs().max_element();

@@ -1,42 +1,43 @@
-//! A triangle that is ready to be filled.
+//! Triangle that is ready to be filled.
 
 /// Depth as a linear function of the pixel: `fma(dy, py, fma(dx, px, at_origin)) + offset`, clamped
 /// to 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct DepthPlane {
-    /// At the centre of the image's first pixel.
+    /// Depth at the centre of the image's first pixel.
     pub(crate) at_origin: f32,
-    /// Change a pixel to the right.
+    /// Change per pixel to the right.
     pub(crate) dx: f32,
-    /// Change a pixel down.
+    /// Change per pixel down.
     pub(crate) dy: f32,
     /// Polygon offset.
     pub(crate) offset: f32,
 }
 
-/// A triangle after setup, in the order of corners in which its inside has positive edge functions.
+/// Triangle after setup, in the order of corners in which its inside has positive edge functions.
 ///
-/// An edge function changes by multiples of 256 from pixel to pixel, so all are kept divided by 256
-/// and rounded down, which keeps their signs: a pixel is covered where none is negative.
+/// An edge function changes by multiples of 256 from pixel to pixel. All are therefore stored
+/// divided by 256 and rounded down, which keeps their signs: a pixel is covered if none is
+/// negative.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Record {
-    /// The first corner, sub-pixels; pixel centres are multiples of 256.
+    /// First corner, sub-pixels; pixel centres are multiples of 256.
     pub(crate) corner: [i32; 2],
-    /// From the first corner to the second, sub-pixels.
+    /// Vector from the first corner to the second, sub-pixels.
     pub(crate) edge_a: [i32; 2],
-    /// From the second corner to the third.
+    /// Vector from the second corner to the third, sub-pixels.
     pub(crate) edge_b: [i32; 2],
-    /// The edge functions at pixel `min`, if the triangle is small; else meaningless.
+    /// Edge functions at pixel `min` for small triangles; unspecified for others.
     pub(crate) at_min: [i32; 3],
-    /// Its depth.
+    /// Depth plane.
     pub(crate) plane: DepthPlane,
     /// Least x and y, pixels.
     pub(crate) min: [u16; 2],
     /// Greatest x and y, pixels.
     pub(crate) max: [u16; 2],
-    /// The triangle's id; for
-    /// [`Mode::StencilDepthFail`](crate::raster::mode::Mode::StencilDepthFail) what a count grows
-    /// by, in two's complement: +1 for a back face, -1 for a front face.
+    /// Id of the triangle. For
+    /// [`Mode::StencilDepthFail`](crate::raster::mode::Mode::StencilDepthFail), it is the change of
+    /// a count in two's complement: +1 for a back face, -1 for a front face.
     pub(crate) tag: u32,
 }
 
@@ -48,15 +49,15 @@ pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
         - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
 }
 
-/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided
-/// by 256; all in sub-pixels. It is negative outside; points on the edge are inside if it is a top
+/// Returns the function of the edge from `start` along the vector `edge` at the point `p`, divided
+/// by 256; all in sub-pixels. It is negative outside. Points on the edge are inside if it is a top
 /// or a left edge.
 #[inline(always)]
 pub(crate) fn edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i64 {
     let right = i64::from(p[0] - start[0]);
     let down = i64::from(p[1] - start[1]);
     let value = i64::from(edge[0]) * down - i64::from(edge[1]) * right;
-    // On other edges, 0 is outside, too.
+    // On other edges, 0 is also outside.
     (value - i64::from(!is_top_left(edge))) >> 8
 }
 
@@ -69,8 +70,8 @@ fn is_top_left(edge: [i32; 2]) -> bool {
     is_left | is_top
 }
 
-/// As [`edge_function`], for a triangle of few pixels and a point near it: all numbers fit 32 bits
-/// then. For others the result is meaningless.
+/// Returns [`edge_function`] for a triangle of few pixels and a point near it, for which all
+/// numbers fit 32 bits. The result is unspecified for others.
 #[inline(always)]
 pub(crate) fn small_edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i32 {
     let right = p[0] - start[0];

@@ -1,5 +1,5 @@
-//! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser
-//! is tested against. Clipping, and what becomes of clipped triangles, are shared with it.
+//! Reference implementation of the rasterisation rules, pixel by pixel and as simple as possible,
+//! for tests of the fast rasteriser. Both share clipping and the handling of clipped triangles.
 
 use crate::raster::{
     Draw, Mode, Position, Rounding,
@@ -14,13 +14,13 @@ use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
 /// Texels and ids of an image.
 pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
 
-/// What a clear image becomes when the triangles are drawn one after the other. `other` is the
-/// image that the mode reads.
+/// Draws the triangles one after the other into a clear image. `other` is the image that the mode
+/// reads.
 pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     draw_on(Snapping::default(), draw, other)
 }
 
-/// The same with vertices rounded so.
+/// Draws like [`draw`], with this rounding of vertices.
 pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
     let start = if draw.mode == Mode::StencilDepthFail {
@@ -31,6 +31,7 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
     let viewport = Viewport::new(draw.size);
     let culls_twice = snapping.planes == DepthPlanes::Unsnapped;
+    // Clip each triangle and fill its pieces.
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
@@ -66,8 +67,8 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     drawn
 }
 
-/// Returns the new value of a texel over which depth `z` is drawn, by the front of a triangle or
-/// its back; none if it keeps its value. `other` is the texel of the image that the mode reads.
+/// Returns the new value of a texel when depth `z` of a front or back face is drawn over it, or
+/// `None` if it is unchanged. `other` is the texel of the image that the mode reads.
 fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) -> Option<f32> {
     let other = other.copied().unwrap_or(f32::NAN);
     match mode {
@@ -86,7 +87,7 @@ fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) 
     }
 }
 
-/// Depth in whole steps of 16 bits: the factor is rounded, and so is the product.
+/// Returns a depth in whole steps of 16 bits: the factor is rounded, and so is the product.
 fn steps(z: f32) -> i64 {
     (f64::from(z * (65_535.0_f32 / 65_536.0)) * 65_536.0).round_ties_even() as i64
 }
@@ -95,13 +96,13 @@ fn of_steps(steps: i64) -> f32 {
     steps as f32 * (1.0 / 65_535.0)
 }
 
-/// The whole steps that a texel holds.
+/// Returns the stored value of a texel in whole steps.
 fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
-/// Draws a triangle, given by its window corners; or a piece of a whole one, whose plane and
-/// polygon offset it has.
+/// Draws a triangle given by its window corners, or a piece of a whole one with the whole one's
+/// plane and polygon offset.
 fn fill<P>(
     draw: &Draw<'_, P>,
     snapping: Snapping,
@@ -112,7 +113,7 @@ fn fill<P>(
     drawn: &mut Drawn,
 ) {
     let (texels, ids) = drawn;
-    // Points of the grid a pixel.
+    // Number of grid points per pixel.
     let steps = 2.0_f32.powi(snapping.sub_pixel_bits as i32);
     let snapped = window.map(|v| IVec2::new(in_sub_pixels(v.x, steps), in_sub_pixels(v.y, steps)));
     let window = match snapping.planes {
@@ -121,6 +122,7 @@ fn fill<P>(
             window.map(|v| Vec3::new(on_grid(v.x, steps), on_grid(v.y, steps), v.z))
         }
     };
+    // Cull by the orientation on the grid.
     let [a, b, c] = snapped.map(|v| v.as_i64vec2());
     let area = (a.x - b.x) * (c.y - a.y) - (c.x - a.x) * (a.y - b.y);
     let culled = match draw.cull {
@@ -137,6 +139,7 @@ fn fill<P>(
         [window[0], window[2], window[1]]
     };
     let clockwise = if area > 0 { [a, c, b] } else { [a, b, c] };
+    // Test each pixel of the image.
     let plane = depth_plane(draw, snapping, [v0, v1, v2], whole);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {
@@ -164,8 +167,8 @@ fn fill<P>(
     }
 }
 
-/// Returns the depth plane through window corners, counter-clockwise, with its polygon offset; or
-/// those of the whole triangle of which they are a piece.
+/// Returns the depth plane through window corners, counter-clockwise, with its polygon offset. For
+/// a piece, returns those of the whole triangle.
 fn depth_plane<P>(
     draw: &Draw<'_, P>,
     snapping: Snapping,
@@ -202,19 +205,19 @@ fn depth_plane<P>(
     plane
 }
 
-/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a
+/// Rounds a window coordinate to a grid of `steps` points per pixel. Returns it in 256ths of a
 /// pixel from the centre of the first one.
 fn in_sub_pixels(v: f32, steps: f32) -> i32 {
     let snapped = ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
     snapped.clamp(-4_194_304.0, 4_194_304.0) as i32
 }
 
-/// Rounds a window coordinate to a grid of `steps` points a pixel.
+/// Rounds a window coordinate to a grid of `steps` points per pixel.
 fn on_grid(v: f32, steps: f32) -> f32 {
     ((v - 0.5) * steps).round_ties_even() / steps + 0.5
 }
 
-/// Returns the spacing of floats of a magnitude, 0 where it would be denormal.
+/// Returns the spacing of floats of a magnitude, or 0 if it would be denormal.
 fn float_spacing(magnitude: f32) -> f32 {
     if magnitude < 2.0_f32.powi(-126) {
         0.0
@@ -223,7 +226,7 @@ fn float_spacing(magnitude: f32) -> f32 {
     }
 }
 
-/// Returns the polygon offset for a unit and a slope (depth a pixel).
+/// Returns the polygon offset for a unit and a slope (depth per pixel).
 fn offset(bias: &RasterBias, unit: f32, slope: f32) -> f32 {
     if bias.constant == 0 && bias.slope == 0.0 {
         return 0.0;

@@ -1,5 +1,5 @@
-//! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns
-//! into vector code.
+//! Triangle setup for many triangles at once, as simple loops over arrays that the compiler
+//! vectorises.
 
 use crate::raster::{
     Rounding,
@@ -13,31 +13,31 @@ use crate::raster::{
 use glam::{UVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, RasterBias, Snapping};
 
-/// Triangles a group: as many as bits in a word.
+/// Triangles per group: as many as bits in a word.
 pub(crate) const GROUP: usize = 64;
 
 type Floats = [f32; GROUP];
 type Ints = [i32; GROUP];
 
-/// What setup needs to know of a cast.
+/// Parameters of a draw for setup.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetupRules {
     /// Image size, pixels.
     pub(crate) size: UVec2,
-    /// Faces left out.
+    /// Faces to cull.
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What the image keeps of what is drawn.
+    /// Test and update of the image.
     pub(crate) mode: Mode,
-    /// How vertices and depths are rounded.
+    /// Rounding of vertices and depths.
     pub(crate) rounding: Rounding,
 }
 
 impl SetupRules {
-    /// Returns the polygon offset as Vulkan defines it: `m * slope + r * constant`, where m is the
-    /// greater slope of a triangle (depth a pixel) and r the spacing of the image's depths, of
-    /// floats that at the triangle's greatest depth.
+    /// Returns the polygon offset as defined by Vulkan: `m * slope + r * constant`. m is the
+    /// greater slope of a triangle (depth per pixel). r is the spacing of the image's depths; for
+    /// floats, it is that at the triangle's greatest depth.
     #[inline(always)]
     fn offset(&self, greatest_depth: f32, slope: f32) -> f32 {
         let unit = if self.mode.is_fixed_point() {
@@ -50,7 +50,7 @@ impl SetupRules {
     }
 }
 
-/// Window-space triangles that wait for setup, one array a number.
+/// Window-space triangles that wait for setup, one array per number.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     x: [Floats; 3],
@@ -61,8 +61,8 @@ pub(crate) struct Group {
     lanes: Lanes,
 }
 
-/// What setup finds out: the sign of the area (0: not to be drawn), snapped corners, pixel bounds
-/// and depth planes.
+/// Results of setup: the sign of the area (0 if not drawn), snapped corners, pixel bounds and depth
+/// planes.
 #[derive(Clone, Debug)]
 struct Lanes {
     sign: Ints,
@@ -101,7 +101,7 @@ impl Lanes {
 }
 
 impl Group {
-    /// No triangles.
+    /// Returns an empty group.
     pub(crate) fn new() -> Self {
         let zero = [[0.0; GROUP]; 3];
         Self {
@@ -114,10 +114,10 @@ impl Group {
         }
     }
 
-    /// Adds a triangle, and sets the group up once it is full.
+    /// Adds a triangle, and sets the group up when it is full.
     #[inline(always)]
     pub(crate) fn push(&mut self, corners: [Vec3; 3], id: u32, rules: &SetupRules, out: &mut Bins) {
-        // The length is always below GROUP here; the remainder spares the bounds checks.
+        // The length is always below GROUP here; the remainder avoids the bounds checks.
         let i = self.len % GROUP;
         let [a, b, c] = corners;
         (self.x[0][i], self.x[1][i], self.x[2][i]) = (a.x, b.x, c.x);
@@ -130,17 +130,17 @@ impl Group {
         }
     }
 
-    /// Sets up what is there and appends a record for each triangle that may cover a pixel.
+    /// Sets up the pending triangles and appends a record for each that may cover a pixel.
     #[inline(always)]
     pub(crate) fn flush(&mut self, rules: &SetupRules, out: &mut Bins) {
         self.set_up(rules);
         self.emit(rules, out);
     }
 
-    /// The same for pieces of one triangle, whose plane is known.
+    /// Sets up pieces of one triangle with a known plane, and appends their records.
     #[cold]
     pub(crate) fn flush_pieces(&mut self, whole: &Whole, rules: &SetupRules, out: &mut Bins) {
-        // Without an area it shows neither of its faces.
+        // Without an area, the triangle has no facing.
         let cull = if whole.has_area() {
             rules.cull
         } else {
@@ -179,7 +179,7 @@ impl Group {
         }
     }
 
-    /// Moves depths by parts of what rounding may come to.
+    /// Shifts depths by parts of the rounding bound.
     #[cold]
     fn shift_planes(&mut self, shift: PlaneShift) {
         for i in 0..self.len {
@@ -201,14 +201,14 @@ impl Group {
         self.len = 0;
     }
 
-    /// A bit for each triangle that is to be drawn.
+    /// Returns a bit for each triangle that must be drawn.
     #[inline(always)]
     fn drawn(&self) -> u64 {
         let mut bits = 0;
         for i in 0..GROUP {
             bits |= u64::from(self.lanes.sign[i] != 0) << i;
         }
-        // All of the group, or what there is of it.
+        // Mask the unused slots of a partial group.
         if self.len == GROUP {
             bits
         } else {
@@ -216,8 +216,9 @@ impl Group {
         }
     }
 
-    /// A triangle covers pixels from its least coordinate, rounded up, to just below its greatest:
-    /// those on the right or bottom edge belong to its neighbour.
+    /// Snaps the corners and computes the pixel bounds. A triangle covers pixels from its least
+    /// coordinate, rounded up, to just below its greatest. Pixels on the right or bottom edge
+    /// belong to its neighbour.
     #[inline(always)]
     fn snap_and_bound(&mut self, size: UVec2) {
         let last_x = size.x as i32 - 1;
@@ -235,8 +236,8 @@ impl Group {
         }
     }
 
-    /// The same on another grid, whose points all lie on the finest. Later steps find the corners
-    /// that planes go through.
+    /// Snaps to another grid, whose points are all on the finest. Leaves the corners for later
+    /// steps that compute planes.
     #[cold]
     fn snap_otherwise(&mut self, rules: &SetupRules) {
         let unsnapped = (self.x, self.y);
@@ -270,7 +271,7 @@ impl Group {
         }
     }
 
-    /// Differences v0 - v1 and v2 - v0 of a coordinate, in counter-clockwise order.
+    /// Returns the differences v0 - v1 and v2 - v0 of a coordinate, in counter-clockwise order.
     #[inline(always)]
     fn differences(v: &[Floats; 3], sign: i32, i: usize) -> (f32, f32) {
         let [a, b, c] = [v[0][i], v[1][i], v[2][i]];
@@ -281,7 +282,7 @@ impl Group {
         }
     }
 
-    /// The plane goes through the corners before snapping, or as `snap_otherwise` left them.
+    /// Computes the plane through the corners before snapping, or as `snap_otherwise` left them.
     #[inline(always)]
     fn find_planes(&mut self) {
         let l = &mut self.lanes;
@@ -316,13 +317,14 @@ impl Group {
         }
     }
 
-    /// The edges, clockwise on screen: the order in which their functions are positive inside.
+    /// Computes the edges, clockwise on screen: the order in which their functions are positive
+    /// inside.
     #[inline(always)]
     fn find_edges(&mut self) {
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let flip = l.sign[i] > 0;
-            // The corners p, q and r, clockwise: the last two change places if they come
+            // Order the corners p, q and r clockwise: swap the last two if they are
             // counter-clockwise.
             let [px, x1, x2] = [l.x[0][i], l.x[1][i], l.x[2][i]];
             let [py, y1, y2] = [l.y[0][i], l.y[1][i], l.y[2][i]];
@@ -342,8 +344,8 @@ impl Group {
         }
     }
 
-    /// Leaves out triangles up to two pixels wide and high that cover none: many do, in fine
-    /// meshes.
+    /// Drops triangles up to two pixels wide and high that cover no pixel, which are frequent in
+    /// fine meshes.
     #[inline(always)]
     fn drop_uncovered(&mut self) {
         let l = &mut self.lanes;
@@ -353,7 +355,7 @@ impl Group {
             let bx = l.edge_x[1][i];
             let by = l.edge_y[1][i];
             let [a, b, c] = [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]];
-            // Outside an edge, the sign bit is set: here, and so many pixels to the right and down.
+            // The sign bit is set outside an edge, at this many pixels to the right and down.
             let outside = |right: i32, down: i32| {
                 let a = a.wrapping_sub(ay * right).wrapping_add(ax * down);
                 let b = b.wrapping_sub(by * right).wrapping_add(bx * down);
@@ -395,7 +397,8 @@ impl Group {
     }
 }
 
-/// The spacing of floats of `z`'s magnitude (greater than zero), 0 where it would be denormal.
+/// Returns the spacing of floats of `z`'s magnitude (greater than zero), or 0 if it would be
+/// denormal.
 #[inline(always)]
 fn spacing(z: f32) -> f32 {
     let exponent = (z.to_bits() & 0x7f80_0000) as i32;

@@ -1,11 +1,10 @@
-//! The fast rasteriser against the plain one, bit by bit.
+//! Bit-exact tests of the fast rasteriser against the reference rasteriser.
 
 use crate::raster::{Draw, Mode, PlaneShift, Position, Rasterizer, Rounding, Target, reference};
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 
-/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on
-/// every run.
+/// Random number generator (Marsaglia: Xorshift RNGs, 2003), for the same triangles on every run.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -16,7 +15,7 @@ impl Random {
         self.0 >> 11
     }
 
-    /// Uniform in `lo..hi`.
+    /// Returns a uniform number in `lo..hi`.
     pub(crate) fn range(&mut self, lo: f32, hi: f32) -> f32 {
         lo + (hi - lo) * (self.bits() as f64 / (1_u64 << 53) as f64) as f32
     }
@@ -30,12 +29,12 @@ impl Random {
     }
 }
 
-/// Kinds of triangles that have broken rasterisers, in clip space with w = 1 (or less, through
-/// `perspective`).
+/// Returns a triangle of a kind that has broken rasterisers, in clip space with w = 1 (or less,
+/// with `perspective`).
 fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
     let (a, size) = (r.point(1.0), UVec2::new(150, 75).as_vec2());
     let mut near = |d: f32| a + Vec3::new(r.range(-d, d), r.range(-d, d), r.range(-0.1, 0.1));
-    // A pixel centre, corner or sub-pixel tie; exact in binary fractions of the window.
+    // Round to a pixel centre, corner or sub-pixel tie, exact in binary fractions of the window.
     let on_grid = |p: Vec3, step: f32| {
         let w = ((p.truncate() * 0.5 + 0.5) * size / step).floor() * step;
         (w / size * 2.0 - 1.0).extend(p.z)
@@ -59,7 +58,7 @@ fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
 
 pub(super) const KINDS: usize = 10;
 
-/// Random triangles: positions and indices.
+/// Returns random triangles: positions and indices.
 pub(super) fn soup(
     kinds: std::ops::Range<usize>,
     count: usize,
@@ -91,12 +90,12 @@ pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> D
     }
 }
 
-/// What the fast rasteriser makes of a spoilt image that it is to clear.
+/// Draws with the fast rasteriser into a spoilt image that it must clear.
 pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
     fast_on(Snapping::default(), draw, other)
 }
 
-/// The same with vertices rounded so.
+/// Draws like [`fast`], with this rounding of vertices.
 fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
     let (mut texels, mut ids) = (
@@ -118,7 +117,7 @@ fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -
     (texels, ids)
 }
 
-/// The same for the least depth.
+/// Returns the least depth.
 fn depth(draw: &Draw<'_>) -> Vec<f32> {
     fast(draw, &[]).0
 }
@@ -127,7 +126,7 @@ pub(super) fn bits(depth: &[f32]) -> Vec<u32> {
     depth.iter().map(|z| z.to_bits()).collect()
 }
 
-/// Panics unless both rasterisers give the same bits, with ids and without.
+/// Panics unless both rasterisers produce the same bits, with and without ids.
 fn compare(draw: &Draw<'_>, what: &str) {
     let (depth, ids) = reference::draw(draw, &[]);
     let (fast_depth, fast_ids) = fast(
@@ -146,7 +145,8 @@ fn compare(draw: &Draw<'_>, what: &str) {
     );
 }
 
-/// A matrix that divides by a w of about 1 to 3, and puts some triangles before the near plane.
+/// Returns a matrix that divides by a w of about 1 to 3, and places some triangles in front of the
+/// near plane.
 pub(super) fn perspective() -> Mat4 {
     Mat4::from_cols_array(&[
         1.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.4, 2.0, 0.1, 0.0, -0.2, 1.0,
@@ -190,7 +190,7 @@ fn triangle_soups_agree_with_every_setting() {
     }
 }
 
-/// All ways to round vertices.
+/// Returns all roundings of vertices.
 fn snappings() -> impl Iterator<Item = Snapping> + Clone {
     let planes = [DepthPlanes::Unsnapped, DepthPlanes::Snapped];
     Snapping::BITS.flat_map(move |sub_pixel_bits| {
@@ -227,7 +227,7 @@ fn every_rounding_agrees_with_the_plain_rasteriser() {
     }
 }
 
-/// Draws on the coarsest grid, with depths of triangles moved.
+/// Draws on the coarsest grid, with shifted depths of triangles.
 fn shifted(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
     let n = (draw.size.x * draw.size.y) as usize;
     let mut texels = vec![0.0; n];
@@ -249,7 +249,7 @@ fn shifted(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
 
 #[test]
 fn triangles_of_even_and_odd_numbers_are_moved_apart() {
-    // Two slanted triangles, left and right of the middle.
+    // Draw two slanted triangles, left and right of the centre.
     let positions = [
         Vec4::new(-1.0, -1.0, 0.25, 1.0),
         Vec4::new(0.0, -1.0, 0.25, 1.0),
@@ -276,8 +276,9 @@ fn triangles_of_even_and_odd_numbers_are_moved_apart() {
     assert!(moved[odd] < plain[odd] && moved[odd] > plain[odd] - 1e-4);
 }
 
-/// A floor that starts behind the eye, just below it: all its corners come to lie in one row of the
-/// grid, and its part before the eye covers pixels. Devices may give these any depth, or none.
+/// A floor starts behind the eye, just below it. All its corners snap to one row of the grid, but
+/// its part in front of the eye covers pixels. Devices may draw these with any depth, or not at
+/// all.
 #[test]
 fn triangles_without_area_on_the_grid_may_have_any_depth() {
     let positions = [
@@ -287,7 +288,7 @@ fn triangles_without_area_on_the_grid_may_have_any_depth() {
     ];
     let all = |even: f32| PlaneShift { even, odd: even };
     let covered = |depth: Vec<f32>| depth.iter().filter(|z| **z < 0.01).count();
-    // Nobody can tell which of its faces is seen.
+    // The visible face is undefined.
     for cull in [Cull::None, Cull::Front, Cull::Back] {
         let draw = Draw {
             size: UVec2::splat(32),
@@ -300,15 +301,15 @@ fn triangles_without_area_on_the_grid_may_have_any_depth() {
     }
 }
 
-/// The right edge of a triangle lies a little left of a column of pixel centres, and comes to lie
-/// on it, or further left, as its vertices move to the grid. The other way round for depths: only
-/// planes through vertices on the grid move.
+/// The right edge of a triangle is slightly right of a column of pixel centres. Snapping moves it
+/// onto the column or a whole step farther right. Depths change only if planes go through snapped
+/// vertices.
 #[test]
 fn coarse_grids_move_edges_and_some_planes() {
     let (size, column) = (UVec2::splat(64), 40);
     for snapping in snappings() {
-        // 0.4 steps right of the column: on it once moved, and so not in it; 0.6 steps: a whole
-        // step right.
+        // 0.4 steps right of the column, the edge snaps onto it and the column is not covered. At
+        // 0.6 steps, it snaps a whole step to the right.
         for (steps, covered) in [(0.4, false), (0.6, true)] {
             let right = column as f32 + 0.5 + steps * snapping.step();
             let corner = |x: f32, y: f32, z: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z);
@@ -331,8 +332,8 @@ fn coarse_grids_move_edges_and_some_planes() {
                 DepthPlanes::Unsnapped => right - 8.5,
                 DepthPlanes::Snapped => right - 8.5 + (steps.round() - steps) * snapping.step(),
             };
-            // The plane's depth half a step of the finest grid off would be 8e-6 off; rounding is
-            // below 1e-6.
+            // With a plane that is half a step of the finest grid off, the depth would be 8e-6 off.
+            // Rounding is below 1e-6.
             let expected = 0.25 + 0.5 * 30.0 / width;
             assert!(
                 (depth[32 * 64 + 38] - expected).abs() < 1e-6,
@@ -369,8 +370,8 @@ fn a_spoilt_triangle_is_noticed() {
 
 #[test]
 fn many_batches_and_shared_vertices_agree() {
-    // More triangles than a batch of a small image holds, with vertices both shared and far apart
-    // in the list.
+    // Draw more triangles than a batch of a small image, with vertices both shared and far apart in
+    // the list.
     let mut r = Random(77);
     let side = 60_u32;
     let positions: Vec<Vec3> = (0..side * side)
@@ -420,7 +421,7 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
             .for_each(|(&z, n)| *n += u32::from(z < 1.0));
     }
     for (i, &n) in covers.iter().enumerate() {
-        // The fan's own right and bottom rim at 63.5 is outside.
+        // The fan's own right and bottom border at 63.5 is outside.
         let inside = i % 64 < 63 && i / 64 < 63;
         assert_eq!(n, u32::from(inside), "pixel {}, {}", i % 64, i / 64);
     }
@@ -447,9 +448,9 @@ fn faces_are_culled_by_their_turn_on_screen() {
     assert!(drawn(front, Cull::Back) && !drawn(back, Cull::Back));
 }
 
-/// A wall that a vertical sun sees edge-on, reaching beyond the far plane and the image: clipping
-/// rounds a piece of it to a front face, the grid to a back face. Mesa's drivers draw it only where
-/// nothing is culled. (A random scene found it.)
+/// A wall seen edge-on by a vertical sun extends beyond the far plane and the image. Clipping
+/// rounds a piece of it to a front face, the grid to a back face. Mesa's drivers draw it only
+/// without culling. (Found by a random scene.)
 #[test]
 fn pieces_are_culled_as_clipped_and_as_moved_to_the_grid() {
     let positions = [
@@ -471,8 +472,8 @@ fn pieces_are_culled_as_clipped_and_as_moved_to_the_grid() {
 
 #[test]
 fn slope_bias_moves_a_slanted_plane_by_its_slope() {
-    // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the
-    // clamp cuts it off.
+    // z grows by 1/64 per pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the
+    // clamp limits it.
     let positions = [
         Vec3::new(-1.0, -3.0, 0.25),
         Vec3::new(-1.0, 3.0, 0.25),

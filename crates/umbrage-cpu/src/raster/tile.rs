@@ -1,5 +1,5 @@
-//! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that
-//! stays in the nearest cache.
+//! Tiles: parts of the image that one thread fills at a time, in a small buffer that stays in the
+//! nearest cache.
 
 use crate::raster::{bin::TILE, mode::Mode};
 use umbrage_core::NO_TRIANGLE;
@@ -8,24 +8,24 @@ use umbrage_core::NO_TRIANGLE;
 pub(crate) const LANES: usize = 8;
 /// Rows of the smallest triangles.
 pub(crate) const TINY_ROWS: i32 = 4;
-/// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never
-/// copied out.
+/// Floats between rows of a tile's buffer. Lanes may exceed a row's right end, into floats that are
+/// never copied back.
 pub(crate) const STRIDE: usize = TILE + LANES;
 
-/// A tile that is being filled.
+/// Buffer of the tile that is being filled.
 #[derive(Debug)]
 pub(crate) struct TileBuffer {
-    /// Depths or counts; spare rows at the end take what is drawn below the tile, and let every row
-    /// be followed by a whole stride.
+    /// Depths or counts. Spare rows at the end receive pixels below the tile, and ensure that a
+    /// whole stride follows every row.
     pub(crate) texels: Vec<f32>,
-    /// Triangle ids, if asked for.
+    /// Triangle ids, if the mode has them.
     pub(crate) ids: Vec<u32>,
-    /// Depths of another image, if asked for.
+    /// Depths of another image, if the mode reads them.
     pub(crate) other: Vec<f32>,
 }
 
 impl TileBuffer {
-    /// An empty tile for a mode.
+    /// Returns an empty tile for a mode.
     pub(crate) fn new(mode: Mode) -> Self {
         let n = STRIDE * (TILE + TINY_ROWS as usize);
         Self {
@@ -36,20 +36,20 @@ impl TileBuffer {
     }
 }
 
-/// A tile's place in the image: its rows, each a slice of the image's row.
+/// Tile in the image: its rows, each a slice of the image's row.
 #[derive(Debug)]
 pub(crate) struct Tile<'a> {
     texels: Vec<&'a mut [f32]>,
     ids: Vec<&'a mut [u32]>,
     other: Vec<&'a [f32]>,
-    /// What a clear tile holds.
+    /// Value of a clear tile.
     clear_value: f32,
-    /// Whether the rows hold something; else they are yet to be cleared.
+    /// True if the rows have content; otherwise they must still be cleared.
     filled: bool,
 }
 
 impl Tile<'_> {
-    /// Copies the tile, or what a clear tile holds, to the buffer.
+    /// Copies the tile, or the value of a clear tile, to the buffer.
     pub(crate) fn load(&self, buffer: &mut TileBuffer) {
         load_rows(self.other.iter().copied(), &mut buffer.other);
         if !self.filled {
@@ -90,23 +90,24 @@ fn store_rows<T: Copy>(rows: &mut [&mut [T]], buffer: &[T]) {
     }
 }
 
-/// An image to draw into.
+/// Image to draw into.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Pixels a row.
+    /// Pixels per row.
     pub(crate) width: usize,
     /// Depths or counts, rows from the top.
     pub(crate) texels: &'a mut [f32],
-    /// Triangle ids likewise, for [`Mode::DepthWithIds`]; else empty.
+    /// Triangle ids, rows from the top, for [`Mode::DepthWithIds`]; otherwise empty.
     pub(crate) ids: &'a mut [u32],
-    /// The image that [`Mode::DepthPeel`] and [`Mode::StencilDepthFail`] read likewise; else empty.
+    /// Image that [`Mode::DepthPeel`] and [`Mode::StencilDepthFail`] read, rows from the top;
+    /// otherwise empty.
     pub(crate) other: &'a [f32],
-    /// Whether to start from a clear image.
+    /// True if drawing starts from a clear image.
     pub(crate) clear: bool,
 }
 
 impl<'a> Target<'a> {
-    /// The image's tiles, row after row.
+    /// Returns the image's tiles, row after row.
     pub(crate) fn into_tiles(self, mode: Mode) -> Vec<Tile<'a>> {
         let (width, clear_value, filled) = (self.width, mode.clear_value(), !self.clear);
         let columns = width.div_ceil(TILE);
@@ -143,7 +144,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// The rows of each tile of an image, from the parts of each of its rows.
+/// Returns the rows of each tile of an image, from the parts of each of its rows.
 fn split<T>(rows: impl Iterator<Item = impl Iterator<Item = T>>, columns: usize) -> Vec<Vec<T>> {
     let mut tiles = Vec::new();
     for (y, parts) in rows.enumerate() {

@@ -1,14 +1,14 @@
-//! From clip space to the window, and from there to the grid of 1/256 pixels on which coverage is
-//! decided.
+//! Transforms from clip space to the window, and from there to the grid of 1/256 pixels that
+//! decides coverage.
 
 use glam::{UVec2, Vec3, Vec4};
 use umbrage_core::Snapping;
 
-/// Sub-pixel steps a pixel.
+/// Sub-pixel steps per pixel.
 pub(crate) const SUBPIXELS: i32 = 256;
 
-/// Maps clip x and y to window x and y: pixels from the top left corner, centres at .5. Depth is
-/// left alone.
+/// Map from clip x and y to window x and y: pixels from the top left corner, centres at .5. Depth
+/// is unchanged.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Viewport {
     scale_x: f32,
@@ -18,7 +18,7 @@ pub(crate) struct Viewport {
 }
 
 impl Viewport {
-    /// The viewport that covers a whole image.
+    /// Returns the viewport that covers a whole image.
     pub(crate) fn new(size: UVec2) -> Self {
         let (x, y) = (0.5 * size.x as f32, 0.5 * size.y as f32);
         Self {
@@ -29,8 +29,8 @@ impl Viewport {
         }
     }
 
-    /// Window position of a vertex, with the fused multiplication that drivers compile their vertex
-    /// stage to.
+    /// Returns the window position of a vertex, with the fused multiplication of the drivers'
+    /// vertex stage.
     #[inline(always)]
     pub(crate) fn project(&self, clip: Vec4) -> Vec3 {
         let r = 1.0 / clip.w;
@@ -39,7 +39,8 @@ impl Viewport {
         Vec3::new(x, y, clip.z * r)
     }
 
-    /// Window position of a vertex that clipping made: nothing is fused in that (rare) stage.
+    /// Returns the window position of a vertex created by clipping. This (rare) stage fuses
+    /// nothing.
     pub(crate) fn project_clipped(&self, clip: Vec4) -> Vec3 {
         let r = 1.0 / clip.w;
         Vec3::new(
@@ -50,17 +51,17 @@ impl Viewport {
     }
 }
 
-/// Largest snapped coordinate: the right edge of the widest image. Beyond it lie only faulty
-/// vertices that clipping made from nearly equal numbers; holding them here keeps later integers
-/// within 32 bits.
+/// Largest snapped coordinate: the right edge of the widest image. Only faulty vertices that
+/// clipping created from nearly equal numbers exceed it. Clamping them keeps later integers within
+/// 32 bits.
 const SNAP_LIMIT: f32 = (umbrage_core::MAX_SIDE as i32 * SUBPIXELS) as f32;
 
-/// Snaps a window coordinate to the sub-pixel grid, ties to even; pixel centres become multiples of
+/// Snaps a window coordinate to the sub-pixel grid, ties to even. Pixel centres become multiples of
 /// 256.
 #[inline(always)]
 pub(crate) fn snap(v: f32) -> i32 {
-    // Adding 1.5 * 2^23 leaves an integer in the low bits, rounded as the processor rounds: to
-    // nearest, ties to even.
+    // Adding 1.5 * 2^23 leaves an integer in the low bits, rounded by the processor: to nearest,
+    // ties to even.
     const MAGIC: f32 = 12_582_912.0;
     let v = (v - 0.5) * SUBPIXELS as f32;
     let v = if v < SNAP_LIMIT { v } else { SNAP_LIMIT };
@@ -68,8 +69,8 @@ pub(crate) fn snap(v: f32) -> i32 {
     (v + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
 }
 
-/// Moves a window coordinate to a grid, ties to even; pixel centres are points of all grids. For
-/// all coordinates within an image the result is exact: it takes 15 bits before the point and 8
+/// Moves a window coordinate to a grid, ties to even. Pixel centres are points of all grids. The
+/// result is exact for all coordinates within an image: it needs 15 bits before the point and 8
 /// after it.
 pub(crate) fn on_grid(v: f32, snapping: Snapping) -> f32 {
     let steps = (1_u32 << snapping.sub_pixel_bits) as f32;
@@ -90,7 +91,7 @@ mod tests {
                 ..Snapping::default()
             };
             for i in 0..4860 {
-                // From the left edge of an image to the right edge of the widest.
+                // Test from the left edge of an image to the right edge of the widest.
                 let v = i as f32 * 3.37;
                 let moved = on_grid(v, grid);
                 assert!((moved - v).abs() <= 0.5 * grid.step(), "{v}: {moved}");

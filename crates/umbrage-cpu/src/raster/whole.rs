@@ -1,9 +1,9 @@
-//! Triangles that get clipped, on devices whose depth planes go through snapped vertices.
+//! Clipped triangles, on devices whose depth planes go through snapped vertices.
 //!
-//! There the plane goes through the triangle's own vertices, wherever on the window's plane they
-//! lie, not through those that clipping made (measured on SwiftShader; hardware with a guard band
-//! makes none at the window's edges). They also tell which way the triangle turns: pieces that turn
-//! the other way once they are on the grid aren't drawn.
+//! On such devices, the plane goes through the triangle's own vertices, at any distance from the
+//! window, not through those created by clipping. (Measured on SwiftShader; hardware with a guard
+//! band creates none at the window's edges.) The vertices also define the orientation of the
+//! triangle. Pieces with the other orientation on the grid aren't drawn.
 
 use crate::raster::{
     Rounding,
@@ -14,29 +14,29 @@ use crate::raster::{
 use glam::{DVec3, Vec3, Vec4};
 use umbrage_core::{DepthPlanes, Snapping};
 
-/// A triangle before clipping, its vertices moved to the grid.
+/// Triangle before clipping, with its vertices moved to the grid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Whole {
     snapping: Snapping,
-    /// A vertex, and the changes of depth a pixel to the right and down.
+    /// Vertex; the fields below are the changes of depth per pixel to the right and down.
     vertex: DVec3,
     dx: f64,
     dy: f64,
-    /// Its sign tells how pieces turn on the window; 0: the triangle has no area on the grid.
+    /// Orientation of pieces on the window, by sign; 0 if the triangle has no area on the grid.
     turn: f64,
-    /// Whether pieces of a triangle without area on the grid are drawn. They may cover pixels all
-    /// the same, where the triangle reaches behind the eye, and what depth they get is left to
-    /// devices: SwiftShader divides by zero, others may draw nothing.
+    /// True if pieces of a triangle without area on the grid are drawn. They may still cover pixels
+    /// if the triangle extends behind the eye, and their depth depends on the device: SwiftShader
+    /// divides by zero, others may draw nothing.
     draws_without_area: bool,
-    /// The greatest magnitude of the vertices' depths, which may be far beyond 1.
+    /// Greatest magnitude of the vertices' depths, which may be far above 1.
     greatest_depth: f64,
-    /// By how much devices may differ in its depths.
+    /// Greatest difference between devices in its depths.
     error: f32,
 }
 
 impl Whole {
-    /// None where planes go through vertices as they are, whole or clipped, and where a vertex has
-    /// no place in the window.
+    /// Returns `None` if planes go through the vertices as they are, whole or clipped, or if a
+    /// vertex has no position in the window.
     #[cold]
     pub(crate) fn new(
         triangle: [Vec4; 3],
@@ -48,7 +48,7 @@ impl Whole {
             return None;
         }
         let mut whole = Self::through(triangle.map(|clip| viewport.project(clip)), rounding)?;
-        // What lies behind the eye is seen upside down and turned round.
+        // Geometry behind the eye appears upside down and reversed.
         for vertex in triangle {
             if vertex.w < 0.0 {
                 whole.turn = -whole.turn;
@@ -57,8 +57,8 @@ impl Whole {
         Some(whole)
     }
 
-    /// Returns a triangle in front of the eye, given by its corners (window space). `None` if one
-    /// of them isn't finite.
+    /// Returns a triangle in front of the eye, given by its corners (window space). Returns `None`
+    /// if one of them isn't finite.
     pub(crate) fn through(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
         let snapping = rounding.snapping;
         let on_grid = corners.map(|corner| snapped(corner, snapping).as_dvec3());
@@ -85,7 +85,8 @@ impl Whole {
         normal.is_finite().then_some(whole)
     }
 
-    /// Moves a piece's corners to the grid and into the plane; none if the piece isn't drawn.
+    /// Moves a piece's corners to the grid and into the plane. Returns `None` if the piece isn't
+    /// drawn.
     pub(crate) fn place(&self, piece: [Vec3; 3]) -> Option<[Vec3; 3]> {
         let [a, b, c] = piece.map(|corner| snapped(corner, self.snapping).as_dvec3());
         let area = (b - a).cross(c - a).z;
@@ -101,13 +102,14 @@ impl Whole {
         (turns_alike || may_be_drawn).then_some(placed)
     }
 
-    /// Whether the triangle has an area on the grid. If not, devices may take it for either face
-    /// (SwiftShader draws it whatever is culled).
+    /// Returns whether the triangle has an area on the grid. If not, devices may treat it as either
+    /// face (SwiftShader draws it with any culling).
     pub(crate) fn has_area(&self) -> bool {
         self.turn != 0.0
     }
 
-    /// The plane as records hold it. Pieces may be too thin to find it from their corners.
+    /// Returns the plane in the form of records. Pieces may be too thin to compute it from their
+    /// corners.
     pub(crate) fn depth(&self) -> DepthPlane {
         DepthPlane {
             at_origin: self.at(0.5, 0.5),
@@ -117,14 +119,14 @@ impl Whole {
         }
     }
 
-    /// The greatest magnitude of the depths of the triangle's own vertices: the spacing of floats
-    /// there is the unit of polygon offset on such devices (measured on SwiftShader; Vulkan doesn't
-    /// say whether the primitive is meant clipped or whole).
+    /// Returns the greatest magnitude of the depths of the triangle's own vertices. The spacing of
+    /// floats there is the unit of polygon offset on such devices. (Measured on SwiftShader; Vulkan
+    /// doesn't specify whether the primitive is clipped or whole.)
     pub(crate) fn greatest_depth(&self) -> f32 {
         self.greatest_depth as f32
     }
 
-    /// By how much devices may differ in its depths.
+    /// Returns the greatest difference between devices in its depths.
     pub(crate) fn error(&self) -> f32 {
         self.error
     }
@@ -148,7 +150,7 @@ mod tests {
     use super::*;
     use glam::UVec2;
 
-    /// A point of a window of 64 x 64 pixels.
+    /// Returns a point of a window of 64 x 64 pixels.
     fn clip(x: f32, y: f32, z: f32) -> Vec4 {
         Vec4::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z, 1.0)
     }
@@ -170,8 +172,8 @@ mod tests {
 
     #[test]
     fn corners_come_to_lie_on_the_plane_of_the_whole() {
-        // On the grid, depth grows from 0 by 1/96 a pixel; the right corner comes from 0.4 steps
-        // further right.
+        // On the grid, depth grows from 0 by 1/96 per pixel. The right corner was 0.4 steps farther
+        // right.
         let right = 64.0 + 32.0 + 0.4 / 16.0;
         let triangle = [
             clip(0.0, 0.0, 0.0),

@@ -1,4 +1,4 @@
-//! Every error says what is wrong.
+//! Tests that every error states its cause.
 
 use crate::stage::{camera, geometry, light, recipe, render};
 use umbrage_core::{Backend, Camera, Cast, Recipe, Snapping, View, glam::UVec2};
@@ -56,7 +56,7 @@ fn errors_say_what_is_missing() {
     says(
         &view.with_receivers(&short),
         &recipe,
-        "not all arrays are as long",
+        "an array has another length",
     );
     let mut huge = recipe.clone();
     huge.images[0].size.x = 16_385;

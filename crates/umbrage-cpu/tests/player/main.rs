@@ -1,4 +1,4 @@
-//! The player through its public interface.
+//! Tests of the backend through its public interface.
 
 mod errors;
 mod modes;

@@ -1,4 +1,4 @@
-//! Casts of all sources and modes, and images of all formats.
+//! Tests of casts of all sources and modes, and of images of all formats.
 
 use crate::stage::{bits, geometry, play, recipe, same_on_all_players, space};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 
-/// Writes every number from -0.25 to 1.25, and one that is none.
+/// Filter that writes numbers from -0.25 to 1.25, and one NaN.
 #[derive(Clone, Copy, Debug)]
 struct Ramp;
 
@@ -38,7 +38,7 @@ const COUNTS: usize = 3;
 const BYTES: usize = 4;
 const SECOND_STEPS: usize = 5;
 
-/// A pyramid under the sheet, and a slanted prism that stands in the ground.
+/// Returns a pyramid under the sheet, and a slanted prism that intersects the ground.
 fn faces() -> Arc<Faces> {
     let point = |x: f32, y: f32, z: f32| Vec4::new(x, y, z, 1.0);
     let base = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]];
@@ -66,7 +66,7 @@ fn faces() -> Arc<Faces> {
     })
 }
 
-/// Every mode, source and format.
+/// Returns a recipe with every mode, source and format.
 fn every_mode() -> Recipe {
     let image = |label, format| ImageDesc {
         label,
@@ -154,7 +154,7 @@ fn the_second_layer_lies_behind_the_first() {
     assert!(pairs().all(|(a, b)| a < b || *b == 1.0));
     assert!(
         pairs().filter(|(_, b)| **b < 1.0).count() > 200,
-        "the sheet lies over the ground"
+        "the sheet is above the ground"
     );
 }
 
@@ -167,7 +167,7 @@ fn sixteen_bits_are_the_same_depth_in_whole_steps() {
     };
     let images = play(&mut Cpu::new(), &recipe).images;
     for (z, steps) in images[DEPTH].texels.iter().zip(&images[STEPS].texels) {
-        // Half a step, and the rounding of the division to f32.
+        // Half a step, plus the rounding of the division to f32.
         assert!(
             (z - steps).abs() <= 0.5 / 65_535.0 + f32::EPSILON,
             "{z} became {steps}"
@@ -182,7 +182,7 @@ fn counts_are_the_volumes_that_end_behind_the_surface() {
     let shadows = play(&mut Cpu::new(), &every_mode());
     let counts = &shadows.images[COUNTS].texels;
     let of = |n: f32| counts.iter().filter(|&&c| c == n).count();
-    // The pyramid lies behind the sheet, front and back.
+    // The pyramid is behind the sheet, front and back.
     assert!(of(1.0) > 30, "ground within the prism");
     assert_eq!(
         of(0.0) + of(1.0),
@@ -202,7 +202,7 @@ fn bytes_are_rounded_to_what_shaders_load() {
             .all(|&v| v == k(v) as f32 * (1.0 / 255.0) && (0..=255).contains(&k(v)))
     );
     assert!((0..=255).all(|n| texels.iter().any(|&v| k(v) == n)));
-    assert_eq!(texels[7], 0.0, "what is no number becomes 0");
+    assert_eq!(texels[7], 0.0, "NaN becomes 0");
 }
 
 #[test]
@@ -257,7 +257,7 @@ fn what_is_read_before_it_is_drawn_is_clear() {
 fn replayed_casts_give_what_the_whole_gave() {
     let mut cpu = Cpu::new();
     let mut recipe = every_mode();
-    // A second cast into a layer goes on from the first.
+    // A second cast into a layer continues from the first.
     recipe.casts.push(Cast {
         source: Source::Faces(faces()),
         ..recipe.casts[SECOND].clone()

@@ -1,4 +1,5 @@
-//! Whole recipes: same bits on any threads and instructions, receivers against plain geometry.
+//! Tests of whole recipes: the same bits for all threads and instructions, and receivers against
+//! simple geometry.
 
 use crate::stage::{
     SIZE, bits, camera, difference, geometry, light, recipe, render, same_on_all_players,
@@ -13,7 +14,7 @@ fn threads_and_instructions_change_no_bit() {
     let expected = same_on_all_players(&recipe());
     assert!(
         expected.mask.iter().any(|&v| v < 1.0) && expected.mask.contains(&1.0),
-        "shadow and light are both seen"
+        "shadow and light are both visible"
     );
 }
 
@@ -129,8 +130,8 @@ fn receivers_lie_on_what_their_rays_meet() {
         let pixel = (ndc.truncate() * UVec2::new(1, 1).as_vec2() * 0.5) * SIZE.as_vec2();
         let x = pixel.x + 0.5 * SIZE.x as f32;
         let y = 0.5 * SIZE.y as f32 - pixel.y;
-        // A hundredth of a pixel, and a thousandth of the depth range: far above rounding, far
-        // below any mistake.
+        // A hundredth of a pixel, and a thousandth of the depth range: far above rounding, and far
+        // below any actual error.
         assert!(
             (x - (i as u32 % SIZE.x) as f32 - 0.5).abs() < 0.01
                 && (y - (i as u32 / SIZE.x) as f32 - 0.5).abs() < 0.01
@@ -146,7 +147,7 @@ fn receivers_lie_on_what_their_rays_meet() {
     }
     assert!(
         seen > 1000 && receivers.receives.iter().filter(|&&r| r).count() < seen,
-        "ground and sheet are seen"
+        "ground and sheet are visible"
     );
 }
 
@@ -187,7 +188,7 @@ fn given_receivers_are_used_as_they_are() {
     );
 }
 
-/// Maps and receivers alike are drawn with the rounding asked for.
+/// Both maps and receivers use the requested rounding.
 #[test]
 fn another_rounding_of_vertices_reaches_maps_and_receivers() {
     let exact = render(&mut Cpu::new());

@@ -1,4 +1,4 @@
-//! Pictures.
+//! Tests of shaded images.
 
 use crate::stage::{bits, camera, geometry, light, play, recipe, same_on_all_players};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 
-/// Colours tell where a pixel is, what it shows and how it is lit.
+/// Shading whose colours encode the pixel's position, triangle and visibility.
 #[derive(Clone, Copy, Debug)]
 struct Telling;
 
@@ -77,7 +77,7 @@ fn every_pixel_that_shows_a_triangle_is_coloured() {
         .collect();
     assert!(
         !sheet.is_empty() && sheet.iter().all(|&v| v == 1.0),
-        "what doesn't receive is lit"
+        "pixels that don't receive are lit"
     );
 }
 

@@ -1,4 +1,4 @@
-//! What the tests play: a small scene, a light, and a recipe with every stage.
+//! Shared fixtures: a small scene, a light, and a recipe with every stage.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -10,7 +10,8 @@ use umbrage_core::{
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 
-/// Receive: compares depth in the filtered image. Filter: averages a texel and its right neighbour.
+/// Kernel of two stages. Receive compares depth in the filtered image. Filter averages a texel and
+/// its right neighbour.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain {
     pub(crate) space: LightSpace,
@@ -56,7 +57,7 @@ impl FilterKernel for Plain {
 
 pub(crate) const SIZE: UVec2 = UVec2::new(97, 61);
 
-/// A bumpy ground with a floating sheet over part of it.
+/// Returns a bumpy ground with a floating sheet over part of it.
 pub(crate) fn geometry() -> Geometry {
     let side = 40_u32;
     let height = |x: u32, z: u32| ((x * 7 + z * 13) % 11) as f32 * 0.02;
@@ -125,7 +126,8 @@ pub(crate) fn space() -> LightSpace {
     }
 }
 
-/// Two depth layers, of which the first is drawn; both filtered into two channels; looked up.
+/// Returns a recipe with two depth layers, of which the first is drawn. Both are filtered into two
+/// channels and looked up.
 pub(crate) fn recipe() -> Recipe {
     let (space, kernel) = (space(), Arc::new(Plain { space: space() }));
     let image = |label, format| ImageDesc {
@@ -169,7 +171,7 @@ pub(crate) fn bits(values: &[f32]) -> Vec<u32> {
     values.iter().map(|v| v.to_bits()).collect()
 }
 
-/// The first thing that differs between two results.
+/// Returns the name of the first field that differs between two results.
 pub(crate) fn difference(a: &Shadows, b: &Shadows) -> Option<&'static str> {
     let images = |s: &Shadows| s.images.iter().map(|i| bits(&i.texels)).collect::<Vec<_>>();
     if bits(&a.mask) != bits(&b.mask) {
@@ -189,7 +191,7 @@ pub(crate) fn render(cpu: &mut Cpu) -> Shadows {
     play(cpu, &recipe())
 }
 
-/// What a player makes of a recipe.
+/// Executes a recipe on a backend.
 pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
     let camera = camera();
     let light = light();
@@ -198,7 +200,7 @@ pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
         .unwrap()
 }
 
-/// Panics if threads or instructions change a bit of what comes of a recipe; returns what does.
+/// Returns the result of a recipe. Panics if threads or instructions change any bit of it.
 pub(crate) fn same_on_all_players(recipe: &Recipe) -> Shadows {
     let expected = play(
         &mut Cpu::with_options(&CpuOptions::default().threads(1)).unwrap(),

@@ -1,4 +1,4 @@
-//! Times again what looks slower, before it counts as slower.
+//! Times rows again that look slower, before they count as slower.
 
 use super::{
     changes::Changes,
@@ -10,14 +10,14 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// How often all that looks slower is timed again. Between two timings of a row all others are
-/// timed, so that noise that lasts for seconds meets other rows.
+/// Number of rounds in which suspects are timed again. Between two timings of a row all others are
+/// timed, so that noise that lasts for seconds affects different rows.
 pub const ROUNDS: usize = 3;
 
-/// How often rows are timed again at most, until they have enough runs that nothing held up.
+/// Maximum number of rounds until rows have enough undisturbed runs.
 const MAX_ROUNDS: usize = 10;
 
-/// Runs of a row in a round.
+/// Runs of a row in one round.
 const RUNS: Runs = Runs {
     min: 9,
     max: 15,
@@ -25,20 +25,21 @@ const RUNS: Runs = Runs {
     once_from_ms: u32::MAX,
 };
 
-/// What timing again found, by the scene's place and the row's stem.
+/// Results of timing again, by the scene's index and the row's stem.
 type Fresh = BTreeMap<(usize, String), Again>;
 
-/// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the
-/// scenes of the new results, in their order.
+/// Times suspects again, and moves those that are still slower to [`Changes::worse`]. `inputs` are
+/// the scenes of the new results, in their order.
 ///
 /// # Errors
-/// Errors if a scene can't be played again.
+/// Errors if a scene can't be run again.
 pub fn time_again(
     changes: &mut Changes,
     inputs: &[SceneInput],
     options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<(), LabError> {
+    // Time all suspects in rounds, until they are cleared.
     let suspects = std::mem::take(&mut changes.suspects);
     let mut fresh = Fresh::new();
     let mut open: Vec<&Suspect> = suspects.iter().collect();
@@ -60,6 +61,7 @@ pub fn time_again(
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
+    // Judge the remaining suspects.
     let undecided = open
         .iter()
         .filter(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)))
@@ -77,14 +79,14 @@ pub fn time_again(
     }
     if undecided > 0 {
         changes.notes.push(format!(
-            "The machine was too busy to tell of {undecided} of them: try again when it is calm."
+            "{undecided} of them are undecided, as the machine was too busy: run again when it is idle."
         ));
     }
     changes.worse.extend(worse);
     Ok(())
 }
 
-/// Returns the stems of the suspects' rows by the place of their scene, each row once, and the
+/// Returns the stems of the suspects' rows by the index of their scene, without duplicates, and the
 /// units of that scene's yardstick on a device.
 fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, (Vec<String>, Option<f64>)> {
     let mut out: BTreeMap<usize, (Vec<String>, Option<f64>)> = BTreeMap::new();
@@ -98,7 +100,7 @@ fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, (Vec<String>, Option
     out
 }
 
-/// Returns what was found of each of a suspect's rows; none of rows that were not timed.
+/// Returns the new timings of a suspect's rows. `None` for rows that were not timed.
 fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
     suspect
         .rows
@@ -111,7 +113,7 @@ fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
 }
 
 fn sample(again: &Again) -> RatioSample {
-    // Without calm runs yet, there are quantiles of 0 runs.
+    // Use quantiles of 0 runs if there are no calm runs yet.
     let ratio = Ranks::of(again.calm_ratios()).unwrap_or_default();
     RatioSample {
         ratio,

@@ -1,4 +1,4 @@
-//! Whole comparisons by a clock that a test sets: one row is slowed down, and only that.
+//! Whole comparisons with a simulated clock that slows one row down.
 
 use super::*;
 use crate::{
@@ -14,7 +14,7 @@ use umbrage_core::{Backend, BackendError, Recipe, Shadows, Timings, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 
-/// A clock by which the row of this map size takes `factor` times its usual time.
+/// A clock on which the row of this map size takes `factor` times its usual time.
 #[derive(Debug)]
 struct Clock {
     slow_map: u32,
@@ -24,14 +24,14 @@ struct Clock {
 }
 
 impl Clock {
-    /// Sets the factor, and counts the row's renderings from here.
+    /// Sets the factor and restarts the count of renderings.
     fn set(&mut self, factor: f64) {
         self.factor = factor;
         self.renders = 0;
     }
 }
 
-/// A clock that a backend and its test share.
+/// A clock shared by a backend and its test.
 type SharedClock = Arc<Mutex<Clock>>;
 
 fn lock(clock: &SharedClock) -> std::sync::MutexGuard<'_, Clock> {
@@ -130,8 +130,8 @@ impl Stage {
         .expect("valid")
     }
 
-    /// What the guard says of a run in which the row takes `first` times as long as in the
-    /// baseline, and `later` times when it is timed again.
+    /// Returns the changes of a run in which the row takes `first` times as long as in the
+    /// baseline, and `later` times as long when it is timed again.
     fn guard(&mut self, first: f64, later: f64) -> crate::baseline::changes::Changes {
         lock(&self.clock).set(1.0);
         let old = self.compare();
@@ -141,10 +141,7 @@ impl Stage {
         assert!(found.worse.is_empty() && found.timed == 6, "{found:?}");
         lock(&self.clock).set(later);
         time_again(&mut found, &self.inputs, &self.options, &mut self.backends).expect("valid");
-        assert!(
-            found.suspects.is_empty(),
-            "all are told one way or the other"
-        );
+        assert!(found.suspects.is_empty(), "all suspects are decided");
         found
     }
 }
@@ -171,7 +168,7 @@ fn what_is_as_quick_as_before_when_timed_again_is_no_alarm() {
         found.notes[0].contains("timed again: 0 are slower"),
         "{found:?}"
     );
-    // One round clears it: a run that warms up and nine to fifteen that count, in each scene.
+    // One round clears it: in each scene a warm-up run and nine to fifteen counted runs.
     assert!(
         (20..=32).contains(&lock(&stage.clock).renders),
         "{}",

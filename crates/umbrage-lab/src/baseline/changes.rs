@@ -2,29 +2,29 @@
 
 use super::times::Suspect;
 
-/// Relative growth up to this counts as none: sums over pixels may be added up in another order.
+/// Maximum relative growth that counts as none: sums over pixels may have another order.
 pub const ROUNDING: f64 = 1e-9;
 
-/// The changes since the baseline, one line each.
+/// Changes since the baseline, one line each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// The number of rows that both have and that could be compared. A check that compared nothing
-    /// has checked nothing.
+    /// Number of compared rows. A check that compares nothing is no check.
     pub compared: usize,
-    /// The number of these whose times could be compared.
+    /// Number of rows whose times were compared.
     pub timed: usize,
-    /// What got slower, dearer, larger or less accurate: a failure.
+    /// Figures that increased in time, cost, memory or error: a failure.
     pub worse: Vec<String>,
-    /// What got quicker, cheaper, smaller or more accurate.
+    /// Figures that decreased in time, cost, memory or error.
     pub better: Vec<String>,
-    /// Rows that the baseline lacks.
+    /// Rows that the baseline doesn't have.
     pub new: Vec<String>,
-    /// What only the baseline has, and what can't be compared with it: a failure, too.
+    /// Parts of the baseline that are missing or can't be compared: a failure, too.
     pub lost: Vec<String>,
-    /// The names that would except all that is lost.
+    /// Names of exceptions that would cover all of `lost`.
     pub except: Vec<String>,
-    /// What was excepted, and what the reader must know.
+    /// Applied exceptions, and notices for the reader.
     pub notes: Vec<String>,
-    /// What looks slower; it is to be [timed again](super::time_again) before it counts as slower.
+    /// Rows and techniques that look slower. They must be [timed again](super::time_again) before
+    /// they count.
     pub suspects: Vec<Suspect>,
 }

@@ -1,23 +1,22 @@
-//! What the baseline has and the new results lack, and which of that is excepted.
+//! Parts of the baseline that the new results don't have, and exceptions for them.
 
 use super::changes::Changes;
 use crate::compare::{CompareRow, Comparison};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;
 
-/// Names of what may be missing, or changed so that it can't be compared: scenes, techniques,
-/// backends, or single settings as reports spell them (`pcf (3x3, 1024, bias: none)`).
+/// Names of parts that may be missing or no longer comparable: scenes, techniques, backends, or
+/// settings as spelt in reports (`pcf (3x3, 1024, bias: none)`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Except(BTreeSet<String>);
 
 impl Except {
-    /// Excepts these names.
+    /// Creates exceptions from names.
     pub fn new(names: impl IntoIterator<Item = String>) -> Self {
         Self(names.into_iter().collect())
     }
 
-    /// Checks that all names are those of something in a baseline: a misspelt one would else go
-    /// unnoticed.
+    /// Checks that each name occurs in a baseline. A misspelt one would have no effect otherwise.
     ///
     /// # Errors
     /// Errors on the first name that is neither a scene, a technique, a backend nor a setting of
@@ -27,7 +26,7 @@ impl Except {
             if !has_name(baseline, name) {
                 return Err(Invalid::new(
                     "exception",
-                    format!("`{name}` is nothing that the baseline has"),
+                    format!("`{name}` does not occur in the baseline"),
                     "name a scene, a technique, a backend, or a setting as `technique (settings)`",
                 ));
             }
@@ -40,7 +39,7 @@ impl Except {
     }
 }
 
-/// Whether a comparison has a scene, a technique, a backend or a setting of this name.
+/// Reports whether a comparison has a scene, technique, backend or setting with this name.
 fn has_name(comparison: &Comparison, name: &String) -> bool {
     comparison
         .scenes
@@ -48,8 +47,8 @@ fn has_name(comparison: &Comparison, name: &String) -> bool {
         .any(|scene| scene.name == *name || scene.rows.iter().any(|row| names(row).contains(name)))
 }
 
-/// Returns the names by which a row may be excepted, the widest first: its backend, its technique,
-/// its setting.
+/// Returns the names by which a row may be excepted, most general first: backend, technique,
+/// setting.
 fn names(row: &CompareRow) -> [String; 3] {
     [
         row.backend.clone(),
@@ -58,12 +57,12 @@ fn names(row: &CompareRow) -> [String; 3] {
     ]
 }
 
-/// Collects what is lost, scene by scene.
+/// Collects missing parts, scene by scene.
 pub(super) struct Lost<'a> {
     except: &'a Except,
-    /// Scenes that are lost as wholes.
+    /// Scenes that are missing as a whole.
     scenes: Vec<LostScene>,
-    /// Rows of the baseline in the scenes compared, counted for each of their names.
+    /// Number of the baseline's rows in the compared scenes, for each of their names.
     rows: BTreeMap<String, RowCount>,
     /// Rows that are missing.
     missing: Vec<LostRow>,
@@ -71,7 +70,7 @@ pub(super) struct Lost<'a> {
 
 struct LostScene {
     name: String,
-    /// Why it is lost.
+    /// The reason.
     what: String,
 }
 
@@ -82,11 +81,11 @@ struct LostRow {
     names: [String; 3],
 }
 
-/// Rows that share a name.
+/// Counts of rows that share a name.
 #[derive(Default)]
 struct RowCount {
     all: usize,
-    /// Those that are missing.
+    /// Number of missing rows.
     lost: usize,
 }
 
@@ -107,7 +106,7 @@ impl<'a> Lost<'a> {
         });
     }
 
-    /// Takes note of a row of the baseline.
+    /// Adds a row of the baseline.
     pub(super) fn row(&mut self, scene: &str, row: &CompareRow, missing: bool) {
         for name in names(row) {
             let count = self.rows.entry(name).or_default();
@@ -123,7 +122,8 @@ impl<'a> Lost<'a> {
         }
     }
 
-    /// Reports what is lost, as widely as is true: a backend, a technique, a setting, a row.
+    /// Reports missing parts by the most general name that applies: a backend, a technique, a
+    /// setting or a row.
     pub(super) fn report(self, out: &mut Changes) {
         let mut except = BTreeSet::new();
         for scene in &self.scenes {
@@ -143,7 +143,7 @@ impl<'a> Lost<'a> {
                 excepted += 1;
                 continue;
             }
-            // The widest of the row's names of which nothing is left.
+            // Find the most general name of the row whose rows are all missing.
             let whole = row.names.iter().find(|name| {
                 let count = &self.rows[*name];
                 count.all == count.lost

@@ -1,21 +1,21 @@
-//! Figures that are the same on every run: errors, counted cost and bytes. Any growth is a change.
+//! Figures that are equal on every run: errors, predicted cost and bytes. Any growth is a change.
 
 use super::changes::ROUNDING;
 use crate::compare::Measured;
 use umbrage_core::metrics::MAX_UNDECIDED_SHARE;
 use umbrage_plan::cost::CostModel;
 
-/// A figure that should not grow.
+/// A figure that must not grow.
 pub(super) struct BaselineFigure {
     name: &'static str,
     then: f64,
     now: f64,
-    /// Changes up to this are not changes.
+    /// Maximum difference that counts as no change.
     noise: f64,
 }
 
 impl BaselineFigure {
-    /// Returns the change; none if it is not beyond the noise.
+    /// Returns the change. `None` within the noise.
     pub(super) fn change(&self) -> Option<Change> {
         let difference = self.now - self.then;
         let noise = self.noise + ROUNDING * self.then.abs().max(self.now.abs());
@@ -32,7 +32,7 @@ impl BaselineFigure {
     }
 }
 
-/// How a figure changed; the text says which, then and now.
+/// A change of a figure, with a text that states the name and both values.
 pub(super) enum Change {
     /// For the worse.
     Grew(String),
@@ -40,9 +40,10 @@ pub(super) enum Change {
     Shrank(String),
 }
 
-/// Returns the figures of a row, then and now. `exact`: whether rounding is the same as then. Where
-/// no pixel counts there are no errors, neither then nor now: else other pixels would count, and
-/// the scene would not be compared.
+/// Returns the figures of a row, then and now. `exact` is whether rounding is the same.
+///
+/// If no pixel counts, there are no errors, neither then nor now. Otherwise other pixels would
+/// count, and the scene would not be compared.
 pub(super) fn of(
     backend: &str,
     then: &Measured,
@@ -54,7 +55,7 @@ pub(super) fn of(
     let cost_now = prices.milliseconds(&now.work);
     let mut out = Vec::new();
     if let (Some(a), Some(b)) = (&then.errors, &now.errors) {
-        // Undecided pixels may all flip. That changes a percentage of the image by at most their
+        // All undecided pixels may flip. This changes a percentage of the image by at most their
         // percentage, and a mean square by at most their share.
         let mut percent_noise = 0.0;
         let mut rmse_noise = 0.0;

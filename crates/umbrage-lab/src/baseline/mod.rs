@@ -1,25 +1,24 @@
-//! Compares a comparison with an earlier one, the baseline: what got slower, dearer, larger or less
-//! accurate. A check for a renderer's continuous integration.
+//! Compares results with those of an earlier run, the baseline. A regression check for continuous
+//! integration.
 //!
-//! Rows of the same scene, technique, settings and backend are compared, if the scene itself, its
-//! image and its truth are the same:
+//! Rows with the same scene, technique, settings and backend are compared, if the scene, its image
+//! and its truth are unchanged:
 //!
 //! * **Errors** (RMSE, false shadow, false light, acne) are deterministic: any growth beyond
-//!   [`ROUNDING`] counts. Between different graphics adapters, whose rounding differs, as much as
-//!   the [undecided pixels allowed](umbrage_core::metrics::MAX_UNDECIDED_SHARE) can make counts as
+//!   [`ROUNDING`] counts. Different graphics adapters round differently. Between them, the possible
+//!   effect of the allowed [undecided pixels](umbrage_core::metrics::MAX_UNDECIDED_SHARE) counts as
 //!   noise.
-//! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth
+//! * **Cost** (counted work at today's prices) and **bytes** are deterministic, too: any growth
 //!   beyond rounding counts.
-//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as
-//!   multiples of the yardstick that was timed in turn with them; [`mod@times`] says when one is
-//!   slower, and how seldom that is said in vain. What looks slower is [timed again](time_again)
-//!   before it counts. Times of results before schema 7 are not compared: their yardsticks had
-//!   other lengths, or they had none.
+//! * **Time** counts only on the same processor, threads, system and adapter. Times are multiples
+//!   of the yardstick that ran in turn with the row. [`mod@times`] defines when a row is slower,
+//!   and the rate of false alarms. Rows that look slower are [timed again](time_again) before they
+//!   count. Times of results before schema 7 are not compared: they have yardsticks of other
+//!   lengths, or none.
 //!
-//! A row that was measured and is now refused counts as less accurate. What the baseline has and
-//! the new results lack, and scenes that can't be compared since they changed, count as faults,
-//! too, unless they are [excepted](Except) by name: a guard that compares less than it did guards
-//! less. New rows are told, no more.
+//! A measured row that is now refused counts as less accurate. Missing parts of the baseline and
+//! changed scenes count as failures, too, unless they are [excepted](Except) by name. New rows are
+//! listed but don't fail the check.
 
 mod again;
 mod changes;
@@ -36,16 +35,17 @@ pub use read::{apart, read};
 use crate::compare::{CompareRow, Comparison, Environment, RowOutcome, RowTimes, SceneResult};
 use std::collections::HashMap;
 
-/// The first schema whose times are compared: yardsticks had other lengths before it.
+/// The first schema whose times are compared. Earlier yardsticks have other lengths.
 const FIRST_TIMED: u32 = 7;
 
-/// Compares `new` with the baseline `old`. What `except` names may be missing.
+/// Compares `new` with the baseline `old`. Parts named in `except` may be missing.
 pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     let mut out = Changes::default();
     let SameMachine {
         timed,
         same_adapter,
     } = machines(old, new, &mut out.notes);
+    // Pair the scenes.
     let mut lost = except::Lost::new(except);
     let mut pairs = Vec::new();
     for (place, scene) in new.scenes.iter().enumerate() {
@@ -70,6 +70,7 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
             lost.scene(&scene.name, &what);
         }
     }
+    // Compare the rows.
     let mut timings = Vec::new();
     for pair in &pairs {
         pair.compare(&mut out, &mut lost, &mut timings);
@@ -79,13 +80,14 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
         .partition(|t| t.then.device_units == t.now.device_units);
     if let Some(timing) = other.first() {
         out.notes.push(format!(
-            "The times of {} rows are not compared, since their yardstick on the device is not as \
-             long as the baseline's (the first: {}: {}): run it again, or make a new baseline.",
+            "The times of {} rows are not compared, since their yardstick on the device has not the \
+             length of the baseline's (the first: {}: {}); run again, or make a new baseline.",
             other.len(),
             timing.scene.1,
             timing.row.label()
         ));
     }
+    // Judge the times.
     out.timed = timings.len();
     let judged = times::judge(&timings);
     out.better.extend(judged.quicker);
@@ -94,16 +96,16 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
         let rough = judged.rough;
         let few = times::MIN_RUNS;
         out.notes.push(format!(
-            "{rough} rows have fewer than {few} calm runs in the baseline (--runs, or a busy machine): their times count with \
-             their techniques' alone."
+            "{rough} rows have fewer than {few} calm runs in the baseline (--runs, or a busy machine): their times count for \
+             their techniques only."
         ));
     }
     lost.report(&mut out);
     out
 }
 
-/// Returns the scene of `others` that has the name of the scene at `place`. Where several share a
-/// name, the first belongs to the first, the second to the second, and so on.
+/// Returns the scene of `others` with the name of the scene at `place`. Scenes with equal names are
+/// paired in their order.
 fn counterpart<'a>(
     scenes: &[SceneResult],
     place: usize,
@@ -114,15 +116,15 @@ fn counterpart<'a>(
     others.iter().filter(|s| s.name == *name).nth(before)
 }
 
-/// What two comparisons' machines allow to compare.
+/// Comparable quantities of two comparisons.
 struct SameMachine {
-    /// Whether times can be compared.
+    /// Whether times are comparable.
     timed: bool,
     /// Whether graphics rounding is the same.
     same_adapter: bool,
 }
 
-/// Compares machines, and notes why times can't be compared.
+/// Compares the machines. Adds a note if times can't be compared.
 fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> SameMachine {
     let then = &old.environment;
     let now = &new.environment;
@@ -166,7 +168,7 @@ fn machine_and_adapter(e: &Environment) -> String {
     format!("{}; {adapter}", machine(e))
 }
 
-/// Returns the times of all rows that have some.
+/// Returns the times of all rows with times.
 fn times(comparison: &Comparison) -> impl Iterator<Item = RowTimes> + '_ {
     comparison
         .scenes
@@ -175,7 +177,7 @@ fn times(comparison: &Comparison) -> impl Iterator<Item = RowTimes> + '_ {
         .filter_map(|row| row.measured()?.times)
 }
 
-/// Returns why a scene can't be compared with what it was; none if it can.
+/// Returns why a scene can't be compared with the baseline's. `None` if it can.
 fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
     if old.fingerprint != new.fingerprint || old.light != new.light {
         Some("its triangles differ")
@@ -192,17 +194,16 @@ fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
     }
 }
 
-/// Whether the light or the camera moved: the RMSE of no shadows at all depends on truth alone, not
-/// on techniques.
+/// Reports whether the light or the camera moved: the RMSE without shadows depends on truth only.
 fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
     old.iter()
         .zip(new)
         .any(|(old, new)| (old - new).abs() > ROUNDING * old.abs().max(new.abs()))
 }
 
-/// One scene, then and now.
+/// A scene of both comparisons.
 struct Pair<'a> {
-    /// The scene's place among the new results.
+    /// The scene's index in the new results.
     place: usize,
     then: &'a SceneResult,
     now: &'a SceneResult,
@@ -213,7 +214,7 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// Compares all rows, and notes rows that are new or missing.
+    /// Compares all rows. Records new and missing ones.
     fn compare(
         &self,
         out: &mut Changes,
@@ -233,7 +234,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Returns a line about a row: its scene, its label, and `what`, which may be empty.
+    /// Formats a line about a row: scene, label, and `what`, which may be empty.
     fn say(&self, row: &CompareRow, what: &str) -> String {
         let colon = if what.is_empty() { "" } else { ": " };
         format!("{}: {}{colon}{what}", self.now.name, row.label())
@@ -283,7 +284,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// What tells a row from others of its scene: technique, settings and backend.
+/// Returns the key of a row in its scene: technique, settings and backend.
 fn setting(row: &CompareRow) -> [&str; 3] {
     [&row.technique, &row.settings, &row.backend]
 }
@@ -292,7 +293,7 @@ fn by_setting(rows: &[CompareRow]) -> HashMap<[&str; 3], &CompareRow> {
     rows.iter().map(|row| (setting(row), row)).collect()
 }
 
-/// Returns what of a row's times is compared; none without times beside a yardstick.
+/// Returns the compared times of a row. `None` without a yardstick.
 fn sample(times: Option<RowTimes>) -> Option<times::RatioSample> {
     let times = times?;
     Some(times::RatioSample {

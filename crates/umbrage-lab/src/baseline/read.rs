@@ -5,13 +5,13 @@ use serde::Deserialize;
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// The oldest schema that is still read; fields that came later may be missing.
+/// The oldest readable schema. Later fields may be missing in it.
 const OLDEST: u32 = 3;
 
-/// What a report's figures are written to.
+/// File with the figures of a report.
 const RESULTS: &str = "results.json";
 
-/// The schema alone: results of other versions have other fields.
+/// The schema only: results of other versions have other fields.
 #[derive(Deserialize)]
 struct Version {
     schema: u32,
@@ -20,35 +20,34 @@ struct Version {
 /// Reads a `results.json`.
 ///
 /// # Errors
-/// Errors if it can't be read, is no such file, or has a schema that is too old or newer than this
-/// program.
+/// Errors if it can't be read, isn't a file of results, or has an unsupported schema.
 pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let what = format!("baseline `{}`", path.display());
-    let help = "give the results.json that `cargo xtask compare` wrote";
+    let help = "use the results.json that `cargo xtask compare` wrote";
     let refuse = |why: String| Invalid::new(what.clone(), why, help);
     let text = std::fs::read(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
     let version: Version =
-        serde_json::from_slice(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;
+        serde_json::from_slice(&text).map_err(|e| refuse(format!("has no results: {e}")))?;
     if !(OLDEST..=SCHEMA).contains(&version.schema) {
         let why = format!("has schema {}, this program's is {SCHEMA}", version.schema);
         return Err(Invalid::new(
             what,
             why,
-            "make the baseline anew with this version",
+            "make a new baseline with this version",
         ));
     }
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
 
-/// Checks that a baseline is not the `results.json` of the report to be made: it would be
-/// overwritten, and figures that are taken up from that folder would be compared with themselves.
-/// Other files there stay as they are.
+/// Checks that a baseline is not the `results.json` of the new report.
+///
+/// It would be overwritten, and figures reused from that folder would be compared with themselves.
+/// Other files in the folder are kept.
 ///
 /// # Errors
 /// Errors if it is that file.
 pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
-    // Canonical paths, so that links count as what they lead to. A file that doesn't exist has none
-    // and can't be overwritten.
+    // Compare canonical paths, to resolve links. A missing file has none and can't be overwritten.
     let results = report.join(RESULTS);
     let (Ok(baseline_file), Ok(results_file)) = (baseline.canonicalize(), results.canonicalize())
     else {
@@ -59,8 +58,8 @@ pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
     }
     Err(Invalid::new(
         format!("baseline `{}`", baseline.display()),
-        "is what the report is written to, and would be overwritten",
-        "copy it elsewhere, or give another folder with --out",
+        "is a file of the new report, and would be overwritten",
+        "copy it elsewhere, or use another folder with --out",
     ))
 }
 
@@ -86,7 +85,7 @@ mod tests {
         };
         assert!(refused("report").to_string().contains("--out"));
         refused("empty/../report");
-        // A copy under another name stays as it is, wherever it lies; a link is what it leads to.
+        // A copy with another name is kept anywhere. A link counts as its target.
         let kept = report.join("before.json");
         fs::write(&kept, b"{}").expect("writable");
         assert!(apart(&kept, &report).is_ok());

@@ -1,4 +1,4 @@
-//! Baselines spoilt in every way that must be noticed, and in those that must not.
+//! Baselines with changes that must be detected, and with changes that must not.
 
 use super::*;
 use crate::compare::{Measured, Ranks, SCHEMA, TimingStats};
@@ -84,14 +84,14 @@ fn errors(m: &mut Measured) -> &mut Errors {
     m.errors.as_mut().expect("made so")
 }
 
-/// What changed when row `index` is changed so.
+/// Returns the changes after a change of row `index`.
 fn after(index: usize, change: impl Fn(&mut Measured)) -> Changes {
     let mut new = comparison();
     change(measured(&mut new, index));
     changes(&comparison(), &new)
 }
 
-/// Both rows were compared, and nothing has changed.
+/// Returns the result for two compared rows without changes.
 fn unchanged() -> Changes {
     Changes {
         compared: 2,
@@ -140,7 +140,7 @@ fn less_accurate_is_worse_and_more_accurate_better() {
     );
 }
 
-/// Ratios of a row, each this many times as great.
+/// Sets all ratios of a row to this factor.
 fn slowed(m: &mut Measured, factor: f64) {
     m.times.as_mut().expect("made so").ratio = Ranks::of(vec![factor; 9]);
 }
@@ -188,7 +188,7 @@ fn on_another_machine_costs_count_and_times_do_not() {
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
 }
 
-/// Results of schema 4 and before: accuracy is compared, and the reader is told that times aren't.
+/// Results of schema 4 and before: accuracy is compared, and a note states that times aren't.
 #[test]
 fn without_yardsticks_accuracy_counts_and_times_do_not() {
     let mut old = Comparison {
@@ -295,7 +295,7 @@ fn new_and_refused_rows_are_told() {
     assert_eq!(changes(&none, &comparison()).new.len(), 1);
 }
 
-/// Two scenes, in each of which two techniques have two settings on two backends.
+/// Returns two scenes, each with two techniques of two settings on two backends.
 fn wide() -> Comparison {
     let mut out = comparison();
     out.scenes = ["cubes", "figure"].map(scene).to_vec();
@@ -313,7 +313,7 @@ fn wide() -> Comparison {
     out
 }
 
-/// Each loss is told once, as widely as it is true, and excepted by the name that is offered.
+/// Each loss is reported once, by the most general name, and excepted by the suggested name.
 #[test]
 fn what_vanished_is_lost_unless_it_is_named() {
     let lose = |keep: &dyn Fn(&str, &CompareRow) -> bool| {
@@ -414,7 +414,7 @@ fn scenes_that_changed_are_lost_unless_they_are_named() {
     );
 }
 
-/// Two scenes of one name are told apart by their order.
+/// Two scenes with the same name are paired in their order.
 #[test]
 fn scenes_of_one_name_are_compared_one_by_one() {
     let twice = Comparison {
@@ -429,7 +429,7 @@ fn scenes_of_one_name_are_compared_one_by_one() {
     assert_eq!(changes(&twice, &new).lost.len(), 1);
 }
 
-/// Schema 3 lacked how maps are used, and 4 the yardstick; both told controls otherwise.
+/// Schema 3 had no map use, and 4 no yardstick. Both reported controls in another way.
 #[test]
 fn older_baselines_are_still_read() {
     let dir = tempfile::tempdir().expect("a temporary folder");

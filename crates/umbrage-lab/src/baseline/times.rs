@@ -1,93 +1,92 @@
-//! Decides when a row counts as slower, and how rare false alarms are.
+//! Decides when a row counts as slower, with a low rate of false alarms.
 //!
-//! A row's time is compared as a multiple of the [yardstick](umbrage_yardstick::Yardstick) that was
-//! played before and after each of its runs. What is left is noise of single runs: on a shared
-//! machine with 2 cores and 8 to 18 busy programs, a row's median of 5 to 9 such ratios is off by a
-//! factor of 2 in one row of twenty. A comparison has thousands of rows, so single medians prove
-//! nothing. Two tests take their place:
+//! Times are multiples of the [yardstick](umbrage_yardstick::Yardstick) that runs before and after
+//! each run of a row. The rest is noise of single runs. On a shared machine with 2 cores and 8 to
+//! 18 busy programs, the median of 5 to 9 such ratios is off by a factor of 2 in one row of twenty.
+//! A comparison has thousands of rows, so single medians prove nothing. Two tests replace them:
 //!
-//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times
-//!   the baseline's upper quartile (its greatest, of fewer than [`MANY`] runs). It is then timed
-//!   again, in [`ROUNDS`](super::ROUNDS) rounds between which all other suspects are. It is slower
-//!   if nine in ten of these fresh ratios lie beyond the bound, and if the quickest of these runs
-//!   took [`APART`] times as many milliseconds as the baseline's quickest, too. If nothing has
-//!   changed, a run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the
-//!   noise's distribution; the quartile of 9 lies there if at least 7 of them do (36 / 10^7 at
-//!   most), the greatest of 5 if all do (1 / 10^5). Besides, a factor of [`APART`] must lie
-//!   between: where noise is narrower than that, no chance is left at all.
+//! * **A row** is suspected if the upper quartile of its ratios exceeds a bound: [`APART`] times
+//!   the baseline's upper quartile (its maximum, if it has fewer than [`MANY`] runs). It is then
+//!   timed again, in [`ROUNDS`](super::ROUNDS) rounds that alternate with the other suspects. It is
+//!   slower if 90 % of the new ratios exceed the bound, and if the fastest new run took [`APART`]
+//!   times as long as the baseline's fastest. If nothing changed, a run of the baseline is below
+//!   the new 10 % quantile with probability 1/10, for any distribution of the noise. The quartile
+//!   of 9 runs is below if at least 7 of them are (at most 36 / 10^7), the maximum of 5 if all are
+//!   (1 / 10^5). In addition, there must be a factor of [`APART`] between them: noise narrower than
+//!   this never raises an alarm.
 //!
-//!   These chances take for granted that runs are independent. They are not while others hold one
-//!   of two cores: then a yardstick may be slow next to all of a row's runs, while the row fits
-//!   between two turns of the scheduler. So only runs count next to which no yardstick took more
-//!   than [`CALM`] times the quickest of that row, and rows of which even that one took more than
-//!   [`CALM`] times what it can are not judged, as are those of fewer than [`MIN_RUNS`] such runs.
-//!   Under the load above, of all rows the bound lay below what the row takes in 3 %; of those
-//!   whose yardstick's median was calm, in 1 of 2,393.
+//!   These probabilities assume independent runs. Runs are not independent while other programs
+//!   occupy one of two cores: a yardstick may then be slow next to all runs of a row, while the row
+//!   fits between two turns of the scheduler. So a run only counts if neither adjacent yardstick
+//!   took more than [`CALM`] times the fastest one of that row. Rows are not judged if their
+//!   fastest yardstick took more than [`CALM`] times its known minimum, or if they have fewer than
+//!   [`MIN_RUNS`] such runs. Under the load above, the bound was below the row's time in 3 % of all
+//!   rows; of rows with a calm median yardstick, in 1 of 2,393.
 //!
-//!   On devices the clock changes, too, and ratios are the same at each clock. So there a run
-//!   counts if neither yardstick next to it took more than [`CALM`] times the other, and ratios
-//!   alone decide.
-//! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median
-//!   is slower by more than [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median
-//!   (1.253 sigma / sqrt n, sigma from the median absolute deviation: Rousseeuw and Croux 1993,
-//!   "Alternatives to the median absolute deviation"). For normal noise that has a chance of 3 /
-//!   10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is
-//!   found when rows of it are timed again. Fewer than [`MIN_ROWS`] rows are judged one by one
-//!   alone.
+//!   On devices the clock changes, too, and ratios don't depend on it. There a run counts if
+//!   neither adjacent yardstick took more than [`CALM`] times the other, and only ratios decide.
+//! * **A technique** on a backend is judged by the median of its rows over all scenes and settings.
+//!   It is suspected if the median is slower by more than [`TECHNIQUE`] and by more than [`SIGMAS`]
+//!   standard errors. A median's standard error is 1.253 sigma / sqrt n, with sigma from the median
+//!   absolute deviation (Rousseeuw and Croux 1993, "Alternatives to the median absolute
+//!   deviation"). For normal noise this has a probability of 3 / 10^5: with 26 techniques on
+//!   backends, one comparison in 1,000. The technique is slower if timing its rows again leads to
+//!   the same result. Techniques with fewer than [`MIN_ROWS`] rows are only judged row by row.
 //!
-//! What this can't see: a single row that got slower by less than [`APART`] (more where the
-//! baseline itself is noisy, or where the machine got faster meanwhile), and a technique that did
-//! by less than [`TECHNIQUE`]. Counted cost sees every operation more, however small.
+//! Not detected are a single row that is slower by less than [`APART`] (more if the baseline is
+//! noisy or the machine got faster), and a technique that is slower by less than [`TECHNIQUE`].
+//! Predicted cost detects every additional operation.
 
 use crate::compare::{CALM, CompareRow, Ranks};
 use std::collections::BTreeMap;
 
-/// The least factor between the slower of the usual runs then and the quicker of the usual runs
-/// now. Smaller changes may come from another placement of code and data in memory.
+/// Minimum factor between the slower of the usual old runs and the faster of the usual new runs.
+/// Smaller changes may be due to another placement of code and data in memory.
 pub const APART: f64 = 1.4;
 
-/// From this many runs on, the upper quartile bounds the baseline's noise; with fewer runs, the
-/// greatest does.
+/// Minimum number of runs for which the upper quartile bounds the baseline's noise. With fewer
+/// runs, the maximum does.
 pub const MANY: u32 = 9;
 
-/// Rows with fewer runs are not judged.
+/// Minimum number of runs of a judged row.
 pub const MIN_RUNS: u32 = crate::compare::MIN_JUDGED_RUNS;
 
-/// The least factor by which a technique's median over its rows must change, beyond its error. Rows
-/// of one technique wait for the same part of the machine, and a yardstick that waits for another
-/// does not cancel all of that: medians of unchanged code moved by up to 1.2.
+/// Minimum factor of a technique's median over its rows, beyond its error.
+///
+/// Rows of a technique depend on the same part of the machine. A yardstick that depends on another
+/// part doesn't cancel all of that: medians of unchanged code changed by up to 1.2.
 pub const TECHNIQUE: f64 = 1.3;
 
-/// How many standard errors of a technique's median its change must be.
+/// Minimum change of a technique's median, in standard errors.
 pub const SIGMAS: f64 = 4.0;
 
-/// Rows of a technique whose quickest run takes less than this times what the baseline's quickest
-/// run took count as unchanged, whatever their yardsticks say.
+/// Rows of a technique count as unchanged if their fastest run takes less than this times the
+/// baseline's fastest run, whatever their yardsticks measure.
 pub const AS_QUICK: f64 = 1.1;
 
-/// Techniques with fewer rows are not judged as a whole.
+/// Minimum number of rows of a technique that is judged as a whole.
 pub const MIN_ROWS: usize = 8;
 
-/// A row that was timed beside a yardstick, then and now.
+/// A row timed in turn with a yardstick, then and now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing<'a> {
-    /// The scene's place in the new results, and its name.
+    /// The scene's index in the new results, and its name.
     pub(super) scene: (usize, &'a str),
     pub(super) row: &'a CompareRow,
     pub(super) then: RatioSample,
     pub(super) now: RatioSample,
 }
 
-/// How long a row took, and its yardstick beside it.
+/// Times of a row and of its yardstick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatioSample {
-    /// Times over the yardstick's, of calm runs.
+    /// Ratios of calm runs to the yardstick.
     pub ratio: Ranks,
-    /// The quickest run, milliseconds.
+    /// Fastest run, milliseconds.
     pub least_ms: f64,
-    /// The quickest yardstick, milliseconds a unit.
+    /// Fastest yardstick, milliseconds per unit.
     pub yardstick: f64,
-    /// The yardstick's units on a device with a clock of its own. `None` on the CPU.
+    /// Units of the yardstick on a device with its own clock. `None` on the CPU.
     pub device_units: Option<f64>,
 }
 
@@ -101,25 +100,25 @@ impl RatioSample {
     }
 }
 
-/// What looks slower.
+/// A row or technique that looks slower.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
-    /// For people: a row with its scene, or a technique with its backend.
+    /// Label for readers: a row with its scene, or a technique with its backend.
     pub label: String,
-    /// Rows to be timed again.
+    /// Rows to time again.
     pub rows: Vec<RowToRetime>,
     /// Whether it is a technique as a whole.
     pub whole: bool,
 }
 
-/// A row that is to be timed again.
+/// A row to time again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowToRetime {
-    /// Its scene's place in the new results.
+    /// Index of its scene in the new results.
     pub scene: usize,
     /// [`CompareRow::stem`].
     pub stem: String,
-    /// What the baseline says of it.
+    /// Times in the baseline.
     pub then: RatioSample,
 }
 
@@ -128,12 +127,13 @@ pub struct RowToRetime {
 pub(super) struct Judged {
     pub(super) suspects: Vec<Suspect>,
     pub(super) quicker: Vec<String>,
-    /// Rows of too few calm runs to be judged one by one.
+    /// Number of rows with too few calm runs to be judged one by one.
     pub(super) rough: usize,
 }
 
-/// Finds rows and techniques that look slower, and techniques that got quicker.
+/// Finds rows and techniques that look slower, and techniques that got faster.
 pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
+    // Judge each row.
     let mut out = Judged::default();
     let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
     for timing in timings {
@@ -155,6 +155,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
             Some(_) => {}
         }
     }
+    // Judge each technique.
     for ([technique, backend], rows) in techniques {
         let changes: Vec<f64> = rows
             .iter()
@@ -180,10 +181,10 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     out
 }
 
-/// The most rows of a technique that are timed again.
+/// Maximum number of rows of a technique that are timed again.
 const MAX_ROWS: usize = 16;
 
-/// Returns at most `most` items, spread evenly over all.
+/// Returns at most `most` items, evenly spread.
 fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
     let count = all.len().min(most);
     (0..count).map(move |i| &all[i * all.len() / count])
@@ -199,7 +200,7 @@ impl Timing<'_> {
     }
 }
 
-/// Returns the ratio beyond which a row is slower; none if the baseline has too few runs.
+/// Returns the ratio beyond which a row is slower. `None` if the baseline has too few runs.
 fn bound(then: &Ranks) -> Option<f64> {
     let usual = if then.runs < MANY {
         then.max
@@ -209,36 +210,36 @@ fn bound(then: &Ranks) -> Option<f64> {
     (then.runs >= MIN_RUNS).then_some(APART * usual)
 }
 
-/// Whether the baseline's yardstick was as quick as it can be, as far as is known. On a device it
-/// need not be: ratios are the same at each clock.
+/// Reports whether the baseline's yardstick was as fast as the known minimum. On a device it need
+/// not be, as ratios don't depend on the clock.
 fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
     then.device_units.is_some() || then.yardstick <= CALM * now.yardstick
 }
 
-/// Returns by how much a row changed: the logarithm of its medians' ratio; none if that is not
+/// Returns the change of a row: the logarithm of the ratio of its medians. `None` if that is not
 /// finite.
 fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
     Some((now.median / then.median).ln()).filter(|change| change.is_finite())
 }
 
-/// Returns the factor by which rows as a whole got slower (above 1) or quicker (below 1), from the
-/// logarithms of their changes; none if they didn't, or there are too few.
+/// Returns the factor by which rows as a whole got slower (above 1) or faster (below 1), from the
+/// logarithms of their changes. `None` if they didn't, or there are too few.
 fn median_factor(changes: &[f64]) -> Option<f64> {
     if changes.len() < MIN_ROWS {
         return None;
     }
     let median = Ranks::of(changes.to_vec())?.median;
     let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
-    // Of normal noise the standard deviation is 1.4826 median absolute deviations, and a median's
-    // standard error is sqrt(pi / 2) = 1.253 times the mean's.
+    // For normal noise, the standard deviation is 1.4826 median absolute deviations, and the
+    // standard error of a median is sqrt(pi / 2) = 1.253 times that of the mean.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
     let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
     counts.then_some(median.exp())
 }
 
 impl Suspect {
-    /// Returns a line about it now that its rows were timed again; none if it is no slower. `fresh`
-    /// is what was found of each of its rows.
+    /// Returns a line about the suspect after timing it again. `None` if it is not slower. `fresh`
+    /// has the new times of each of its rows.
     pub(super) fn verdict(&self, fresh: &[Option<RatioSample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
@@ -267,7 +268,7 @@ impl Suspect {
         ))
     }
 
-    /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
+    /// Reports whether there are too few undisturbed new runs for a quartile.
     pub(super) fn lacks_calm_runs(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
             return false;
@@ -278,9 +279,11 @@ impl Suspect {
         }
     }
 
-    /// Whether fresh runs clear it already, so that it need not be timed once more: half of the
-    /// ratios lie within the bound (nine in ten may not yet, of few runs), one run is nearly as
-    /// quick as ever, or the yardstick can be quicker than it was beside the baseline.
+    /// Reports whether new runs already clear the suspect, so that it need not be timed again.
+    ///
+    /// One of three conditions suffices. Half of the ratios are within the bound (with few runs,
+    /// 90 % may not be yet). One run is nearly as fast as the baseline's fastest. The yardstick is
+    /// faster than in the baseline.
     pub(super) fn is_cleared(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh))
@@ -295,7 +298,8 @@ impl Suspect {
         usual || as_quick(&then, now, APART) || !is_calm(&then, now)
     }
 
-    /// Returns the logarithms by which its rows changed; those with a run as quick as ever did not.
+    /// Returns the logarithms of its rows' changes. Rows with a run as fast as the baseline's
+    /// fastest count as unchanged.
     fn changes(&self, fresh: &[Option<RatioSample>]) -> Vec<f64> {
         let mut out = Vec::new();
         for (row, now) in self.rows.iter().zip(fresh) {
@@ -312,8 +316,8 @@ impl Suspect {
     }
 }
 
-/// Whether a run is as quick as the baseline's quickest, or slower by less than a factor. Never so
-/// on a device, where milliseconds depend on its clock.
+/// Reports whether a run is as fast as the baseline's fastest, up to a factor. Never on a device,
+/// whose clock changes milliseconds.
 fn as_quick(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
     then.device_units.is_none() && now.least_ms < factor * then.least_ms
 }

@@ -1,4 +1,4 @@
-//! Times with made-up noise, so much and so often that rare mistakes would show.
+//! Times with simulated noise, in so many cases that rare errors would be detected.
 
 use super::*;
 use crate::compare::RowOutcome;
@@ -7,7 +7,7 @@ use crate::compare::RowOutcome;
 struct Noise(u64);
 
 impl Noise {
-    /// 0 to 1.
+    /// Returns a number from 0 to 1.
     fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -19,15 +19,17 @@ impl Noise {
         self.uniform() < of
     }
 
-    /// About normal: twelve uniform numbers have a variance of 1.
+    /// Returns an approximately normal number: twelve uniform numbers have a variance of 1.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// Ratios of a row that takes `factor` yardsticks, on 2 cores that are shared with others.
-    /// Measured there, in 30 rows of 60 runs: most of the time they scatter by a fourteenth, one in
-    /// 25 by more; in one row of four by a third, while now and then a run or its yardstick is held
-    /// up for several times its length.
+    /// Returns ratios of a row that takes `factor` yardsticks, on 2 cores shared with other
+    /// programs.
+    ///
+    /// Measured there in 30 rows of 60 runs: the usual scatter is 1/14, and one run in 25 scatters
+    /// more. In one row of four the scatter is a third, and now and then a run or its yardstick is
+    /// delayed by several times its duration.
     fn ratios(&mut self, factor: f64, runs: usize) -> Vec<f64> {
         let rough = self.chance(0.25);
         let (scatter, held_up) = if rough { (0.3, 0.15) } else { (0.07, 0.04) };
@@ -52,7 +54,7 @@ impl Noise {
     }
 }
 
-/// Ratios, and a quickest run of so many milliseconds.
+/// Returns a sample with these ratios and this fastest run, milliseconds.
 fn sample(ratios: Vec<f64>, least_ms: f64) -> RatioSample {
     RatioSample {
         ratio: Ranks::of(ratios).expect("some"),
@@ -75,8 +77,8 @@ fn row(technique: &str, slug: usize) -> CompareRow {
     }
 }
 
-/// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)`
-/// times as long as before.
+/// Returns the numbers of rows and techniques that count as slower if row `i` takes `now(i)` times
+/// as long as before.
 fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f64) -> [usize; 2] {
     let all: Vec<CompareRow> = (0..rows)
         .map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i))
@@ -101,7 +103,7 @@ fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f6
                 .parse::<usize>()
                 .expect("a number")
         };
-        // As if even the quickest runs told nothing: the ratios alone must do.
+        // Let ratios decide alone, without the fastest runs.
         let known = |fresh: &[Vec<f64>]| {
             fresh
                 .iter()
@@ -137,7 +139,7 @@ fn two_hundred_comparisons_of_unchanged_code_raise_no_alarm() {
     }
 }
 
-/// Where noise is rough it hides some of them.
+/// Rough noise hides some of them.
 #[test]
 fn a_row_that_takes_twice_as_long_is_caught() {
     let mut noise = Noise(0x1234_5678_9abc_def1);
@@ -169,10 +171,9 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert_eq!(
         judged.suspects[0].verdict(&[None]),
         None,
-        "not played any more"
+        "no longer measured"
     );
-    // A yardstick that was held up beside all of the baseline's runs: as this run's or later ones
-    // tell.
+    // The baseline's yardstick was delayed next to all runs, as this run or later ones show.
     let quicker = RatioSample {
         yardstick: 0.7,
         ..slower
@@ -184,7 +185,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert!(found.suspects.is_empty() && found.rough == 1, "{found:?}");
     assert_eq!(judged.suspects[0].verdict(&[Some(quicker)]), None);
     assert!(judged.suspects[0].is_cleared(&[Some(quicker)]));
-    // A device that had a quarter of its clock in the baseline: it is at full clock now.
+    // A device had a quarter of its clock in the baseline, and is at full clock now.
     let then = RatioSample {
         device_units: Some(8.0),
         ..quiet
@@ -203,7 +204,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert!(found.suspects.len() == 1 && found.rough == 0, "{found:?}");
     assert!(!found.suspects[0].is_cleared(&[Some(now)]));
     assert!(found.suspects[0].verdict(&[Some(now)]).is_some());
-    // Too few fresh runs that nothing held up, or none.
+    // There are too few undisturbed new runs, or none.
     for runs in [0, MANY - 1] {
         let few = RatioSample {
             ratio: Ranks {
@@ -245,7 +246,7 @@ fn few_runs_are_not_judged() {
     );
 }
 
-/// Each row alone is too noisy to say so.
+/// Each row alone is too noisy.
 #[test]
 fn a_technique_that_gets_slower_by_half_is_caught() {
     let mut noise = Noise(0x0dd_ba11);

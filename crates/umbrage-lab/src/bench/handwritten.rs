@@ -1,4 +1,4 @@
-//! A program for one technique alone, written directly on wgpu, to compare the wgpu backend with.
+//! A program for one technique, written directly on wgpu: the reference for the wgpu backend.
 
 use std::{borrow::Cow, time::Duration};
 use umbrage_core::{
@@ -7,7 +7,7 @@ use umbrage_core::{
 };
 use umbrage_wgpu::wgpu::{self, util::DeviceExt, *};
 
-/// One frame's times.
+/// Times of one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameTimes {
     /// The depth pass.
@@ -16,7 +16,7 @@ pub(super) struct FrameTimes {
     pub(super) receive: Duration,
 }
 
-/// What a frame draws.
+/// Settings of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameSettings {
     /// The light space of the map.
@@ -25,11 +25,11 @@ pub(super) struct FrameSettings {
     pub(super) to_light: Vec3,
     /// Side of the map, texels.
     pub(super) map_size: u32,
-    /// How far the kernel reaches beyond the receiver's texel, texels.
+    /// Reach of the kernel beyond the receiver's texel, texels.
     pub(super) radius: i32,
 }
 
-/// Pipelines and resources, all made once.
+/// Pipelines and resources, created once.
 pub(super) struct HandWritten {
     device: Device,
     queue: Queue,
@@ -150,7 +150,7 @@ impl HandWritten {
         pass.draw(0..3, 0..1);
     }
 
-    /// Writes timestamps `first` and `first` + 1 at a pass's beginning and end.
+    /// Writes timestamps `first` and `first` + 1 at the beginning and end of a pass.
     fn writes(&self, first: u32) -> RenderPassTimestampWrites<'_> {
         RenderPassTimestampWrites {
             query_set: &self.stamps,
@@ -180,7 +180,7 @@ impl HandWritten {
     }
 }
 
-/// Returns the time between two timestamps whose unit is `period` nanoseconds.
+/// Returns the time between two timestamps with a unit of `period` nanoseconds.
 fn between(begin: u64, end: u64, period: f32) -> Duration {
     let ticks = end.saturating_sub(begin) as f64;
     Duration::from_nanos((ticks * f64::from(period)) as u64)
@@ -218,7 +218,7 @@ fn bind_group(
     })
 }
 
-/// Returns the receivers' positions; w is 1 where something receives, else 0.
+/// Returns the receivers' positions. w is 1 at receivers, else 0.
 fn positions(receivers: &Receivers) -> Vec<[f32; 4]> {
     let mut out = Vec::with_capacity(receivers.len());
     for i in 0..receivers.len() {

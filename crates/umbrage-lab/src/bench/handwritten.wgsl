@@ -1,5 +1,5 @@
-// What a programmer would write for one technique: a depth pass and 3x3 percentage-closer filtering
-// with a slope bias.
+// A typical hand-written program for one technique: a depth pass, and 3x3 percentage-closer
+// filtering with a slope bias.
 
 struct Uniforms {
     clip_from_world: mat4x4f,

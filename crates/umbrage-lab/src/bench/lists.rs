@@ -1,5 +1,5 @@
-//! Times `exact` against what it is to replace, a hard map of 2048 texels and single rays: with
-//! lists that are kept, and as it answers where all is new.
+//! Times `exact` against a hard map of 2048 texels and single rays, with per-cell triangle lists
+//! that are kept, and with everything rebuilt.
 
 use super::paired::{Pair, Paired, Repetitions, paired};
 use crate::error::LabError;
@@ -20,27 +20,28 @@ use umbrage_wgpu::Gpu;
 const SCREEN: UVec2 = UVec2::new(1280, 720);
 /// Side of the map, texels.
 const MAP: u32 = 2048;
-/// How often a lookup must fit into one ray a receiver, on the CPU.
+/// Target of a lookup on the CPU: how many times faster than one ray per receiver.
 const RAYS_BAR: f64 = 6.0;
-/// The same on a graphics adapter.
+/// Target of a lookup on a graphics adapter.
 const GPU_RAYS_BAR: f64 = 8.0;
-/// How often a lookup must fit into a map's on a graphics adapter, in scenes of up to [`SMALL`]
-/// triangles.
+/// Target relative to a map's lookup on a graphics adapter, in scenes of up to [`SMALL`] triangles.
 const GPU_MAP_BAR: f64 = 1.0 / 1.5;
-/// A light whose lists are made beforehand, so that what is made once a scene is not timed.
+/// A light whose lists are built beforehand, so that preparation per scene is not timed.
 const OTHER_LIGHT: Light = Light::Point {
     position: Vec3::ZERO,
     radius: 0.0,
 };
-/// Casters of a scene that counts as small.
+/// Maximum number of casters of a small scene.
 const SMALL: usize = 300_000;
 
-/// Times lists in the speed and content scenes with these names (in all of them if there is none),
-/// for each ideal light, and passes each result to `tell` as it comes. Without a graphics adapter
-/// only the CPU is timed.
+/// Times lists in the named speed and content scenes (all of them without names), for each ideal
+/// light.
+///
+/// Passes each result to `tell` when it is complete. Without a graphics adapter only the CPU is
+/// timed.
 ///
 /// # Errors
-/// Errors if a scene can't be used or a backend fails.
+/// Errors if a scene is invalid or a backend fails.
 pub fn lists(
     runs: usize,
     scenes: &[String],
@@ -85,7 +86,7 @@ pub fn lists(
     Ok(())
 }
 
-/// Where lists are timed.
+/// One scene and light of the benchmark.
 struct Stage<'a> {
     name: String,
     view: View<'a>,
@@ -98,6 +99,7 @@ impl Stage<'_> {
         let view = &self.view;
         let exact = plan(view, &Exact {})?;
         let rays = plan(view, &Traced { samples: 1 })?;
+        // Check the results against rays.
         let hard = plan(view, &map())?;
         let expected = cpu.render(view, &rays)?.mask;
         let without_lists = cpu.render(view, &exact)?.mask;
@@ -105,6 +107,7 @@ impl Stage<'_> {
         let with_lists = cpu.render(view, &exact)?.mask;
         let fault_of_lists = wrong_answers(&expected, &with_lists);
         let fault_without_lists = wrong_answers(&expected, &without_lists);
+        // Time the lookup, and everything rebuilt.
         let cpu = RefCell::new(cpu);
         let time = |recipe: &Recipe| receive_time(&mut **cpu.borrow_mut(), view, recipe);
         let anew = || self.exact_anew(&mut cpu.borrow_mut());
@@ -128,13 +131,13 @@ impl Stage<'_> {
         let mut pairs = vec![
             self.pair("lookup", ["lists", "rays"], lookup, Some(RAYS_BAR)),
             self.pair(
-                "made anew",
+                "rebuilt",
                 ["exact", "hard 2048, without its plan"],
                 against_map,
                 Some(1.0),
             ),
             self.pair(
-                "made anew",
+                "rebuilt",
                 ["exact", "hierarchy and rays"],
                 with_hierarchy,
                 Some(RAYS_BAR),
@@ -150,7 +153,7 @@ impl Stage<'_> {
         let exact = plan(view, &Exact {})?;
         let rays = plan(view, &Traced { samples: 1 })?;
         let hard = plan(view, &map())?;
-        // The CPU's rays are the judge: the adapter may have no room for the hierarchy.
+        // Use the CPU's rays as reference: the hierarchy may exceed the adapter's capacity.
         let expected = cpu.render(view, &rays)?.mask;
         let fault = wrong_answers(&expected, &gpu.render(view, &exact)?.mask);
         let plays_rays = is_played(gpu.render(view, &rays))?;
@@ -171,11 +174,10 @@ impl Stage<'_> {
         Ok(out)
     }
 
-    /// Plans and answers for every receiver as if for the first time: the CPU makes no lists for
-    /// that.
+    /// Times the first planning and lookup for all receivers. The CPU builds no lists for it.
     fn exact_anew(&self, cpu: &mut Cpu) -> Result<Duration, LabError> {
         let fresh = self.geometry.without_hierarchies();
-        // What is made once a scene: its boxes, and the extent of receivers.
+        // Prepare the scene once: its boxes, and the extent of receivers.
         let warm = View::new(self.view.camera, &OTHER_LIGHT, &fresh);
         drop(plan(&warm, &Exact {})?);
         let view = View {
@@ -206,12 +208,12 @@ impl Stage<'_> {
     }
 }
 
-/// Returns what is wrong with the lists' answers. `None` if they are those of rays.
+/// Returns what is wrong with the lists' results. `None` if they equal those of rays.
 fn wrong_answers(of_rays: &[f32], of_lists: &[f32]) -> Option<String> {
     let pairs = of_rays.iter().zip(of_lists);
     let differ = pairs.filter(|(a, b)| a != b).count();
     let count = of_rays.len();
-    (differ > 0).then(|| format!("{differ} of {count} answers differ from those of rays"))
+    (differ > 0).then(|| format!("{differ} of {count} results differ from those of rays"))
 }
 
 fn map() -> MapTechnique<Hard> {
@@ -235,7 +237,7 @@ pub(super) fn receive_time(
     receive.ok_or_else(|| LabError::NotTimed(backend.name().to_owned()))
 }
 
-/// Whether an adapter has room for a recipe.
+/// Reports whether a recipe fits into an adapter's memory.
 pub(super) fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, LabError> {
     match played {
         Ok(_) => Ok(true),

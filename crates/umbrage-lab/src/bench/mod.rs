@@ -1,7 +1,7 @@
-//! Speed as ratios of two things that do the same work, run in turn on the same machine.
+//! Speed as the ratio of two programs that do the same work, run in turn on the same machine.
 //!
-//! Machines are noisy and drift; a ratio of neighbours in time holds all the same. Benchmark
-//! harnesses time one thing after the other has finished, so the turns are taken here.
+//! Machines are noisy and drift, but ratios of adjacent runs stay valid. Benchmark harnesses run
+//! one program after the other, so this module alternates them itself.
 
 mod handwritten;
 mod lists;

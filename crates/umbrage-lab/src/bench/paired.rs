@@ -4,16 +4,16 @@ use serde::Serialize;
 use std::time::Duration;
 use umbrage_plan::statistics::Sorted;
 
-/// How often each of the two runs.
+/// Number of runs of each program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Repetitions {
-    /// Runs that are not counted, before all others.
+    /// Uncounted runs before all others.
     pub warm_up: usize,
-    /// Runs that count.
+    /// Counted runs.
     pub runs: usize,
 }
 
-/// What was measured of both.
+/// Times of both programs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paired {
     /// Our times.
@@ -24,7 +24,7 @@ pub struct Paired {
     pub ratio: f64,
 }
 
-/// What was measured of one of the two.
+/// Times of one program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairTimes {
     /// Shortest run, milliseconds.
@@ -36,38 +36,38 @@ pub struct PairTimes {
     pub high: f64,
 }
 
-/// A comparison: how often `ours` fits into `theirs`.
+/// A comparison of two programs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
-    /// What was done.
+    /// Description of the work.
     pub work: String,
-    /// Who did it, first ours.
+    /// The programs, first ours.
     pub who: [String; 2],
     /// Our times.
     pub ours: PairTimes,
     /// Their times.
     pub theirs: PairTimes,
-    /// Median over the pairs of theirs / ours: above 1, ours is the faster.
+    /// Median over the pairs of theirs / ours. Above 1, ours is faster.
     pub ratio: f64,
-    /// The ratio that is asked for, if any.
+    /// Target of the ratio, if any.
     pub bar: Option<f64>,
-    /// Pairs counted.
+    /// Number of counted pairs.
     pub runs: usize,
-    /// Fault of our answers. `None` if they are right.
+    /// Error of our results. `None` if they are correct.
     pub fault: Option<String>,
 }
 
 impl Pair {
-    /// Whether the bar is met, if there is one, and our answers are right.
+    /// Reports whether the target is met, if any, and our results are correct.
     pub fn met(&self) -> bool {
         self.bar.is_none_or(|bar| self.ratio >= bar) && self.fault.is_none()
     }
 }
 
-/// Runs both in turn. Each returns how long its run took.
+/// Runs both in turn. Each returns the duration of its run.
 ///
 /// # Errors
-/// Errors if either of them does; returns the first error.
+/// Returns the first error of either program.
 pub fn paired<E>(
     repetitions: Repetitions,
     mut ours: impl FnMut() -> Result<Duration, E>,
@@ -77,7 +77,7 @@ pub fn paired<E>(
     let mut their_times = Vec::with_capacity(repetitions.runs);
     let mut ratios = Vec::with_capacity(repetitions.runs);
     for run in 0..repetitions.warm_up + repetitions.runs {
-        // Who goes first alternates, so that neither always follows the other's heat.
+        // Alternate the order, so that neither program always runs on the hotter machine.
         let our_time;
         let their_time;
         if run % 2 == 0 {
@@ -90,7 +90,7 @@ pub fn paired<E>(
         if run >= repetitions.warm_up {
             our_times.push(our_time);
             their_times.push(their_time);
-            // No division by zero where the clock didn't move.
+            // Avoid a division by zero if the clock didn't advance.
             ratios.push(their_time / our_time.max(1e-6));
         }
     }
@@ -106,7 +106,7 @@ fn milliseconds(d: Duration) -> f64 {
 }
 
 impl PairTimes {
-    /// Returns the figures of some values; NaN without any.
+    /// Returns the statistics of some values. NaN without values.
     fn of(values: Vec<f64>) -> Self {
         let sorted = Sorted::new(values);
         Self {
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn ratios_are_of_neighbours() {
-        // Both get slower and slower; their ratio doesn't.
+        // Both slow down, but their ratio doesn't change.
         let drifting = |base: u64| {
             let mut run = 0;
             move || {

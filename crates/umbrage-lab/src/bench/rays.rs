@@ -1,5 +1,5 @@
-//! Times any-hit rays: umbrage's traversal with the crack-free triangle test and the skipped
-//! triangle against obvhs's own traversal with its own triangles, over the same rays.
+//! Times any-hit rays. Compares umbrage's traversal, with the crack-free triangle test and the
+//! skipped triangle, with obvhs's own traversal and triangles, over the same rays.
 
 use super::paired::{Pair, Repetitions, paired};
 use std::convert::Infallible;
@@ -9,7 +9,7 @@ use umbrage_core::{
 };
 use umbrage_yardstick::{AnyHitRay, ObvhsScene, time_own_rays};
 
-/// Rays from each receiver.
+/// Rays per receiver.
 const RAYS: u32 = 4;
 
 /// Returns rays to the light from each receiver.
@@ -30,7 +30,7 @@ fn rays_to_light(receivers: &Receivers, light: &LightSampler, far: f32) -> Vec<A
     out
 }
 
-/// Times both over all rays.
+/// Times both programs over all rays.
 pub(super) fn compare(
     name: &str,
     geometry: &Geometry,

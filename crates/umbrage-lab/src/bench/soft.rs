@@ -1,4 +1,4 @@
-//! Times `soft` against rays at the same error, under the wide lights of real frames.
+//! Times `soft` against rays with the same error, under the area lights of full-size scenes.
 
 use super::{
     lists::{is_played, plan, receive_time},
@@ -18,28 +18,29 @@ use umbrage_wgpu::Gpu;
 
 /// Image size, pixels.
 const SCREEN: UVec2 = UVec2::new(1280, 720);
-/// The errors that are asked for; on a graphics adapter only the first, since rays take minutes
-/// there.
+/// Requested errors. A graphics adapter only gets the first, since rays take minutes there.
 const ERRORS: [f32; 3] = [0.04, 0.015, 0.006];
-/// Rays of the truth at each pixel that is looked at: they err by a fifth of the least error above.
+/// Rays of truth per judged pixel. Their error is a fifth of the least error above.
 const TRUTH_RAYS: u32 = 2048;
-/// One pixel of each square of so many a side is looked at.
+/// Side of the squares of which one pixel each is judged.
 const PIXEL_STEP: usize = 11;
-/// Numbers of rays that are tried.
+/// Candidate numbers of rays.
 const RAYS: [u32; 22] = [
     1, 2, 3, 4, 6, 8, 11, 14, 18, 23, 29, 36, 45, 56, 70, 88, 110, 140, 180, 240, 320, 480,
 ];
-/// How often a lookup must fit into that of rays with the same error, on the CPU and on a graphics
-/// adapter.
+/// Targets of a lookup on the CPU and on a graphics adapter: how many times faster than rays with
+/// the same error.
 const CPU_BAR: f64 = 5.0;
 const GPU_BAR: f64 = 3.0;
 
-/// Times `soft` in the content scenes with these names (in all of them if there is none), for each
-/// light with an extent, and passes each result to `tell` as it comes. Without a graphics adapter
-/// only the CPU is timed.
+/// Times `soft` in the named content scenes (all of them without names), for each light with an
+/// extent.
+///
+/// Passes each result to `tell` when it is complete. Without a graphics adapter only the CPU is
+/// timed.
 ///
 /// # Errors
-/// Errors if a scene can't be used or a backend fails.
+/// Errors if a scene is invalid or a backend fails.
 pub fn soft(
     runs: usize,
     scenes: &[String],
@@ -57,8 +58,8 @@ pub fn soft(
             continue;
         }
         let geometry = Geometry::bake(&scene)?;
-        // Holes are asked point by point, which is no price of shafts: only who names such a scene
-        // gets a row of it.
+        // Skip scenes with alpha-tested casters unless they are named: their alpha tests per point
+        // are no cost of shafts.
         if scenes.is_empty() && geometry.has_cut_out_casters() {
             continue;
         }
@@ -82,7 +83,7 @@ pub fn soft(
     Ok(())
 }
 
-/// Returns one receiving pixel of each square.
+/// Returns one receiver pixel of each square.
 fn pixels_of(receivers: &Receivers) -> Vec<u32> {
     let width = receivers.size.x as usize;
     let is_looked_at = |i: &usize| {
@@ -94,12 +95,12 @@ fn pixels_of(receivers: &Receivers) -> Vec<u32> {
     all.filter(is_looked_at).map(|i| i as u32).collect()
 }
 
-/// Where light points are timed.
+/// One scene and light of the benchmark.
 struct Stage<'a> {
     name: String,
     view: View<'a>,
     repetitions: Repetitions,
-    /// The pixels at which errors are measured.
+    /// Pixels at which errors are measured.
     pixels: Vec<u32>,
     cpu: Cpu,
 }
@@ -110,6 +111,7 @@ impl Stage<'_> {
         mut gpu: Option<&mut Gpu>,
         tell: &mut impl FnMut(Pair),
     ) -> Result<(), LabError> {
+        // Find the number of rays with the same error, and time both.
         let truth = self.answers(&plan(
             &self.view,
             &Traced {
@@ -143,14 +145,14 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Returns the answers at the pixels that are looked at.
+    /// Returns the visibilities at the judged pixels.
     fn answers(&mut self, recipe: &Recipe) -> Result<Vec<f32>, LabError> {
         let answers = self.cpu.render_pixels(&self.view, recipe, &self.pixels)?;
         Ok(answers)
     }
 
-    /// Returns the least number of rays whose error is at most this; none if the most that are
-    /// tried err more.
+    /// Returns the least number of rays whose error is at most this. `None` if all candidates
+    /// exceed it.
     fn rays_with(&mut self, error: f64, truth: &[f32]) -> Result<Option<u32>, LabError> {
         for samples in RAYS {
             let traced = plan(&self.view, &Traced { samples })?;
@@ -175,22 +177,23 @@ impl Stage<'_> {
     }
 }
 
-/// Returns the root mean square error of some pixels' answers.
+/// Returns the root mean square error of some visibilities.
 fn rmse(answers: &[f32], truth: &[f32]) -> Result<f64, LabError> {
-    // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
+    // Measure them as one row: only errors of neighbours depend on the image's shape, and they
+    // aren't used.
     let size = UVec2::new(truth.len() as u32, 1);
     let pixels = vec![Pixel::Counted; truth.len()];
     Ok(Errors::measure(size, answers, truth, &pixels)?.rmse)
 }
 
-/// Plays two recipes in turn.
+/// Runs two recipes in turn.
 fn turns(
     backend: &mut dyn Backend,
     view: &View<'_>,
     repetitions: Repetitions,
     recipes: [&Recipe; 2],
 ) -> Result<Paired, LabError> {
-    // Uploads and compiles, which the first frame pays for.
+    // Upload and compile before timing.
     backend.render(view, recipes[0])?;
     let backend = RefCell::new(backend);
     let time = |recipe: &Recipe| receive_time(&mut **backend.borrow_mut(), view, recipe);

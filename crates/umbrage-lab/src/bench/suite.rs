@@ -1,5 +1,5 @@
-//! The benchmarks: the CPU backend against wgpu, rays against obvhs, and wgpu against a program
-//! written by hand.
+//! Benchmarks: the CPU backend against wgpu, rays against obvhs, and wgpu against a hand-written
+//! program.
 
 use super::{
     handwritten::{FrameSettings, HandWritten},
@@ -18,14 +18,14 @@ use umbrage_scenes::{Kind, SceneEntry};
 use umbrage_techniques::{Bias, Hard, MapFilter as _, Pcf, Pcss, ShadowMap};
 use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
-/// What to run.
+/// Options of the benchmarks.
 #[derive(Clone, Copy, Debug)]
 pub struct BenchOptions {
-    /// Pairs counted.
+    /// Counted pairs.
     pub runs: usize,
-    /// Pairs before that.
+    /// Uncounted pairs before them.
     pub warm_up: usize,
-    /// CPU threads of our side; software adapters use all cores whatever this says.
+    /// CPU threads of our side. Software adapters use all cores in any case.
     pub threads: usize,
 }
 
@@ -39,14 +39,14 @@ impl Default for BenchOptions {
     }
 }
 
-/// Image size at which lookups are timed, pixels.
+/// Image size of lookups, pixels.
 const SCREEN: UVec2 = UVec2::new(1280, 720);
 /// Side of the maps, texels.
 const MAP: u32 = 2048;
-/// Image size from whose pixels rays start.
+/// Image size for the origins of rays, pixels.
 const RAY_SCREEN: UVec2 = UVec2::new(640, 360);
 
-/// One of the scenes kept for measuring speed.
+/// A scene of the speed benchmarks.
 struct SpeedScene {
     name: &'static str,
     geometry: Geometry,
@@ -74,8 +74,8 @@ impl SpeedScene {
         })
     }
 
-    /// Returns the same scene under a light with an extent: the sun's angular diameter, or a radius
-    /// of a tenth of a metre.
+    /// Returns the scene under a light with an extent: the sun's angular diameter, or a radius of
+    /// 0.1 m.
     fn with_extent(&self) -> Self {
         let mut light = self.light;
         match &mut light {
@@ -101,8 +101,8 @@ impl SpeedScene {
     }
 }
 
-/// Runs all benchmarks and passes each result to `tell` as it comes. Without a graphics adapter
-/// only rays are compared.
+/// Runs all benchmarks. Passes each result to `tell` when it is complete. Without a graphics
+/// adapter only rays are compared.
 ///
 /// # Errors
 /// Errors if a backend fails.
@@ -120,6 +120,7 @@ pub fn run(
         .iter()
         .filter(|entry| entry.kind == Kind::Speed)
         .collect();
+    // Compare the backends, and wgpu with the hand-written program.
     if let Some(gpu) = gpu {
         for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
@@ -136,6 +137,7 @@ pub fn run(
             }
         }
     }
+    // Compare rays with obvhs.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build();
@@ -168,14 +170,14 @@ fn map() -> ShadowMap {
     }
 }
 
-/// Picks one of a hand-written frame's times.
+/// Selects one of a hand-written frame's times.
 type FrameTime = fn(super::handwritten::FrameTimes) -> Duration;
 
-/// Picks one of a rendering's times; none where it wasn't timed.
+/// Selects one of a rendering's times. `None` if it wasn't timed.
 type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
-/// Returns the bar of the CPU backend against a graphics adapter. `None` if that is hardware: bars
-/// compare like with like.
+/// Returns the target of the CPU backend against a graphics adapter. `None` for hardware, which is
+/// not comparable.
 fn bar_against(gpu: &Gpu, bar: f64) -> Option<f64> {
     let is_software = gpu.adapter_info().device_type == DeviceType::Cpu;
     is_software.then_some(bar)
@@ -289,13 +291,13 @@ fn soft(
     })
 }
 
-/// Returns the time of the lookup and of filters, which make the grid that bounds PCSS's search.
+/// Returns the time of the lookup and of filters, which compute the grid that bounds PCSS's search.
 fn lookup_with_filters(timings: &umbrage_core::Timings) -> Option<Duration> {
     let receive = timings.receive?;
     Some(receive + timings.filter.unwrap_or_default())
 }
 
-/// Times the wgpu backend's passes against those of a program written for this one technique.
+/// Times the wgpu backend's passes against those of a hand-written program for this technique.
 fn by_hand(
     stage: &SpeedScene,
     repetitions: Repetitions,

@@ -1,11 +1,10 @@
-//! Compares the default bias with all others: how far it is from the best that tuning by hand would
-//! have found.
+//! Compares the default bias with the best manually tuned one.
 //!
-//! On each scene, light, kernel and map size every other bias ([`rivals`]) is played on the CPU,
-//! and the one with the least error counts as tuned by hand; [`Bias::ADAPTIVE`], the default, is
-//! played on every backend. The best of some thirty biases profits from chance: each moves every
-//! shadow's edge a little, and some edges thereby fall nearer to the true ones. So a bias that is
-//! better by no more than [`FEW`] wrong pixels counts as equal.
+//! On each scene, light, kernel and map size, all other biases ([`rivals`]) are rendered on the
+//! CPU. The one with the least error counts as manually tuned. [`Bias::ADAPTIVE`], the default, is
+//! rendered on every backend. The best of some thirty biases profits from chance: each of them
+//! moves the edges of shadows a little, some of them towards the true edges. So a bias that is
+//! better by at most [`FEW`] wrong pixels counts as equal.
 
 mod rivals;
 mod stage;
@@ -28,14 +27,14 @@ use umbrage_techniques::{
     Bias, Hard, MapFilter as _, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
 };
 
-/// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is
-/// some hundred pixels long.)
+/// Number of wrong pixels that count as chance. Every bias moves the edge of a shadow, which is
+/// some hundred pixels long.
 pub const FEW: f64 = 16.0;
 
 /// Options of a comparison of biases.
 #[derive(Clone, Debug)]
 pub struct BiasOptions {
-    /// Image size, pixels; none for each scene's own.
+    /// Image size, pixels. `None` for each scene's own.
     pub size: Option<UVec2>,
     /// Sides of the maps, texels.
     pub sides: Vec<u32>,
@@ -50,7 +49,7 @@ impl Default for BiasOptions {
     }
 }
 
-/// The default's error on one backend.
+/// Error of the default bias on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DefaultBiasError {
     /// [`Backend::name`].
@@ -59,35 +58,35 @@ pub struct DefaultBiasError {
     pub rmse: f64,
 }
 
-/// One scene, light, kernel and map size.
+/// Figures of one scene, light, kernel and map size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BiasRow {
     /// The scene's name.
     pub scene: String,
-    /// Which of its lights.
+    /// Name of the light.
     pub light: String,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
     /// The kernel.
     pub kernel: String,
     /// Side of the map, texels.
     pub side: u32,
-    /// Pixels that count.
+    /// Number of pixels that count.
     pub counted: u64,
-    /// The default on every backend.
+    /// Errors of the default bias on every backend.
     pub played: Vec<DefaultBiasError>,
-    /// The least error of any rival.
+    /// Least error of the other biases.
     pub best: f64,
-    /// That rival's bias.
+    /// The bias with that error.
     pub best_bias: String,
-    /// The error of the textbooks' slope bias.
+    /// Error of the textbook slope bias.
     pub textbook: f64,
-    /// The error of Isidoro's receiver plane.
+    /// Error of Isidoro's receiver plane bias.
     pub plane: f64,
 }
 
 impl BiasRow {
-    /// Returns the default's [`BiasRow::ratio_of`], the greatest over the backends.
+    /// Returns the maximum [`BiasRow::ratio_of`] of the default bias over the backends.
     pub fn ratio(&self) -> f64 {
         self.played
             .iter()
@@ -95,8 +94,8 @@ impl BiasRow {
             .fold(0.0, f64::max)
     }
 
-    /// Returns an error over the best rival's. To both mean squares [`FEW`] wrong pixels are added,
-    /// so that differences by chance count little.
+    /// Returns the ratio of an error to the best bias's. [`FEW`] wrong pixels are added to both
+    /// mean squares, so that differences by chance count little.
     pub fn ratio_of(&self, rmse: f64) -> f64 {
         let chance = FEW / self.counted.max(1) as f64;
         let square = rmse * rmse + chance;
@@ -105,10 +104,10 @@ impl BiasRow {
     }
 }
 
-/// A kernel with a name, as a function of its map.
+/// A named kernel, as a function of its map.
 pub type NamedKernel = (&'static str, fn(ShadowMap) -> TechniquePreset);
 
-/// The kernels whose biases are compared.
+/// Kernels whose biases are compared.
 pub const KERNELS: [NamedKernel; 6] = [
     ("hard", |map| TechniquePreset::from(Hard {}.on(map))),
     ("pcf 3x3", |map| {
@@ -128,12 +127,12 @@ pub const KERNELS: [NamedKernel; 6] = [
     }),
 ];
 
-/// Plays the default and all rivals under every light of a staged scene. Rows in order of light,
-/// kernel and side.
+/// Measures the default bias and all others under every light of a staged scene. Rows are in the
+/// order of light, kernel and side.
 ///
 /// # Errors
-/// Errors if the scene is not valid or a backend fails. Kernels and maps that can't serve a light
-/// are left out.
+/// Errors if the scene is invalid or a backend fails. Kernels and maps that don't support a light
+/// are skipped.
 pub fn measure(
     staged: &Staged,
     options: &BiasOptions,
@@ -181,21 +180,22 @@ pub fn measure(
     Ok(rows)
 }
 
-/// One light of one scene.
+/// One light of a scene.
 struct Case<'a> {
     view: View<'a>,
     reference: ReferenceMask<'a>,
 }
 
 impl Case<'_> {
-    /// Returns the figures of one kernel and map size, without the names; none where the light is
-    /// not served.
+    /// Returns the figures of one kernel and map size, without the names. `None` if the light is
+    /// not supported.
     fn play(
         &self,
         kernel: NamedKernel,
         side: u32,
         backends: &mut Backends,
     ) -> Result<Option<BiasRow>, LabError> {
+        // Render the default bias on every backend.
         let default = technique(kernel, side, Bias::ADAPTIVE);
         let mut played = Vec::new();
         let mut counted = 0;
@@ -209,6 +209,7 @@ impl Case<'_> {
             });
             counted = errors.counted;
         }
+        // Find the best of the other biases.
         let cpu = &mut backends.receivers;
         let mut best = f64::INFINITY;
         let mut best_bias = Bias::NONE;
@@ -238,7 +239,7 @@ impl Case<'_> {
         }))
     }
 
-    /// Returns a technique's root mean square error; infinite where it doesn't serve the light.
+    /// Returns a technique's root mean square error. Infinite if it doesn't support the light.
     fn rmse(
         &self,
         technique: &dyn ShadowTechnique,
@@ -248,7 +249,7 @@ impl Case<'_> {
         Ok(errors.map_or(f64::INFINITY, |errors| errors.rmse))
     }
 
-    /// Returns a technique's errors; none where it doesn't serve the light.
+    /// Returns a technique's errors. `None` if it doesn't support the light.
     fn errors(
         &self,
         technique: &dyn ShadowTechnique,

@@ -1,4 +1,4 @@
-//! The biases that tuning by hand would try.
+//! Candidate biases of manual tuning.
 
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
@@ -6,16 +6,16 @@ use umbrage_techniques::Bias;
 
 /// Constant biases, clip depth.
 const CONSTANTS: [f32; 7] = [1e-5, 1e-4, 3e-4, 1e-3, 2e-3, 5e-3, 1e-2];
-/// Slope biases as shares of the textbooks' `.05 / .005`, which come last.
+/// Slope biases relative to those of textbooks, `.05 / .005`, which come last.
 const SLOPES: [f32; 4] = [0.003, 0.03, 0.3, 1.0];
-/// Shares of the offset that frees a plane of acne.
+/// Normal offsets relative to the one that prevents acne on a plane.
 const OFFSETS: [f32; 6] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
-/// Shares of the polygon offset that frees a plane of acne.
+/// Polygon offsets relative to the one that prevents acne on a plane.
 const POLYGON_OFFSETS: [f32; 5] = [0.25, 0.5, 1.0, 1.5, 2.0];
-/// Texels of normal offset beside the receiver's plane.
+/// Normal offsets in addition to the receiver plane, texels.
 const BESIDE_THE_PLANE: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 
-/// Returns every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches
+/// Returns all kinds of bias except [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches
 /// `reach` texels beyond the receiver's own.
 pub fn rivals(reach: f32) -> Vec<Bias> {
     let constants = CONSTANTS.map(|constant| Bias {

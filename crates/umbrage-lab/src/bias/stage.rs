@@ -1,30 +1,30 @@
-//! Scenes under ideal lights: with their own where they have some, models without any on a floor
-//! under four.
+//! Scenes under ideal lights. Models without lights are placed on a floor under four lights.
 
 use crate::error::LabError;
 use glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Light, Mesh, Scene};
 
-/// A scene and the lights that it is played under.
+/// A scene and its ideal lights.
 #[derive(Clone, Debug)]
 pub struct Staged {
-    /// With a camera.
+    /// The scene, with a camera.
     pub scene: Scene,
-    /// Ideal lights with a name each.
+    /// Named ideal lights.
     pub lights: Vec<(String, Light)>,
 }
 
-/// Image size where a model brings none, pixels.
+/// Image size of models without a camera, pixels.
 const SIZE: UVec2 = UVec2::new(480, 270);
-/// Vertical field of view of models' cameras, radians.
+/// Vertical field of view of cameras for models, radians.
 const FOV_Y: f32 = 0.7;
 
-/// Stages a scene under its own lights as if they were ideal, seen by its first camera; a model
-/// without lights of its own is put on a floor, seen from three quarters, under a high sun, a low
-/// sun, a spot and a bulb.
+/// Stages a scene under its own lights, reduced to ideal ones, with its first camera.
+///
+/// A model without lights is placed on a floor in a three-quarter view, under a high sun, a low
+/// sun, a spot and a point light.
 ///
 /// # Errors
-/// Errors if the scene is not valid.
+/// Errors if the scene is invalid.
 pub fn staged(scene: Scene, is_unlit_model: bool) -> Result<Staged, LabError> {
     if is_unlit_model {
         return on_a_floor(scene);
@@ -36,7 +36,7 @@ pub fn staged(scene: Scene, is_unlit_model: bool) -> Result<Staged, LabError> {
     Ok(Staged { scene, lights })
 }
 
-/// Returns the same light without extent.
+/// Returns the light without extent.
 pub(super) fn ideal(light: &Light) -> Light {
     match *light {
         Light::Directional { direction, .. } => Light::Directional {
@@ -72,7 +72,7 @@ pub(super) fn ideal(light: &Light) -> Light {
     }
 }
 
-/// Puts a model on a floor, seen from three quarters, under the four lights of [`lights_around`].
+/// Places a model on a floor in a three-quarter view, under the lights of [`lights_around`].
 fn on_a_floor(mut scene: Scene) -> Result<Staged, LabError> {
     let bounds = Geometry::bake(&scene)?.bounds();
     let center = bounds.center();
@@ -99,7 +99,7 @@ fn on_a_floor(mut scene: Scene) -> Result<Staged, LabError> {
     })
 }
 
-/// Returns a square floor under what these bounds hold; `half` is half its side, metres.
+/// Returns a square floor below these bounds. `half` is half its side, metres.
 fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
     let center = bounds.center();
     let corner = |x: f32, z: f32| Vec3::new(center.x + x * half, bounds.min.y, center.z + z * half);
@@ -112,7 +112,7 @@ fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
     Ok(Mesh::new("floor", corners, vec![[0, 1, 2], [0, 2, 3]])?)
 }
 
-/// Returns a high sun, a low sun, a spot and a bulb around what these bounds hold.
+/// Returns a high sun, a low sun, a spot and a point light around these bounds.
 pub fn lights_around(bounds: Aabb) -> Vec<(String, Light)> {
     let center = bounds.center();
     let extent = bounds.extent();
@@ -139,7 +139,7 @@ pub fn lights_around(bounds: Aabb) -> Vec<(String, Light)> {
     ]
 }
 
-/// Returns a sun without extent whose light falls in this direction.
+/// Returns a sun without extent with this direction of its light.
 fn sun(direction: Vec3) -> Light {
     Light::Directional {
         direction,

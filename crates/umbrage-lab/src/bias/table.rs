@@ -1,4 +1,4 @@
-//! Writes the rows as files: a CSV of all, and a page that begins with their summary.
+//! Writes the rows as files: a CSV table, and a page with a summary.
 
 use super::BiasRow;
 use crate::{
@@ -10,30 +10,30 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The default counts as good as tuned by hand up to this ratio of errors.
+/// Maximum ratio of errors at which the default bias counts as good as manual tuning.
 pub(super) const GOOD: f64 = 1.1;
-/// How many of the worst rows the page lists.
+/// Number of worst rows on the page.
 const WORST: usize = 12;
 
-/// The summary of some rows.
+/// Summary of some rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Rows.
+    /// Number of rows.
     pub rows: usize,
-    /// Those with a ratio of at most 1.1.
+    /// Number of rows with a ratio of at most 1.1.
     pub good: usize,
     /// Geometric mean of the ratios.
     pub mean: f64,
-    /// The greatest ratio.
+    /// Maximum ratio.
     pub max: f64,
-    /// Geometric mean of the same ratio for the textbooks' slope bias.
+    /// Geometric mean of the ratio of the textbook slope bias.
     pub textbook: f64,
-    /// Geometric mean of the same ratio for Isidoro's receiver plane.
+    /// Geometric mean of the ratio of Isidoro's receiver plane bias.
     pub plane: f64,
 }
 
 impl Summary {
-    /// Summarizes rows.
+    /// Summarises rows.
     pub fn of<'a>(rows: impl Iterator<Item = &'a BiasRow> + Clone) -> Self {
         let ratios = rows.clone().map(BiasRow::ratio);
         let textbook = rows.clone().map(|row| row.ratio_of(row.textbook));
@@ -58,7 +58,7 @@ impl Summary {
     }
 }
 
-/// Returns the geometric mean of positive numbers; 1 without any.
+/// Returns the geometric mean of positive numbers. 1 without numbers.
 fn geometric_mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count();
     let logarithms: f64 = values.map(f64::ln).sum();
@@ -68,7 +68,7 @@ fn geometric_mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
 /// Returns the page: summaries by kernel and map size, then the worst rows.
 pub fn markdown(rows: &[BiasRow]) -> String {
     let mut out = String::from(
-        "| kernel, map | rows | within 10 % | mean ratio | greatest | slope .05/.005 | receiver plane alone |\n\
+        "| kernel, map | rows | within 10 % | mean ratio | maximum | slope .05/.005 | receiver plane only |\n\
          |---|--:|--:|--:|--:|--:|--:|\n",
     );
     let mut groups: Vec<(&str, u32)> = Vec::new();
@@ -85,7 +85,7 @@ pub fn markdown(rows: &[BiasRow]) -> String {
         out += &Summary::of(of_group).line(&format!("{kernel}, {side}"));
     }
     out += &Summary::of(rows.iter()).line("all");
-    out += "\n| scene | light | kernel | map | default | best by hand | ratio | which |\n|---|---|---|--:|--:|--:|--:|---|\n";
+    out += "\n| scene | light | kernel | map | default | best tuned | ratio | best bias |\n|---|---|---|--:|--:|--:|--:|---|\n";
     let mut worst: Vec<&BiasRow> = rows.iter().filter(|row| row.ratio() > GOOD).collect();
     worst.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
     for row in worst.into_iter().take(WORST) {
@@ -104,7 +104,7 @@ pub fn markdown(rows: &[BiasRow]) -> String {
     out
 }
 
-/// Writes `bias.csv` and `bias.md` into a folder, which is made if need be. Returns the page's
+/// Writes `bias.csv` and `bias.md` into a folder, which is created if necessary. Returns the page's
 /// path.
 ///
 /// # Errors
@@ -132,7 +132,7 @@ const HEADER: [&str; 13] = [
     "ratio",
 ];
 
-/// Returns the CSV, a line for each row and backend.
+/// Returns the CSV table with a line for each row and backend.
 fn table(rows: &[BiasRow]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for row in rows {

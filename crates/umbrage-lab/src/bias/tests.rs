@@ -23,7 +23,7 @@ fn row(rmse: f64, best: f64) -> BiasRow {
 
 #[test]
 fn ratios_leave_some_pixels_to_chance() {
-    // One wrong pixel of 100,000 is an RMSE of .00316.
+    // One wrong pixel of 100,000 is an RMSE of 0.00316.
     let one_pixel = (1.0_f64 / 100_000.0).sqrt();
     assert!(row(one_pixel, 0.0).ratio() < 1.04);
     assert!((row(0.2, 0.1).ratio() - 1.98).abs() < 0.02);
@@ -52,7 +52,7 @@ fn stairs_on(backend: Box<dyn Backend + Send>) -> Vec<BiasRow> {
     measure(&staged, &options, &mut Backends::of(vec![backend])).expect("valid")
 }
 
-/// The default is as good as the best of the others; with every twentieth pixel dark it is not.
+/// The default bias equals the best of the others. With every twentieth pixel dark it doesn't.
 #[test]
 fn the_default_is_near_the_best_and_a_spoilt_one_is_not() {
     let rows = stairs_on(Box::new(umbrage_cpu::Cpu::new()));

@@ -1,4 +1,4 @@
-//! Whether an adapter's masks are the CPU's.
+//! Agreement of an adapter's masks with the CPU's.
 
 use super::data::{CardAgreement, built_in};
 use crate::{
@@ -14,8 +14,8 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{Exact, Soft, Traced, Unshadowed};
 
-/// Built-in scenes of every kind of light: ideal, wide, far from the origin, along surfaces, with
-/// casters that have holes.
+/// Built-in scenes with all kinds of light (ideal, area, far from the origin, grazing) and
+/// alpha-tested casters.
 pub const BIT_SCENES: [&str; 15] = [
     "cubes",
     "stairs",
@@ -34,11 +34,11 @@ pub const BIT_SCENES: [&str; 15] = [
     "c3-sphere-bulb",
 ];
 
-/// Width of the images whose bits are compared, pixels.
+/// Width of the images for the comparison of bits, pixels.
 const WIDTH: u32 = 240;
 
-/// Returns the techniques without a rasteriser in their answer: functions of the receivers alone,
-/// with the same bits on every device that rounds sums and products to nearest.
+/// Returns the techniques whose results don't depend on a rasteriser. They are functions of the
+/// receivers only, with the same bits on every device that rounds sums and products to nearest.
 pub fn exact_techniques() -> [Box<dyn ShadowTechnique>; 4] {
     [
         Box::new(Unshadowed::default()),
@@ -48,19 +48,19 @@ pub fn exact_techniques() -> [Box<dyn ShadowTechnique>; 4] {
     ]
 }
 
-/// Pixels of a mask, by what two backends make of them.
+/// Counts of a mask's pixels by agreement of two backends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BitCounts {
-    /// Both see the same triangle.
+    /// Pixels where both see the same triangle.
     pub same_triangle: u64,
-    /// They see different ones.
+    /// Pixels where they see different triangles.
     pub other_triangle: u64,
-    /// Of the same triangle, those whose masks have other bits.
+    /// Pixels of the same triangle whose masks have different bits.
     pub other_bits: u64,
 }
 
 impl BitCounts {
-    /// Counts the pixels of two renderings of one view. Both have receivers of their own.
+    /// Counts the pixels of two renderings of a view. Both have their own receivers.
     pub fn of(mine: &Shadows, theirs: &Shadows) -> Self {
         let mut counts = Self::default();
         let (Some(seen), Some(other)) = (&mine.receivers, &theirs.receivers) else {
@@ -78,25 +78,25 @@ impl BitCounts {
     }
 }
 
-/// What two backends rendered of one recipe.
+/// Renderings of a recipe by two backends.
 #[derive(Debug)]
 pub struct BitPair<'a> {
     /// The scene's name.
     pub scene: &'a str,
     /// The technique's name.
     pub technique: &'a str,
-    /// What is seen.
+    /// The view.
     pub view: View<'a>,
-    /// What was rendered.
+    /// The recipe.
     pub recipe: &'a Recipe,
-    /// What the CPU rendered.
+    /// Result of the CPU.
     pub of_cpu: Shadows,
-    /// What the other backend rendered.
+    /// Result of the other backend.
     pub of_device: Shadows,
 }
 
-/// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair
-/// to `on_pair`.
+/// Renders [`BIT_SCENES`] with [`exact_techniques`] on the CPU and on a backend, and passes each
+/// pair to `on_pair`.
 ///
 /// # Errors
 /// Errors if a backend or a technique fails.
@@ -111,7 +111,7 @@ pub fn compare_bits(
         for technique in exact_techniques() {
             let recipe = match technique.recipe(&view) {
                 Ok(recipe) => recipe,
-                // Ideal lights have no soft shadows, and wide ones no exact.
+                // `soft` doesn't support ideal lights, and `exact` no area lights.
                 Err(RecipeError::Unsupported(_)) => continue,
                 Err(e) => return Err(e.into()),
             };
@@ -128,7 +128,7 @@ pub fn compare_bits(
     Ok(())
 }
 
-/// Returns a built-in scene with a camera of [`WIDTH`] pixels.
+/// Returns a built-in scene with a camera that is [`WIDTH`] pixels wide.
 fn small_scene(name: &str) -> Result<Scene, Invalid> {
     let mut scene = (built_in(name)?.build)();
     for camera in &mut scene.cameras {
@@ -138,8 +138,8 @@ fn small_scene(name: &str) -> Result<Scene, Invalid> {
     Ok(scene)
 }
 
-/// Compares an adapter's masks with the CPU's: bits of exact techniques, and decided pixels of all.
-/// `backends` are the CPU and the adapter.
+/// Compares an adapter's masks with the CPU's: bits of exact techniques, and decided pixels of all
+/// techniques. `backends` are the CPU and the adapter.
 ///
 /// # Errors
 /// Errors if a backend fails, or if there is no adapter among them.
@@ -151,10 +151,11 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
         let help = "open them with `Backends::both`";
         return Err(Invalid::new("backends", "have no graphics adapter", help).into());
     };
+    // Compare the bits of exact techniques.
     compare_bits(&mut **device, &mut |pair| {
         let counts = BitCounts::of(&pair.of_cpu, &pair.of_device);
         other_triangle += counts.other_triangle;
-        // 0 of no pixels would look like agreement.
+        // Skip techniques without pixels: 0 of none would look like agreement.
         if counts.same_triangle > 0 {
             let technique = || pair.technique.to_owned();
             *compared.entry(technique()).or_default() += counts.same_triangle;
@@ -164,6 +165,7 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
     out.same_triangle_pixels = Some(compared.values().sum());
     out.other_triangle_pixels = Some(other_triangle);
     out.compared_pixels = Some(compared);
+    // Compare the decided pixels of all techniques.
     let mut inputs = Vec::new();
     for name in BIT_SCENES {
         let entry = built_in(name)?;
@@ -173,7 +175,7 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
         });
     }
     let options = CompareOptions {
-        // Errors are not reported, agreement is.
+        // Use few rays: agreement is reported, errors aren't.
         truth: TruthOptions {
             samples: 16,
             probe_samples: 8,

@@ -1,4 +1,4 @@
-//! What was measured on a graphics adapter, as plain data.
+//! Measurements of a graphics adapter, as plain data.
 
 use crate::compare::Environment;
 use serde::{Deserialize, Serialize};
@@ -8,10 +8,10 @@ use umbrage_plan::cost::CostModel;
 use umbrage_scenes::SceneEntry;
 use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
-/// Version of this data's format.
+/// Version of the data format.
 pub const SCHEMA: u32 = 1;
 
-/// What was measured on one graphics adapter. `None` means that nobody measured it.
+/// Measurements of one graphics adapter. `None` means not measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Card {
@@ -19,64 +19,64 @@ pub struct Card {
     pub schema: u32,
     /// The adapter's name.
     pub adapter: String,
-    /// Its driver, with version.
+    /// Driver with its version.
     pub driver: String,
     /// The graphics API: `vulkan`, `metal`, `dx12` or `gl`.
     pub api: String,
-    /// Whether the CPU does the adapter's work.
+    /// Whether it is a software adapter.
     pub is_software: bool,
-    /// The processor that the CPU backend ran on, and its threads.
+    /// The processor of the CPU backend, and its threads.
     pub cpu: Option<String>,
-    /// Day of the measurement, `2026-11-26`.
+    /// Date of the measurement, `2026-11-26`.
     pub date: Option<String>,
     /// The repository's commit.
     pub commit: Option<String>,
-    /// Who measured.
+    /// Name of the person who measured.
     pub measured_by: Option<String>,
-    /// What it can hold.
+    /// Limits of resources.
     pub limits: Option<CardLimits>,
-    /// How it rounds vertices and depths, in words.
+    /// Rounding of vertices and depths in words.
     pub grid: Option<String>,
-    /// What it computes with one rounding.
+    /// Operations that it computes with one rounding.
     pub fusing: Option<Fusing>,
-    /// How its masks compare with the CPU's.
+    /// Agreement of its masks with the CPU's.
     pub agreement: Option<CardAgreement>,
-    /// Times of the settings that stand for each technique, warm.
+    /// Times of the representative settings of each technique, after warm-up.
     pub times: Option<Vec<CardTime>>,
-    /// Times of umbrage over times of others, on this adapter, by what was timed.
+    /// Times of umbrage relative to other programs on this adapter, by name of the measurement.
     pub ratios: Option<BTreeMap<String, f64>>,
     /// Prices of work for the planner.
     pub prices: Option<CostModel>,
 }
 
-/// What an adapter can hold.
+/// Resource limits of an adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CardLimits {
-    /// Greatest image side, texels.
+    /// Maximum side of an image, texels.
     pub image_side: u32,
-    /// Most layers of an image.
+    /// Maximum number of image layers.
     pub layers: u32,
-    /// Greatest table, bytes.
+    /// Maximum size of a table, bytes.
     pub table_bytes: u64,
 }
 
-/// How an adapter's masks compare with the CPU's.
+/// Agreement of an adapter's masks with the CPU's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CardAgreement {
-    /// Pixels, over scenes and techniques, where both backends see the same triangle.
+    /// Number of pixels, over all scenes and techniques, where both backends see the same triangle.
     pub same_triangle_pixels: Option<u64>,
-    /// Pixels, over scenes and techniques, where they see different ones.
+    /// Number of pixels, over all scenes and techniques, where they see different triangles.
     pub other_triangle_pixels: Option<u64>,
-    /// The former by technique. `None` in files from before it was kept.
+    /// `same_triangle_pixels` by technique. `None` in older files.
     pub compared_pixels: Option<BTreeMap<String, u64>>,
-    /// Of these, those whose bits differ, by technique. Techniques without such pixels are left
-    /// out.
+    /// Number of these pixels with different bits, by technique. Techniques without such pixels are
+    /// omitted.
     pub differing_bits: BTreeMap<String, u64>,
-    /// Masks of all techniques that were compared.
+    /// Number of compared masks of all techniques.
     pub masks: Option<u64>,
-    /// Pixels of these that differ though no rounding explains it.
+    /// Number of their pixels that differ beyond rounding.
     pub decided_pixels_off: Option<u64>,
-    /// What is wrong, a line each.
+    /// Faults, one line each.
     pub findings: Vec<String>,
 }
 
@@ -87,16 +87,16 @@ pub struct CardTime {
     pub frame: String,
     /// The technique.
     pub technique: String,
-    /// Its settings.
+    /// Settings of the technique.
     pub settings: String,
-    /// Milliseconds at the adapter's full clock. `None` if no yardstick was steady.
+    /// Time at the adapter's full clock, milliseconds. `None` if no yardstick was steady.
     pub milliseconds: Option<f64>,
-    /// Median milliseconds as measured.
+    /// Measured median time, milliseconds.
     pub measured_milliseconds: f64,
 }
 
 impl Card {
-    /// Returns what an adapter reports of itself, and what small probes find.
+    /// Returns the data that an adapter reports, with results of small probes.
     ///
     /// # Errors
     /// Errors if the device fails.
@@ -130,7 +130,7 @@ impl Card {
         })
     }
 
-    /// Returns what is wrong with the adapter or its masks, a line each.
+    /// Returns the faults of the adapter or its masks, one line each.
     pub fn findings(&self) -> Vec<String> {
         let fusing = self
             .fusing

@@ -1,4 +1,4 @@
-//! Cards as files.
+//! Files of cards.
 
 use super::data::{Card, SCHEMA};
 use crate::error::LabError;
@@ -7,10 +7,10 @@ use std::{fs, io, path::Path};
 use umbrage_core::Invalid;
 use umbrage_plan::cost::PriceList;
 
-/// Reads the cards of a folder, `*.json`, by name of their adapters; hardware first.
+/// Reads the cards of a folder, `*.json`, sorted by adapter name, hardware first.
 ///
 /// # Errors
-/// Errors if the folder can't be read or a file is no card.
+/// Errors if the folder can't be read or a file is not a card.
 pub fn read_all(folder: &Path) -> Result<Vec<Card>, Invalid> {
     let unreadable = |e: io::Error| {
         let what = format!("folder of cards `{}`", folder.display());
@@ -34,7 +34,7 @@ pub fn read_all(folder: &Path) -> Result<Vec<Card>, Invalid> {
     Ok(cards)
 }
 
-/// The schema alone: cards of other versions have other fields.
+/// The schema only: cards of other versions have other fields.
 #[derive(Deserialize)]
 struct Version {
     schema: u32,
@@ -43,17 +43,17 @@ struct Version {
 /// Reads a card.
 ///
 /// # Errors
-/// Errors if the file can't be read, is no card, or has another schema than this program's.
+/// Errors if the file can't be read, is not a card, or has an unsupported schema.
 pub fn read(path: &Path) -> Result<Card, Invalid> {
     let again = "write it again with `cargo xtask card`";
     let refuse =
         |why: String, help: &str| Invalid::new(format!("card `{}`", path.display()), why, help);
     let text = fs::read_to_string(path).map_err(|e| {
-        let help = "give a file that `cargo xtask card` wrote";
+        let help = "use a file that `cargo xtask card` wrote";
         refuse(format!("cannot be read: {e}"), help)
     })?;
     let Version { schema } =
-        serde_json::from_str(&text).map_err(|e| refuse(format!("is none: {e}"), again))?;
+        serde_json::from_str(&text).map_err(|e| refuse(format!("is not a card: {e}"), again))?;
     if schema != SCHEMA {
         let why = format!("has schema {schema}, this program's is {SCHEMA}");
         return Err(refuse(why, "write it again with this version"));
@@ -61,10 +61,10 @@ pub fn read(path: &Path) -> Result<Card, Invalid> {
     serde_json::from_str(&text).map_err(|e| refuse(format!("is damaged: {e}"), again))
 }
 
-/// Reads the prices in a card's file: its adapter's, and the built-in ones of the CPU.
+/// Reads the adapter's prices from a card's file, with the built-in ones of the CPU.
 ///
 /// # Errors
-/// Errors if the file is no card, or has no prices.
+/// Errors if the file is not a card, or has no prices.
 pub fn read_prices(path: &Path) -> Result<PriceList, Invalid> {
     let card = read(path)?;
     let Some(wgpu) = card.prices else {

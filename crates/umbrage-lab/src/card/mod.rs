@@ -1,7 +1,7 @@
-//! What a graphics card does: how it rounds, whether it agrees with the CPU, and how long it takes.
+//! Measurements of a graphics card: rounding, agreement with the CPU, and times.
 //!
-//! `cargo xtask card` writes a [`Card`] as JSON. Those that are committed in `docs/cards` make up
-//! `docs/cards.md`.
+//! `cargo xtask card` writes a [`Card`] as JSON. The committed cards in `docs/cards` are summarised
+//! in `docs/cards.md`.
 
 mod agreement;
 mod data;

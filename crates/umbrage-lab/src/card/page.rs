@@ -1,4 +1,4 @@
-//! `docs/cards.md`: what was measured on which adapter.
+//! `docs/cards.md`: measurements of all adapters.
 
 use super::{
     agreement::exact_techniques,
@@ -10,10 +10,10 @@ use umbrage_core::Fusing;
 
 const HEAD: &str = "# Graphics cards
 
-What umbrage does on the adapters that somebody ran it on. `cargo xtask card --page` writes this page from the files in `docs/cards`; a dash
-means that nobody measured it.
+Measurements of umbrage on various adapters. `cargo xtask card --page` writes this page from the files in `docs/cards`; a dash
+means not measured.
 
-Software drivers are here for comparison of pixels: their times say nothing about cards.
+Software drivers are listed for the comparison of pixels only: their times are not representative of cards.
 
 ";
 
@@ -24,10 +24,10 @@ cargo xtask card --by 'Your Name' --out docs/cards/your-card.json
 cargo xtask card --page
 ```
 
-The first takes about three minutes once it is built, and prints what it found. `WGPU_ADAPTER_NAME` or `--adapter` chooses one of several
-adapters. For a machine without a compiler or a network, `cargo xtask card --pack FOLDER` makes a folder with all that it needs.
+The first command takes about three minutes after it is built, and prints its results. `WGPU_ADAPTER_NAME` or `--adapter` chooses one of several
+adapters. For a machine without a compiler or a network, `cargo xtask card --pack FOLDER` creates a folder with all required files.
 
-`--prices docs/cards/your-card.json` of `compare` and `plan` counts with the prices of that card.
+`--prices docs/cards/your-card.json` of `compare` and `plan` uses the prices of that card.
 ";
 
 /// Returns the page of cards as Markdown.
@@ -62,7 +62,7 @@ fn add_adapters(text: &mut String, cards: &[Card]) {
     }
 }
 
-/// Returns what is rounded once.
+/// Returns the operations that are rounded once.
 fn one_rounding(fusing: Option<Fusing>) -> String {
     let Some(fusing) = fusing else {
         return "-".to_owned();
@@ -85,10 +85,10 @@ fn one_rounding(fusing: Option<Fusing>) -> String {
 
 fn add_agreement(text: &mut String, cards: &[Card]) {
     let techniques = exact_techniques().map(|technique| technique.name());
-    *text += "\n## Agreement with the CPU\n\nBits are those of masks where both backends see the same triangle: techniques without a rasteriser in their answer must have none that
+    *text += "\n## Agreement with the CPU\n\nBits are those of masks where both backends see the same triangle. Techniques whose results don't depend on a rasteriser must have none that
 differ. A decided pixel is one that rounding does not explain.\n\n";
     *text += &format!(
-        "| adapter | pixels of the same triangle | bits that differ in `{}` | masks of all techniques | decided pixels off |\n|---|---:|---:|---:|---:|\n",
+        "| adapter | pixels of the same triangle | bits that differ in `{}` | masks of all techniques | decided pixels that differ |\n|---|---:|---:|---:|---:|\n",
         techniques.join("`, `")
     );
     for card in cards {
@@ -116,7 +116,7 @@ differ. A decided pixel is one that rounding does not explain.\n\n";
     *text += "\n";
 }
 
-/// Adds a table of milliseconds: a row a setting, a column a frame.
+/// Adds a table of milliseconds: a row per setting, a column per frame.
 fn add_times(text: &mut String, card: &Card, times: &[CardTime]) {
     let mut frames: Vec<&str> = Vec::new();
     let mut settings: Vec<[&str; 2]> = Vec::new();
@@ -135,7 +135,7 @@ fn add_times(text: &mut String, card: &Card, times: &[CardTime]) {
         "at full clock"
     };
     *text += &format!(
-        "## Milliseconds on {}, {clock}\n\nCasts, filters and lookup of one frame. A row without steady yardsticks is in brackets, at the clock of that moment.\n\n| technique |",
+        "## Milliseconds on {}, {clock}\n\nCasts, filters and lookup of one frame. Times in brackets had no steady yardstick and are at an unknown clock.\n\n| technique |",
         card.adapter
     );
     for frame in &frames {
@@ -168,7 +168,7 @@ fn add_ratios(text: &mut String, cards: &[Card]) {
     if cards.iter().all(|card| card.ratios.is_none()) {
         return;
     }
-    *text += "## Times of umbrage over times of others\n\nTaken in turn on the same adapter; below 1, umbrage is the quicker.\n\n| adapter | timed | ratio |\n|---|---|---:|\n";
+    *text += "## Times of umbrage over times of others\n\nRun in turn on the same adapter. Below 1, umbrage is faster.\n\n| adapter | timed | ratio |\n|---|---|---:|\n";
     for card in cards {
         for (what, ratio) in card.ratios.iter().flatten() {
             add_row(text, &[&card.adapter, what, &format!("{ratio:.2}")]);
@@ -180,9 +180,9 @@ fn add_ratios(text: &mut String, cards: &[Card]) {
 fn add_row(text: &mut String, cells: &[&str]) {
     *text += "|";
     for cell in cells {
-        // A bar would end the cell.
+        // Replace bars, which would end the cell.
         let cell = cell.replace('|', "/");
-        // Writing to a string does not fail.
+        // Writing to a string can't fail.
         let _ = write!(text, " {cell} |");
     }
     *text += "\n";

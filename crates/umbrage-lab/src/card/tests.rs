@@ -45,7 +45,7 @@ fn the_page_shows_what_is_there_and_dashes_for_the_rest() {
     }
 }
 
-/// Nothing may be fused through `product`: where something is, the page says so.
+/// Nothing may be fused through `product`. Otherwise the page reports it.
 #[test]
 fn a_fused_product_is_a_finding() {
     let fusing = |guarded_product| Fusing {
@@ -76,7 +76,7 @@ fn frames_of_unknown_names_are_an_error() {
     assert!(error.to_string().contains("adapter"), "{error}");
 }
 
-/// A card without what came later is read; one of a newer schema is not, though its fields are
+/// A card without later fields is readable. A card of a newer schema is not, though its fields are
 /// unknown.
 #[test]
 fn the_schema_is_read_first() {

@@ -1,4 +1,4 @@
-//! How long the settings that stand for each technique take in frames of real size.
+//! Times of the representative settings of each technique on full-size scenes.
 
 use super::data::{CardTime, built_in};
 use crate::{
@@ -7,13 +7,14 @@ use crate::{
 };
 use umbrage_plan::truth::TruthOptions;
 
-/// Built-in frames of 1280x720: under a sun and lamps, of 170,000 to 1.7 million triangles.
+/// Built-in scenes of 1280x720 pixels: under a sun and under point and area lights, with 170,000 to
+/// 1.7 million triangles.
 pub const FRAMES: [&str; 4] = ["street", "nave", "valley", "night-room"];
 
-/// Times settings on an adapter that is warm. `backends` is the adapter alone.
+/// Times settings on a warm adapter. `backends` has the adapter only.
 ///
 /// # Errors
-/// Errors if a frame is no built-in scene, or a backend fails.
+/// Errors if a name is not that of a built-in scene, or a backend fails.
 pub fn measure_times(
     frames: &[&str],
     backends: &mut Backends,
@@ -24,7 +25,7 @@ pub fn measure_times(
         inputs.push(SceneInput::new((built_in(name)?.build)(), ""));
     }
     let options = CompareOptions {
-        // Errors are not reported: a pixel in 256, and few rays.
+        // Judge one pixel in 256 with few rays: errors are not reported.
         truth: TruthOptions {
             samples: 1,
             probe_samples: 1,

@@ -1,4 +1,4 @@
-//! `bench`: prints speeds as ratios.
+//! `bench`: measures speed as ratios to a reference.
 
 use crate::{
     bench::{BenchOptions, Pair, lists, run, soft},
@@ -11,18 +11,18 @@ use umbrage_wgpu::{AdapterChoice, Gpu};
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask bench               every ratio, medians of 20 runs taken in turn
-  cargo xtask bench --runs 100    the same, steadier
-  cargo xtask bench --lists nave  lists of casters against hard maps and rays, in one scene
-  cargo xtask bench --soft --runs 2 nave-soft    points of a wide light against rays with the same error
-  cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
-  cargo xtask bench --costs --backend wgpu         those of the graphics adapter alone, within a minute on a card
-  cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
+  cargo xtask bench                                every ratio, median of 20 paired runs
+  cargo xtask bench --runs 100                     the same with less noise
+  cargo xtask bench --lists nave                   `exact` against hard maps and rays, one scene
+  cargo xtask bench --soft --runs 2 nave-soft      `soft` against rays at equal error
+  cargo xtask bench --costs                        prices of work here, for predicted costs
+  cargo xtask bench --costs --backend wgpu         graphics adapter only; a minute on a card
+  cargo xtask bench --costs --write prices.toml    prices for `compare` and `plan --prices`")]
 pub(crate) struct BenchArguments {
-    /// Measure the prices of work on this machine instead
+    /// Measure the prices of work on this machine, instead of ratios
     #[arg(long)]
     pub(crate) costs: bool,
-    /// With --costs: whose prices are measured; the others stay the built-in ones
+    /// With --costs: backends whose prices are measured; the others keep the built-in prices
     #[arg(
         long,
         value_name = "NAME",
@@ -30,24 +30,24 @@ pub(crate) struct BenchArguments {
         requires = "costs"
     )]
     pub(crate) backend: BackendName,
-    /// Write the prices to this file, for `--prices` of `compare` and `plan`
+    /// Write the prices to this file, for --prices of `compare` and `plan`
     #[arg(long, value_name = "FILE", requires = "costs")]
     pub(crate) write: Option<std::path::PathBuf>,
-    /// Time the lists of `exact` against hard maps and rays instead
+    /// Compare `exact` (per-cell triangle lists) with hard maps and rays, instead
     #[arg(long, conflicts_with = "costs", group = "of_scenes")]
     pub(crate) lists: bool,
-    /// Time `soft` against rays with the same error instead
+    /// Compare `soft` with rays that have the same error, instead
     #[arg(long, conflicts_with = "costs", group = "of_scenes")]
     pub(crate) soft: bool,
-    /// With `--lists` or `--soft`: the built-in scenes; all large ones if none is named
+    /// With --lists or --soft: built-in scenes. Default: all large ones
     #[arg(value_name = "SCENE", requires = "of_scenes")]
     pub(crate) scenes: Vec<String>,
-    /// Runs of each side; their medians are compared
+    /// Runs of each side; the ratio is that of their medians
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: u32,
 }
 
-/// Prints each ratio as it comes, then the table of all.
+/// Prints each ratio when it is measured, then a table of all.
 pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     let mut pairs = Vec::new();
     let tell = |pair: Pair| {
@@ -83,31 +83,33 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     let wrong = pairs.iter().filter(|p| p.fault.is_some()).count();
     match (wrong, missed) {
         (0, 0) => Ok(()),
-        (0, _) => bail!("{missed} of {} ratios miss their bar", pairs.len()),
+        (0, _) => bail!("{missed} of {} ratios miss their target", pairs.len()),
         _ => bail!(
-            "{wrong} of {} rows have wrong answers: see FAULT",
+            "{wrong} of {} rows have wrong results; they are marked FAULT above",
             pairs.len()
         ),
     }
 }
 
-/// Errors if one of the names is no built-in scene's.
+/// Checks that all names are those of built-in scenes.
 fn check_scenes(names: &[String]) -> Result<()> {
     match names
         .iter()
         .find(|name| umbrage_scenes::find(name).is_none())
     {
-        Some(name) => bail!("no built-in scene is called `{name}`; `compare --list` names them"),
+        Some(name) => {
+            bail!("there is no built-in scene `{name}`; run `compare --list` for the names")
+        }
         None => Ok(()),
     }
 }
 
-/// Returns the graphics adapter, or says why there is none.
+/// Opens the graphics adapter. Prints why if there is none.
 fn adapter() -> Option<Gpu> {
     match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => Some(gpu),
         Err(why) => {
-            println!("nothing is timed on a graphics adapter: {why}");
+            println!("no timings on a graphics adapter: {why}");
             None
         }
     }

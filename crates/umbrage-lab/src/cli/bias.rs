@@ -1,4 +1,4 @@
-//! `bias`: the default bias against all others. All the work is the lab's.
+//! `bias`: compares the default bias with all others. The lab does the work.
 
 use crate::{
     bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write},
@@ -15,36 +15,36 @@ use umbrage_core::{Scene, glam::UVec2};
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask bias                                the built-in scenes under ideal lights
-  cargo xtask bias stairs town --sides 2048       two scenes, one map size
-  cargo xtask bias bunny.obj --backend cpu        a model on a floor, under two suns, a spot and a bulb
-  cargo xtask bias room.glb#night                 a model under its own lights, where it has some")]
+  cargo xtask bias                            the built-in scenes under ideal lights
+  cargo xtask bias stairs town --sides 2048   two scenes, one map size
+  cargo xtask bias bunny.obj --backend cpu    a model on a floor under four lights
+  cargo xtask bias room.glb#night             a model under its own lights, if it has any")]
 pub(crate) struct BiasArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: all
+    /// Scenes: built-in names, scene files (.toml) or models (.obj, .glb, .gltf). Default: all
     /// built-in scenes
     ///
-    /// All under their own lights as if they had no size; a model that brings none stands on a
-    /// floor under four.
+    /// Scenes are lit by their own lights, reduced to ideal ones without extent. A model without
+    /// lights is placed on a floor under four lights.
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Which backends execute the default bias; its rivals run on the CPU
+    /// Backends that render with the default bias; all other biases run on the CPU only
     #[arg(long, value_name = "NAME", default_value = "available")]
     pub(crate) backend: BackendName,
-    /// Graphics adapter by part of its name, such as llvmpipe
+    /// Graphics adapter, by part of its name, such as llvmpipe
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// Image size in pixels; else each scene's own
+    /// Image size in pixels. Default: each scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels; else 512 and 2048
+    /// Sides of the shadow maps, texels. Default: 512 and 2048
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) sides: Vec<u32>,
-    /// Folder for the tables; else target/bias in the repository
+    /// Folder for the tables. Default: target/bias in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
 }
 
-/// Plays, prints a line a scene, then the table.
+/// Measures all scenes, prints a line for each, and then the table.
 pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     backends.notices.iter().for_each(|line| println!("{line}"));
@@ -81,7 +81,7 @@ pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
         } = Summary::of(found.iter());
         let place = format!("{:>2}/{}", i + 1, names.len());
         println!(
-            "{place} {name:<26} {good:>3} of {count:<3} within 10 %, mean ratio {mean:.3}, greatest {max:.2}"
+            "{place} {name:<26} {good:>3} of {count:<3} within 10 %, mean ratio {mean:.3}, maximum {max:.2}"
         );
         rows.extend(found);
     }
@@ -106,7 +106,7 @@ fn names(asked: &[String]) -> Vec<String> {
     asked.to_vec()
 }
 
-/// Returns a scene with its lights, and, of a model, the line that says which these are.
+/// Returns a scene with its lights. For a model, also returns a line that lists these lights.
 fn stage(program: &Program, name: &str) -> Result<(Staged, Option<String>)> {
     let scene: Scene = inputs::scene(program, name)?;
     let is_model = umbrage_scenes::is_model(name);
@@ -124,8 +124,8 @@ fn told_lights(name: &str, is_unlit: bool, staged: &Staged) -> String {
         .collect();
     let lights = lights.join(", ");
     match is_unlit {
-        true => format!("{name} brings no light: on a floor, under {lights}"),
-        false => format!("{name} under its own lights, as if they had no size: {lights}"),
+        true => format!("{name} has no lights: placed on a floor under {lights}"),
+        false => format!("{name} under its own lights, reduced to ideal ones: {lights}"),
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
     use std::fs;
     use umbrage_core::Light;
 
-    /// A triangle, and nodes with two lights of which one is wide and one is off.
+    /// A triangle, and nodes with three lights: one has a radius and one is off.
     const LIT: &str = r#"{
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1, 2, 3] }, { "name": "day", "nodes": [0] }],
         "nodes": [
@@ -171,18 +171,18 @@ mod tests {
         };
         assert_eq!(*point, expected);
         assert!(sun.is_ideal());
-        // As `compare` and `plan` see it: without a floor.
+        // `compare` and `plan` use the model without a floor, too.
         assert_eq!(own.scene.instances.len(), 1);
         let line = line.expect("a model");
-        let end = "lit.gltf under its own lights, as if they had no size: 0 point, 1 directional";
+        let end = "lit.gltf under its own lights, reduced to ideal ones: 0 point, 1 directional";
         assert!(line.ends_with(end), "{line}");
-        // Another scene of the file has none, as has an OBJ file.
+        // Neither another scene of the file nor an OBJ file has lights.
         let obj = folder.path().join("plain.obj");
         fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").expect("a file");
         for name in [format!("{name}#day"), obj.display().to_string()] {
             let (_, line) = stage(&program, &name).expect("valid");
             let line = line.expect("a model");
-            let end = " brings no light: on a floor, under sun, low sun, spot, bulb";
+            let end = " has no lights: placed on a floor under sun, low sun, spot, bulb";
             assert!(line.ends_with(end), "{line}");
         }
         let (_, line) = stage(&program, "cubes").expect("built in");

@@ -1,4 +1,4 @@
-//! `card`: measures one graphics adapter, or writes the page of those that were measured.
+//! `card`: measures a graphics adapter, or writes the page of all measured adapters.
 
 use crate::{
     card::{Card, CardTime, FRAMES, measure_agreement, measure_times, page, read, read_all, write},
@@ -20,60 +20,62 @@ use umbrage_plan::cost::fit;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask card                                    all parts on the best adapter, within three minutes on a card
+  cargo xtask card                             all parts on the best adapter, in three minutes
   cargo xtask card --adapter nvidia --by 'Ada L.' --out docs/cards/my-card.json
-  cargo xtask card --parts adapter,agreement          what it rounds, and whether its masks are the CPU's
-  cargo xtask card --page                             write docs/cards.md from the files in docs/cards
-  cargo xtask card --pack card                        a folder for a machine without a compiler or network")]
+  cargo xtask card --parts adapter,agreement   how it rounds, and whether its masks match the CPU's
+  cargo xtask card --page                      write docs/cards.md from the files in docs/cards
+  cargo xtask card --pack card                 a folder for a machine without compiler or network")]
 pub(crate) struct CardArguments {
-    /// Graphics adapter by part of its name, such as nvidia; else WGPU_ADAPTER_NAME's, else the
-    /// best one
+    /// Graphics adapter, by part of its name, such as nvidia. Default: that of WGPU_ADAPTER_NAME,
+    /// else the best one
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// Parts to measure; all if none is named
+    /// Parts to measure. Default: all
     #[arg(long, value_name = "PART", value_delimiter = ',', value_enum)]
     pub(crate) parts: Vec<CardPart>,
-    /// File for the figures (JSON), rewritten after each part; else target/card/card.json in the
-    /// repository. Parts that are not measured keep what the file has of the same adapter, driver
-    /// and commit; a file named here may hold no other card
+    /// Output file (JSON), rewritten after each part. Default: target/card/card.json in the
+    /// repository
+    ///
+    /// Parts that are not measured are kept from the file if adapter, driver and commit are the
+    /// same. A file named here must not hold the figures of another adapter.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Who measures, for the page
+    /// Name of the person who measures, for the page
     #[arg(long, value_name = "NAME")]
     pub(crate) by: Option<String>,
-    /// The commit that was built, where there is no repository
+    /// Commit that was built; needed outside a repository
     #[arg(long, value_name = "HASH")]
     pub(crate) commit: Option<String>,
     /// Write the page of all cards instead: FOLDER.md from the files in FOLDER
     #[arg(long, value_name = "FOLDER", num_args = 0..=1, default_missing_value = "docs/cards", conflicts_with_all = ["adapter", "parts", "out", "by", "commit"])]
     pub(crate) page: Option<PathBuf>,
-    /// Build, and pack programs, drivers' loader and a run script into a folder instead
+    /// Instead build, and pack the programs, a Vulkan loader and a run script into a folder
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["adapter", "parts", "out", "by", "commit", "page"])]
     pub(crate) pack: Option<PathBuf>,
 }
 
-/// A part of what is measured.
+/// A part of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CardPart {
-    /// Name, driver, limits, and how it rounds: seconds
+    /// Name, driver, limits and rounding: takes seconds
     Adapter,
-    /// Its masks against the CPU's
+    /// Agreement of its masks with those of the CPU
     Agreement,
-    /// Milliseconds of the settings that stand for each technique
+    /// Frame times of the representative settings of each technique
     Times,
-    /// A light set against a program written by hand
+    /// A light set compared with a hand-written program
     LightSet,
-    /// Prices of work for the planner
+    /// Prices of work, for the planner
     Prices,
 }
 
-/// Runs of each recipe whose work is priced, at most.
+/// Maximum number of runs of each recipe in the price measurement.
 const PRICED_RUNS: u32 = 20;
 
 pub(crate) fn card(program: &Program, arguments: &CardArguments) -> Result<()> {
     if arguments.pack.is_some() {
         bail!(Usage(
-            "--pack builds this repository's programs: run `cargo xtask card --pack FOLDER` in it"
+            "--pack needs the repository of umbrage: run `cargo xtask card --pack FOLDER` there"
                 .to_owned()
         ));
     }
@@ -87,7 +89,7 @@ pub(crate) fn card(program: &Program, arguments: &CardArguments) -> Result<()> {
 fn write_page(folder: &Path) -> Result<()> {
     let cards = read_all(folder)?;
     if cards.is_empty() {
-        let why = format!("--page: no card is in `{}`", folder.display());
+        let why = format!("--page: there is no card in `{}`", folder.display());
         bail!(Usage(why));
     }
     let Some(name) = folder.file_name() else {
@@ -102,7 +104,7 @@ fn write_page(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Measures the parts, and keeps the figures after each.
+/// Measures the parts. Writes the file after each of them.
 fn measure(program: &Program, arguments: &CardArguments) -> Result<()> {
     let start = Instant::now();
     let gpu = inputs::gpu(arguments.adapter.as_ref())?;
@@ -159,7 +161,7 @@ fn measure_part(
                 let ratios = measure(&inputs::adapter(arguments.adapter.as_ref()))?;
                 card.ratios.get_or_insert_default().extend(ratios);
             }
-            None => println!("this program has no light set to time"),
+            None => println!("skipped: this program has no light set benchmark"),
         },
         CardPart::Prices => {
             let mut backends = open(BackendName::Wgpu)?;
@@ -172,7 +174,7 @@ fn measure_part(
     Ok(())
 }
 
-/// Returns the file for the figures, in a folder that is there.
+/// Returns the path of the output file. Creates its folder.
 fn file_of(program: &Program, arguments: &CardArguments) -> Result<PathBuf> {
     let file = match &arguments.out {
         Some(file) => file.clone(),
@@ -184,8 +186,8 @@ fn file_of(program: &Program, arguments: &CardArguments) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// Takes over what an earlier run measured on the same adapter, driver and commit. All else is
-/// replaced, unless somebody named the file.
+/// Keeps the other parts of an earlier run with the same adapter, driver and commit. Any other file
+/// is replaced, or refused if the user named it.
 fn keep_other_parts(card: &mut Card, file: &Path, is_named: bool) -> Result<()> {
     if !file.exists() {
         return Ok(());
@@ -225,7 +227,7 @@ fn keep_other_parts(card: &mut Card, file: &Path, is_named: bool) -> Result<()> 
     Ok(())
 }
 
-/// Returns what was found, a line each.
+/// Returns a table with one line for each figure.
 fn table(card: &Card) -> Table {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
@@ -245,7 +247,7 @@ fn table(card: &Card) -> Table {
         if fusing.guarded_product == Some(true) {
             add(
                 "one rounding for product(a, b) + c",
-                "yes, a fault".to_owned(),
+                "yes, an error".to_owned(),
             );
         }
     }
@@ -256,10 +258,13 @@ fn table(card: &Card) -> Table {
             count(agreement.same_triangle_pixels),
         );
         for (technique, bits) in &agreement.differing_bits {
-            add(&format!("  of other bits in {technique}"), bits.to_string());
+            add(
+                &format!("  with different bits in {technique}"),
+                bits.to_string(),
+            );
         }
         add(
-            "decided pixels off, all techniques",
+            "decided pixels that differ, all techniques",
             count(agreement.decided_pixels_off),
         );
     }
@@ -272,7 +277,7 @@ fn table(card: &Card) -> Table {
         } = time;
         let found = match time.milliseconds {
             Some(ms) => format!("{ms:.3} ms"),
-            None => format!("{:.3} ms, no steady clock", time.measured_milliseconds),
+            None => format!("{:.3} ms, unsteady clock", time.measured_milliseconds),
         };
         add(&format!("{frame}: {technique} ({settings})"), found);
     }

@@ -1,4 +1,4 @@
-//! `compare`: compares scenes, prints a table and writes the report.
+//! `compare`: measures techniques on scenes, prints a table and writes the report.
 
 use crate::{
     baseline::{Changes, Except, apart, changes, read, time_again},
@@ -26,113 +26,121 @@ use umbrage_techniques::SOFT_ERRORS;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask compare                                        the built-in suite: frames of real size, then checks
-  cargo xtask compare --full                                 the same with every setting, every pixel judged: hours
-  cargo xtask compare street nave-soft --all-moves           two frames; charts count what is made anew if all moves
-  cargo xtask compare --list                                 what there is to compare
+  cargo xtask compare                                        the built-in suite
+  cargo xtask compare --full                                 every setting and every pixel: hours
+  cargo xtask compare street nave-soft --all-moves           two scenes in which everything moves
+  cargo xtask compare --list                                 list scenes and techniques
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
-  cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
-  cargo xtask compare 'model.glb#night'                      one of a glTF file's scenes, by its name or number
-  cargo xtask compare cubes --preset mine.toml               settings of your own, or of `plan`
-  cargo xtask compare nave-soft --max-error 0.02             `soft` with an error of your own
+  cargo xtask compare lamp.toml model.obj --quick            your own scenes, small and fast
+  cargo xtask compare 'model.glb#night'                      a glTF scene, by name or number
+  cargo xtask compare cubes --preset mine.toml               your own settings, or those of `plan`
+  cargo xtask compare nave-soft --max-error 0.02             `soft` with your own error bound
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
-  cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
-  cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
-  cargo xtask compare --stability target/stability           and what each setting fails there
-  cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
+  cargo xtask compare figure --color --map-sizes 1024        also render shaded images
+  cargo xtask compare --deterministic --shard 2/8 --out s2   one shard of eight, for `merge`
+  cargo xtask compare --stability target/stability           also show what each setting fails
+  cargo xtask compare --baseline old/results.json            fail on a regression")]
 pub(crate) struct CompareArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: the
+    /// Scenes: built-in names, scene files (.toml) or models (.obj, .glb, .gltf). Default: the
     /// built-in suite
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Only these techniques; may be repeated, or separated by commas
+    /// Techniques to measure; repeat the option, or separate names by commas. Default: all
+    ///
+    /// Without a SCENE, quick runs and the suite's checks omit expensive techniques unless they are
+    /// named.
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
-    /// A technique with settings of your own, as `plan` writes it (.preset.toml), played beside the
-    /// others under its file's name; may be repeated. `--technique none,hard` leaves these beside
-    /// it
+    /// Preset file (.preset.toml), as written by `plan`, to measure in addition to the techniques
+    ///
+    /// Its rows have the file's name. May be repeated. Add `--technique none,hard` to compare it
+    /// with these two only.
     #[arg(long = "preset", value_name = "FILE")]
     pub(crate) presets: Vec<PathBuf>,
-    /// `soft` with this root mean square error at straight edges, 0.002 to 0.2, played beside the
-    /// others as `soft-E`
+    /// Also measure `soft` with this root mean square error at straight edges, 0.002 to 0.2
+    ///
+    /// Its rows are called `soft-E`.
     #[arg(long, value_name = "E", value_parser = parse_soft_error)]
     pub(crate) max_error: Option<f32>,
-    /// Which backends play
+    /// Backends to measure
     #[arg(long, value_name = "NAME", default_value = "available")]
     pub(crate) backend: BackendName,
-    /// Graphics adapter by part of its name, such as llvmpipe
+    /// Graphics adapter, by part of its name, such as llvmpipe
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// Image size in pixels; else each scene's own (1280x720 for frames of real size)
+    /// Image size in pixels. Default: each scene's own; 1280x720 for full-size scenes
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels, in any order; every setting is compared at the middle one,
-    /// each technique's first at all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096,
-    /// too, for frames of real size), or one with --quick
+    /// Sides of the shadow maps, texels, in any order
+    ///
+    /// Every setting is measured at the middle size, and the first setting of each technique at all
+    /// sizes. Default: 512, 1024 and 2048; for full-size scenes 1024 and 2048, with --full also
+    /// 4096; with --quick one size.
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
-    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the
-    /// built-in ones
+    /// File with prices of work, from `bench --costs --write` or `card` (.json). Default: the
+    /// built-in prices
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
-    /// Truth's rays a pixel for lights with an extent
+    /// Rays per pixel of the reference (truth), for lights with an extent
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub(crate) samples: Option<u32>,
-    /// Timed runs of each row; their median is kept
+    /// Timed runs of each row; the report shows their median
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: Option<u32>,
-    /// Folder for the report; else target/compare in the repository
+    /// Folder for the report. Default: target/compare in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Small images, few samples, few runs, without techniques that take long: a look rather than a
-    /// measurement
+    /// Preview: small images, few samples, few runs, no expensive techniques
+    ///
+    /// Without a SCENE it runs a few small scenes with representative settings.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Every setting of every technique, and truth at every pixel, on frames of real size, too
+    /// Measure every setting of every technique, and every pixel, on full-size scenes, too
     #[arg(long, conflicts_with = "quick")]
     pub(crate) full: bool,
-    /// Frames in which nothing moves: charts and tables count the lookup alone
+    /// Nothing moves: frame times in charts and tables include the lookup only
     #[arg(long, conflicts_with_all = ["camera_moves", "all_moves"])]
     pub(crate) still: bool,
-    /// Frames in which the camera moves: charts and tables count what is made anew for it (the
-    /// default)
+    /// The camera moves: frame times include all work redone for it (default)
     #[arg(long, conflicts_with = "all_moves")]
     pub(crate) camera_moves: bool,
-    /// Frames in which casters, lights and camera move: charts and tables count all, hierarchies
-    /// over the triangles included
+    /// Casters, lights and camera move: frame times include all work, acceleration structures
+    /// included
     #[arg(long)]
     pub(crate) all_moves: bool,
-    /// Write NumPy arrays of truth, distance and every mask, too
+    /// Also write NumPy arrays of truth, distances and all masks
     #[arg(long)]
     pub(crate) arrays: bool,
-    /// Shade every row in colour, too, and compare the colours between backends
+    /// Also shade every row in colour, and compare the colours between backends
     #[arg(long)]
     pub(crate) color: bool,
-    /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it
-    /// is made
+    /// Omit times and date, so that the report is byte-identical on every run
     #[arg(long, conflicts_with = "runs")]
     pub(crate) deterministic: bool,
-    /// Compare with the results.json of an earlier run, kept in another folder than this report's,
-    /// and fail if anything got slower or less accurate beyond the noise, is missing or can't be
-    /// compared any more
+    /// Compare with the results.json of an earlier run, which is in another folder; fail on
+    /// regressions
+    ///
+    /// Fails if anything is slower or less accurate beyond the noise, missing, or not comparable.
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
-    /// What may be missing or changed since the baseline: a scene, technique, backend or
-    /// `technique (settings)`; may be repeated
+    /// Exception from the baseline check: a scene, technique, backend or `technique (settings)`
+    /// that may be missing or changed. May be repeated
     #[arg(long, value_name = "NAME", requires = "baseline")]
     pub(crate) baseline_except: Vec<String>,
-    /// Folder of a `stability` run, or its results.json: the report says beside each setting which
-    /// rows it fails; else target/stability in the repository, if it is there (but not with
-    /// --deterministic)
+    /// Folder or results.json of a `stability` run: the report lists the failed rows of each
+    /// setting
+    ///
+    /// Default: target/stability in the repository if it exists, but not with --deterministic.
     #[arg(long, value_name = "FOLDER")]
     pub(crate) stability: Option<PathBuf>,
-    /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
+    /// Measure the K-th of N shards of the scenes; `merge` joins the reports
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
-    /// Measure every scene again, even if the folder has it from a run that was stopped
+    /// Measure all scenes again, including those that the folder has from an interrupted run
     #[arg(long)]
     pub(crate) fresh: bool,
-    /// List scenes and techniques, and end
+    /// List scenes and techniques, and exit
     #[arg(long)]
     pub(crate) list: bool,
 }
@@ -145,12 +153,13 @@ fn parse_soft_error(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("use {least} to {greatest}"))
 }
 
-/// Compares, prints and reports; errors if backends disagree, a control has no effect, or something
-/// got worse.
+/// Measures, prints and writes the report. Errors if backends disagree, a negative control fails,
+/// or a figure is worse than the baseline's.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
     let out = program.folder(arguments.out.as_deref(), "compare");
-    // Before anything is measured: errors must not come after minutes of measuring.
+    // Read all other input first: errors must not come after minutes of measuring.
     let except = Except::new(arguments.baseline_except.iter().cloned());
+    // Measure the scenes, and write the report.
     let baseline = match &arguments.baseline {
         Some(path) => Some(read_baseline(path, &out, &except).map_err(|e| Usage(e.to_string()))?),
         None => None,
@@ -199,10 +208,10 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     verdict(&comparison).and(guarded)
 }
 
-/// Scenes up to which each gets a table: those of more would scroll by.
+/// Maximum number of scenes for which tables are printed.
 const MAX_TABLES: usize = 3;
 
-/// Prints the tables of a few scenes, what to use, and where the report is.
+/// Prints tables if there are few scenes, a recommendation, and the path of the report.
 pub(crate) fn conclude(comparison: &Comparison, stability: Option<&StabilitySource>, page: &Path) {
     if comparison.scenes.len() <= MAX_TABLES {
         table::print(&comparison.scenes);
@@ -214,8 +223,8 @@ pub(crate) fn conclude(comparison: &Comparison, stability: Option<&StabilitySour
     println!("report: {}", page.display());
 }
 
-/// Reads a baseline, and checks that the report doesn't overwrite it and that it has all that is
-/// excepted.
+/// Reads a baseline. Checks that the report doesn't overwrite it and that all exceptions occur in
+/// it.
 fn read_baseline(path: &Path, out: &Path, except: &Except) -> Result<Comparison, Invalid> {
     apart(path, out)?;
     let baseline = read(path)?;
@@ -231,7 +240,7 @@ fn time_suspects_again(
 ) -> Result<()> {
     if !changes.suspects.is_empty() {
         println!(
-            "timing {} rows or techniques again, which look slower than the baseline's",
+            "timing {} rows or techniques again that look slower than in the baseline",
             changes.suspects.len()
         );
     }
@@ -239,7 +248,7 @@ fn time_suspects_again(
     Ok(())
 }
 
-/// Returns a line about a backend: its name, and how its device rounds.
+/// Returns a line with a backend's name and the rounding of its device.
 fn on(backend: &dyn Backend) -> String {
     match backend.kind() {
         "cpu" => format!("on {}", backend.name()),
@@ -247,8 +256,7 @@ fn on(backend: &dyn Backend) -> String {
     }
 }
 
-/// Returns the baseline without the scenes that only other shards measure, as this one can't have
-/// them.
+/// Returns the baseline without the scenes that belong to other shards.
 fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Comparison {
     let mut own: Vec<&str> = Vec::new();
     let mut others: Vec<&str> = Vec::new();
@@ -266,21 +274,21 @@ fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Com
     old
 }
 
-/// Returns the places of this run's scenes among all; errors if there are none.
+/// Returns the indices of this run's scenes among all scenes. Errors if there are none.
 fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
     let places: Vec<usize> = (0..scenes)
         .filter(|&i| shard.is_none_or(|s| s.takes(i)))
         .collect();
     if places.is_empty() {
         return Err(Usage(format!(
-            "this shard is empty: there are only {scenes} scenes; use fewer shards"
+            "--shard: this shard is empty, as there are only {scenes} scenes; use fewer shards"
         ))
         .into());
     }
     Ok(places)
 }
 
-/// Measures the scenes that the folder doesn't have yet; each is written as soon as it is done.
+/// Measures the scenes that the folder doesn't have yet. Each one is written when it is done.
 fn measure(
     inputs: &[SceneInput],
     places: &[usize],
@@ -301,16 +309,16 @@ fn measure(
         match is_done {
             Ok(true) => done.push(place),
             Ok(false) => todo.push(place),
-            // Damaged figures are measured again; the reader must know.
+            // Measure damaged results again, and report it.
             Err(why) => {
-                println!("note: {why} (this is done now)");
+                println!("note: {why} (measuring it again)");
                 todo.push(place);
             }
         }
     }
     if !done.is_empty() {
         println!(
-            "{} of {} scenes are there from an earlier run (--fresh measures anew)",
+            "{} of {} scenes are reused from an earlier run (--fresh measures them again)",
             done.len(),
             places.len()
         );
@@ -336,7 +344,7 @@ fn measure(
     Ok(())
 }
 
-/// Prints what has changed since the baseline; errors if anything got worse or was lost.
+/// Prints the changes since the baseline. Errors if anything is worse or missing.
 fn guard(changes: &Changes) -> Result<()> {
     println!("\nagainst the baseline:");
     for note in &changes.notes {
@@ -350,7 +358,7 @@ fn guard(changes: &Changes) -> Result<()> {
     let mut faults = Vec::new();
     if changes.compared == 0 {
         faults.push(
-            "not one row of the baseline could be compared: give it the same scenes and options"
+            "no row of the baseline could be compared; use the scenes and options of the baseline"
                 .to_owned(),
         );
     }
@@ -358,7 +366,7 @@ fn guard(changes: &Changes) -> Result<()> {
         let count = changes.worse.len();
         let lines = changes.worse.join("\n  ");
         faults.push(format!(
-            "{count} figures are worse than the baseline's:\n  {lines}"
+            "{count} figures are worse than in the baseline:\n  {lines}"
         ));
     }
     if !changes.lost.is_empty() {
@@ -368,14 +376,14 @@ fn guard(changes: &Changes) -> Result<()> {
             .iter()
             .map(|name| format!("--baseline-except '{name}'"))
             .collect();
-        let help = format!("if that is meant, add {}", exceptions.join(" "));
+        let help = format!("if this is intended, add {}", exceptions.join(" "));
         faults.push(format!(
-            "the baseline has what is not compared:\n  {lines}\n{help}"
+            "parts of the baseline are missing:\n  {lines}\n{help}"
         ));
     }
     if faults.is_empty() {
         println!(
-            "nothing got worse in {} rows, {} of them timed",
+            "no regression in {} rows, {} of them timed",
             changes.compared, changes.timed
         );
         return Ok(());
@@ -383,7 +391,7 @@ fn guard(changes: &Changes) -> Result<()> {
     bail!("{}", faults.join("\n"))
 }
 
-/// Returns the first lines, and how many more there are.
+/// Returns the first lines and the number of omitted ones.
 fn some(lines: &[String]) -> String {
     let shown = lines[..lines.len().min(MAX_LINES)].join("\n  ");
     let rest = lines.len().saturating_sub(MAX_LINES);
@@ -394,10 +402,10 @@ fn some(lines: &[String]) -> String {
     }
 }
 
-/// The most lines that are printed of one kind: a new technique alone may have hundreds.
+/// Maximum number of printed lines of one kind: a new technique alone may have hundreds.
 const MAX_LINES: usize = 20;
 
-/// Prints the notices; errors if there are faults.
+/// Prints the notices. Errors if there are faults.
 pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
     for notice in &comparison.notices {
         println!("note: {notice}");
@@ -407,13 +415,13 @@ pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
         return Ok(());
     }
     bail!(
-        "{} results must not be:\n  {}",
+        "{} results are invalid:\n  {}",
         faults.len(),
         faults.join("\n  ")
     )
 }
 
-/// Returns the scenes named, or the suite: frames of real size, then checks.
+/// Returns the named scenes, or the suite: full-size scenes, then checks.
 fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneInput>> {
     let content = Box::new(content_options(program, arguments)?);
     if !arguments.scenes.is_empty() {
@@ -429,29 +437,28 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     let is_content = |entry: &&SceneEntry| entry.kind == Kind::Content;
     let all = umbrage_scenes::all().iter();
     let checks = all.clone().filter(|entry| entry.suite);
-    if let Some(techniques) = left_out(program, arguments) {
-        let of_what = if arguments.quick {
-            "quick looks at the suite"
-        } else {
-            "the suite's checks"
-        };
+    if arguments.quick {
         println!(
-            "{techniques} are left out of {of_what}: name them by --technique, or name a scene"
+            "a few small scenes with headline settings; without --quick there are more of both, \
+             and `cargo xtask compare model.glb` takes a scene of yours"
+        );
+    } else if let Some(techniques) = left_out(program, arguments) {
+        println!(
+            "the suite's checks omit {techniques}; name them by --technique, or name a scene, to \
+             include them"
         );
     }
     let mut suite = Vec::new();
     for entry in all.filter(is_content).chain(checks) {
-        // However small the image is, volumes of millions of triangles take minutes.
-        if arguments.quick && !entry.quick {
-            println!("{} is left out of quick runs of the suite", entry.name);
-            continue;
+        if !arguments.quick || entry.quick {
+            suite.push(of_entry((entry.build)(), entry, &content));
         }
-        suite.push(of_entry((entry.build)(), entry, &content));
     }
     Ok(suite)
 }
 
-/// `content` are the options of built-in frames of real size, `own` those of scenes of the user's.
+/// Returns a scene by name or path. `content` are the options of built-in full-size scenes, `own`
+/// those of the user's scenes.
 fn scene(
     program: &Program,
     name: &str,
@@ -469,8 +476,8 @@ fn scene(
     })
 }
 
-/// Returns the techniques that quick looks at the suite and its checks leave out; none if they are
-/// named, or nothing is left out.
+/// Returns the names of techniques that quick runs and the suite's checks omit. `None` if the user
+/// named techniques or nothing is omitted.
 fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     if arguments.full || !arguments.techniques.is_empty() {
         return None;
@@ -483,8 +490,7 @@ fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// Returns a built-in scene with what its entry says of it. Frames of real size have options of
-/// their own.
+/// Returns a built-in scene with the data of its entry. Full-size scenes have their own options.
 fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> SceneInput {
     let check = SceneInput {
         fit: entry.fit,
@@ -500,7 +506,7 @@ fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> Scene
     }
 }
 
-/// Returns the options of the built-in frames of real size.
+/// Returns the options of the built-in full-size scenes.
 fn content_options(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
     let mut out = if arguments.quick {
         CompareOptions::quick_content()
@@ -512,7 +518,7 @@ fn content_options(program: &Program, arguments: &CompareArguments) -> Result<Co
         out.truth.samples = 256;
         out.map_sizes = vec![1024, 2048, 4096];
     }
-    // Whoever names a scene wants to see all of it.
+    // If a scene is named, show all its settings.
     out.headline = !arguments.full && arguments.scenes.is_empty();
     set_common(&mut out, program, arguments)?;
     Ok(out)
@@ -542,16 +548,17 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
     } else {
         CompareOptions::default()
     };
+    out.headline = is_suite && arguments.quick;
     if is_suite && arguments.full {
-        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the
-        // time.
+        // 1024 rays in penumbrae: a standard error well below that of any technique, in a quarter
+        // of the time.
         out.truth.samples = 256;
     }
     set_common(&mut out, program, arguments)?;
     Ok(out)
 }
 
-/// Sets what the command line says of all scenes.
+/// Sets the options that apply to all scenes.
 fn set_common(
     out: &mut CompareOptions,
     program: &Program,
@@ -559,7 +566,7 @@ fn set_common(
 ) -> Result<()> {
     out.catalogue = program.catalogue.clone();
     out.techniques.clone_from(&arguments.techniques);
-    // Whoever names a scene wants to see all techniques in it.
+    // If a scene is named, measure all techniques in it.
     out.is_preview &= arguments.scenes.is_empty();
     out.presets = presets::read(program, &arguments.presets)?;
     if let Some(error) = arguments.max_error {
@@ -585,7 +592,8 @@ fn set_common(
     Ok(())
 }
 
-/// Returns the sides in rising order, each once: sweeps over other settings take the middle one.
+/// Returns the sides in rising order without duplicates. Sweeps over other settings use the middle
+/// one.
 fn rising(sizes: &[u32]) -> Vec<u32> {
     let mut out = sizes.to_vec();
     out.sort_unstable();

@@ -1,18 +1,17 @@
-//! Prints what a comparison will take before it begins.
+//! Prints the expected duration and memory of a comparison before it begins.
 
 use crate::cli::usage::Usage;
 use crate::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 use anyhow::Result;
 use std::time::Duration;
 
-/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in
-/// vain for one that takes days.
+/// Comparisons of more pixels than this get a time estimate first: some take days.
 const MANY_PIXELS: u64 = 1 << 24;
 
-/// Prints how much there is to do and, if it is much, about how long that takes.
+/// Prints the amount of work and, if it is large, an estimate of the duration.
 ///
 /// # Errors
-/// Errors if it doesn't fit into this machine's memory.
+/// Errors if the comparison doesn't fit into this machine's memory.
 pub(crate) fn announce(
     inputs: &[SceneInput],
     options: &CompareOptions,
@@ -27,9 +26,9 @@ pub(crate) fn announce(
         return Err(Usage(refusal).into());
     }
     if expected.pixels > MANY_PIXELS {
-        println!("trying it at a small size, to tell how long it takes ..");
+        println!("estimating the duration at a small image size ..");
         let time = pilot(inputs, options, backends)?;
-        println!("this takes about {} here", spoken(time));
+        println!("estimated duration on this machine: {}", spoken(time));
     }
     Ok(())
 }
@@ -51,18 +50,19 @@ fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
 
-/// Returns why so many bytes can't be held; none if they can, or the machine's memory is unknown.
+/// Returns why so much memory can't be allocated. `None` if it can, or if the machine's memory is
+/// unknown.
 fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
     let memory = memory.filter(|memory| bytes > *memory)?;
     let needed = size(bytes);
     let there = size(memory);
     Some(format!(
-        "this needs about {needed} of memory, and this machine has {there}; use smaller images (--size), or fewer rows \
+        "the comparison needs about {needed} of memory, but this machine has {there}; use smaller images (--size), or fewer rows \
          (--technique, --backend, --map-sizes)"
     ))
 }
 
-/// Returns the machine's memory, bytes; none where the system doesn't tell.
+/// Returns the machine's memory, bytes. `None` if the system doesn't report it.
 fn memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text
@@ -93,7 +93,7 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// Formats a length of time in one unit: `7 s`, `10 min`.
+/// Formats a duration in one unit: `7 s`, `10 min`.
 pub(crate) fn spoken(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {
@@ -147,6 +147,6 @@ mod tests {
             "{refused}"
         );
         assert_eq!(refusal(1 << 30, Some(8 << 30)), None);
-        assert_eq!(refusal(219 << 30, None), None, "nobody knows");
+        assert_eq!(refusal(219 << 30, None), None, "unknown memory");
     }
 }

@@ -1,4 +1,4 @@
-//! Measures what work costs on this machine.
+//! Measures the cost of work on this machine.
 
 use crate::cli::{bench::BenchArguments, inputs, progress::LoggedBar};
 use anyhow::{Context, Result};
@@ -8,7 +8,7 @@ use umbrage_plan::catalogue::all;
 use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
 use umbrage_techniques::TechniquePreset;
 
-/// Scenes that are timed alike.
+/// Scenes that are timed with the same image and map sizes.
 struct Stage {
     /// Their names.
     scenes: &'static [&'static str],
@@ -18,9 +18,11 @@ struct Stage {
     maps: [u32; 2],
 }
 
-/// Scenes of 100 to 40,000 triangles with maps that are used well and badly, and with a cube of
-/// maps; then frames of 170,000 to 1.7 million triangles, since a triangle of a large mesh costs
-/// less than one of a small one.
+/// Small scenes of 100 to 40,000 triangles with well used, badly used and cube maps, then large
+/// scenes.
+///
+/// The large ones have 170,000 to 1.7 million triangles: a triangle of a large mesh costs less than
+/// one of a small mesh.
 const STAGES: [Stage; 2] = [
     Stage {
         scenes: &[
@@ -40,10 +42,10 @@ const STAGES: [Stage; 2] = [
     },
 ];
 
-/// Times techniques of all kinds, fits prices to the times, and prints them.
+/// Times techniques of all kinds, fits prices to the times, and prints the prices.
 pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     if let Some(path) = &options.write {
-        // An error must not come after minutes of measuring.
+        // Check the output file first: errors must not come after minutes of measuring.
         let opened = std::fs::File::options()
             .create(true)
             .append(true)
@@ -75,14 +77,14 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         let timed: Vec<&str> = backends.iter().map(|b| b.kind()).collect();
         for kind in ["cpu", "wgpu"] {
             if !timed.contains(&kind) {
-                println!("those of {kind} are the built-in ones, as it was not timed");
+                println!("prices of {kind} are the built-in ones, as it was not timed");
             }
         }
     }
     Ok(())
 }
 
-/// Times all stages, and reports progress.
+/// Times all stages, and shows the progress.
 pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
     let count: usize = STAGES.iter().map(Stage::count).sum();
     let bar = LoggedBar::of_steps(format!("timing {}", backend.name()), count as u64);
@@ -105,13 +107,13 @@ pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<Co
 }
 
 impl Stage {
-    /// Returns how many settings are played in it.
+    /// Returns the number of settings to time.
     fn count(&self) -> usize {
         self.scenes.len() * self.sizes.len() * settings(&self.maps).len()
     }
 }
 
-/// Returns the first, middle and last setting of each technique: all kinds of work, few alike.
+/// Returns the first, middle and last setting of each technique: all kinds of work, few duplicates.
 fn settings(maps: &[u32]) -> Vec<TechniquePreset> {
     let mut out = Vec::new();
     for entry in all() {
@@ -130,7 +132,7 @@ fn print(name: &str, found: &Calibration) {
     let mut table = Table::new();
     table
         .load_style(UTF8_FULL_CONDENSED)
-        .set_header(["a piece of", "nanoseconds"]);
+        .set_header(["unit of work", "nanoseconds"]);
     for (kind, price) in KIND_NAMES.iter().zip(found.model.nanoseconds) {
         table.add_row([(*kind).to_owned(), format!("{price:.3}")]);
     }
@@ -139,7 +141,7 @@ fn print(name: &str, found: &Calibration) {
     }
     println!("\n{name}: {} recipes timed\n{table}", found.samples.len());
     println!(
-        "half of the times are predicted within x{:.2}, nine of ten within x{:.2}",
+        "half of the times are predicted within a factor of {:.2}, 90 % within {:.2}",
         found.typical_factor, found.factor_of_nine_in_ten
     );
     let mut predicted: Vec<(f64, &CostSample)> = Vec::new();
@@ -147,11 +149,11 @@ fn print(name: &str, found: &Calibration) {
         let ratio = found.model.milliseconds(&sample.work) / sample.milliseconds.max(1e-6);
         predicted.push((ratio, sample));
     }
-    // Farthest off first: a factor of 2 is as far off as one of 1/2.
+    // Sort by deviation: factors of 2 and 1/2 deviate equally.
     predicted.sort_by(|a, b| b.0.ln().abs().total_cmp(&a.0.ln().abs()));
     for (ratio, sample) in predicted.iter().take(5) {
         println!(
-            "  farthest off: {} takes {:.3} ms, predicted x{ratio:.2}",
+            "  largest deviation: {} takes {:.3} ms, predicted {ratio:.2} times as much",
             sample.label, sample.milliseconds
         );
     }

@@ -2,8 +2,8 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets::UTF8_FULL_CONDENSED};
 
-/// Returns a table that is no wider than the terminal. Columns from `first_figure` on are aligned
-/// right.
+/// Returns a table that is no wider than the terminal. Columns from `first_figure` on are
+/// right-aligned.
 pub(crate) fn figures_table<R: Into<Row>>(
     header: impl Into<Row>,
     rows: impl IntoIterator<Item = R>,

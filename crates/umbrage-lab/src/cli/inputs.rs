@@ -1,4 +1,4 @@
-//! From what is typed to what the lab takes.
+//! Converts arguments of the command line to inputs of the lab.
 
 use crate::cli::program::Program;
 use crate::cli::{args::shared::BackendName, usage::Usage};
@@ -10,7 +10,7 @@ use umbrage_plan::cost::PriceList;
 use umbrage_scenes::SceneError;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
-/// Opens backends, wgpu on the adapter named.
+/// Opens the backends, wgpu on the named adapter.
 pub(crate) fn open(backend: BackendName, adapter: Option<&String>) -> Result<Backends> {
     let choice = self::adapter(adapter);
     let opened = match backend {
@@ -22,14 +22,14 @@ pub(crate) fn open(backend: BackendName, adapter: Option<&String>) -> Result<Bac
     opened.map_err(|e| of_adapter(e, adapter))
 }
 
-/// Opens the adapter named.
+/// Opens the named adapter.
 pub(crate) fn gpu(adapter: Option<&String>) -> Result<Gpu> {
     Gpu::new(&self::adapter(adapter)).map_err(|e| of_adapter(e, adapter))
 }
 
 fn of_adapter(error: BackendError, name: Option<&String>) -> anyhow::Error {
     match error {
-        // The name is wrong, rather than the machine.
+        // The name is wrong, not the machine.
         e @ BackendError::NoAdapter { .. } if name.is_some() => {
             Usage(format!("--adapter: {e}")).into()
         }
@@ -37,7 +37,7 @@ fn of_adapter(error: BackendError, name: Option<&String>) -> anyhow::Error {
     }
 }
 
-/// The adapter named, else what the environment asks for.
+/// Returns the choice of the named adapter. Without a name the environment decides.
 pub(crate) fn adapter(name: Option<&String>) -> AdapterChoice {
     let from_env = AdapterChoice::from_env();
     AdapterChoice {
@@ -46,7 +46,7 @@ pub(crate) fn adapter(name: Option<&String>) -> AdapterChoice {
     }
 }
 
-/// The prices in a file; the built-in ones without a file.
+/// Reads the prices in a file. Returns the built-in ones without a file.
 pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
     let Some(path) = path else {
         return Ok(PriceList::default());
@@ -63,7 +63,7 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
     Ok(list)
 }
 
-/// A scene by name or path.
+/// Returns a scene by name or path.
 pub(crate) fn scene(program: &Program, name: &str) -> Result<Scene> {
     match umbrage_scenes::by_argument(name) {
         Ok(scene) => Ok(scene),

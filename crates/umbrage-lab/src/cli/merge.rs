@@ -1,4 +1,4 @@
-//! `merge`: shards in, one report out.
+//! `merge`: joins the reports of shards into one.
 
 use crate::{
     cli::{compare, verdicts},
@@ -10,22 +10,22 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask merge s1 s2 s3 --out report    one report of three shards of `cargo xtask compare --shard`
-  cargo xtask merge shards/* --out report    the same, whatever their number")]
+  cargo xtask merge s1 s2 s3 --out report    one report of three shards of `compare --shard`
+  cargo xtask merge shards/* --out report    the same for any number of shards")]
 pub(crate) struct MergeArguments {
-    /// Folders that `cargo xtask compare --shard` wrote
+    /// Folders written by `compare --shard`
     #[arg(value_name = "FOLDER", required = true)]
     pub(crate) folders: Vec<PathBuf>,
-    /// Folder for the whole report
+    /// Folder for the joined report
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: PathBuf,
-    /// Folder of a `stability` run, or its results.json: the report says beside each setting which
-    /// rows it fails
+    /// Folder or results.json of a `stability` run: the report lists the failed rows of each
+    /// setting
     #[arg(long, value_name = "FOLDER")]
     pub(crate) stability: Option<PathBuf>,
 }
 
-/// Joins, and fails if any shard had faults.
+/// Joins the reports. Errors if any shard has faults.
 pub(crate) fn merge(options: &MergeArguments) -> Result<()> {
     let stability = match &options.stability {
         Some(path) => Some(verdicts::read(path)?),

@@ -1,5 +1,7 @@
-//! The commands that measure shadow techniques: a program of yours becomes `compare`, `stability`,
-//! `plan`, `which`, `bias`, `bench`, `card`, `wgsl` and `merge` by one call.
+//! The commands that measure shadow techniques: `compare`, `stability`, `plan`, `which`, `bias`,
+//! `bench`, `card`, `wgsl` and `merge`.
+//!
+//! One call adds them to your own program:
 //!
 //! ```no_run
 //! use umbrage_lab::cli::Program;
@@ -9,8 +11,7 @@
 //! }
 //! ```
 //!
-//! Techniques of your own come in by [`Program::with`]; `examples/measure.rs` in the repository
-//! does that.
+//! [`Program::with`] adds your own techniques, as `examples/measure.rs` in the repository does.
 
 mod args;
 mod bench;

@@ -26,78 +26,82 @@ use umbrage_plan::{
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask plan cubes --max-error 0.05             the cheapest within an error
-  cargo xtask plan nave --max-relative-error 0.2      a fifth of what no shadow at all would err by
-  cargo xtask plan lamp.toml --max-time 2             the most accurate within a time
-  cargo xtask plan night-room --budget-ms 8           all lights of a scene within a time
-  cargo xtask plan night-room --budget-error 0.05     all lights within an error, for the least time
+  cargo xtask plan cubes --max-error 0.05             cheapest setting within an error bound
+  cargo xtask plan nave --max-relative-error 0.2      a fifth of the error without shadows
+  cargo xtask plan lamp.toml --max-time 2             most accurate setting within a time bound
+  cargo xtask plan night-room --budget-ms 8           all lights of a scene within a time budget
+  cargo xtask plan night-room --budget-error 0.05     all lights within an error, in the least time
   cargo xtask plan street --max-error 0.1 --cameras path.toml --hold 95%
-  cargo xtask plan street --max-error 0.1 --still     a camera and a scene at rest: only lookups count
+  cargo xtask plan street --max-error 0.1 --still     static camera and scene: only lookups count
   cargo xtask plan cubes --max-error 0.1 --max-shimmer 0.001
   cargo xtask plan cubes --max-error 0.1 --stability results.json --no-failing-rows
   cargo xtask plan lamp.toml --max-error 0.05 --light 2 --size 1920x1080
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
   cargo xtask plan street --max-error 0.1 --prices my-gpu.toml --backend wgpu
-  cargo xtask plan --regret                           are plans right? against sweeps of the suite
-  cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
+  cargo xtask plan --regret                           check plans against sweeps of the suite
+  cargo xtask plan --regret cubes --errors 0.05,0.1   the same for one scene and two bounds")]
 pub(crate) struct PlanArguments {
-    /// Built-in scene by name, scene file (.toml) or model (.obj, .glb, .gltf); with --regret any
-    /// number, none: the suite
+    /// Scene: a built-in name, scene file (.toml) or model (.obj, .glb, .gltf)
+    ///
+    /// With --regret any number of scenes. Default: the built-in suite.
     #[arg(value_name = "SCENE", required_unless_present = "regret")]
     pub(crate) scenes: Vec<String>,
-    /// Greatest error: root mean square of visibility less truth, 0 to 1
+    /// Maximum error: root mean square difference of visibility from the reference, 0 to 1
     #[arg(long, value_name = "E", value_parser = parse_share)]
     pub(crate) max_error: Option<f64>,
-    /// Greatest error as a share of that of no shadow at all, 0 to 1
+    /// Maximum error as a share of the error without shadows, 0 to 1
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub(crate) max_relative_error: Option<f64>,
-    /// Greatest time of shadows a frame, milliseconds
+    /// Maximum time of all shadow work in a frame, milliseconds
     #[arg(long = "max-time", value_name = "MS", value_parser = parse_ms)]
     pub(crate) max_ms: Option<f64>,
-    /// Most bytes of maps and tables
+    /// Maximum memory of maps and tables, bytes
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
-    /// Greatest noise in penumbrae, as a standard deviation, 0 to 1; 1 allows any
+    /// Maximum noise in penumbrae, as a standard deviation, 0 to 1; 1 is no bound
     #[arg(long, value_name = "SHARE", default_value_t = MAX_GRAIN, value_parser = parse_share)]
     pub(crate) max_grain: f64,
-    /// Greatest mean change of visibility from frame to frame of a pan, 0 to 1; maps with a stable
-    /// fit are tried, too
+    /// Maximum mean change of visibility between frames of a camera pan, 0 to 1
+    ///
+    /// Also makes maps with a stable fit candidates.
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub(crate) max_shimmer: Option<f64>,
-    /// All lights of the scene, their times together at most so many milliseconds, with the least
-    /// error
+    /// Plan all lights of the scene: minimise the error within this total time, milliseconds
     #[arg(long, value_name = "MS", value_parser = parse_ms, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes", "light", "budget_error", "regret"])]
     pub(crate) budget_ms: Option<f64>,
-    /// All lights of the scene, their errors together (root mean square over the lights) at most
-    /// this, for the least time
+    /// Plan all lights of the scene: minimise the time within this error
+    ///
+    /// The error is the root mean square over the lights.
     #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes", "light", "regret"])]
     pub(crate) budget_error: Option<f64>,
-    /// Frames in which nothing moves: the lookup alone counts
+    /// Nothing moves: the frame time includes the lookup only
     #[arg(long, conflicts_with_all = ["camera_moves", "all_moves"])]
     pub(crate) still: bool,
-    /// Frames in which the camera moves: what is made anew for it counts (the default)
+    /// The camera moves: the frame time includes all work redone for it (default)
     #[arg(long, conflicts_with = "all_moves")]
     pub(crate) camera_moves: bool,
-    /// Frames in which casters, lights and camera move: all counts
+    /// Casters, lights and camera move: the frame time includes all work
     #[arg(long)]
     pub(crate) all_moves: bool,
-    /// File of cameras (TOML): poses as [[camera]] tables with eye and target, `between = N` for a
-    /// path through them; else the scene's camera
+    /// File of cameras (TOML). Default: the scene's camera
+    ///
+    /// Poses are [[camera]] tables with eye and target. `between = N` adds cameras on a path
+    /// through them.
     #[arg(long, value_name = "FILE", conflicts_with = "regret")]
     pub(crate) cameras: Option<PathBuf>,
-    /// For how many of the cameras the bounds hold: `worst` (for all), or a share such as 95%
+    /// Share of the cameras that must meet the bounds: `worst` (all of them), or for example 95%
     #[arg(long, value_name = "HOW", default_value = "worst", value_parser = parse_hold)]
     pub(crate) hold: Hold,
-    /// How much each pixel's error counts
+    /// Weight of each pixel's error
     #[arg(long, value_name = "HOW", default_value = "even")]
     pub(crate) weight: PlanWeight,
-    /// What the renderer has on the CPU when it makes recipes
+    /// Data that the renderer has on the CPU when it makes recipes
     #[arg(long, value_name = "WHAT", default_value = "triangles")]
     pub(crate) renderer: PlanRenderer,
-    /// Results of `stability` (results.json) that --must-pass and --no-failing-rows ask
+    /// The results.json of a `stability` run, for --must-pass and --no-failing-rows
     #[arg(long, value_name = "FILE")]
     pub(crate) stability: Option<PathBuf>,
-    /// Rows of the stability matrix, by number, or cases by name, that the technique must pass
+    /// Rows (numbers) or cases (names) of the stability matrix that the technique must pass
     #[arg(
         long,
         value_name = "ROW",
@@ -105,38 +109,41 @@ pub(crate) struct PlanArguments {
         requires = "stability"
     )]
     pub(crate) must_pass: Vec<String>,
-    /// Only techniques that fail no row of the stability matrix
+    /// Only use techniques that fail no row of the stability matrix
     #[arg(long, requires = "stability", conflicts_with = "must_pass")]
     pub(crate) no_failing_rows: bool,
-    /// Counted and priced costs alone: the same plan on every run. Else what these can't tell apart
-    /// is played and timed, unless --prices says what another machine takes
+    /// Use predicted costs only, so that every run returns the same plan
+    ///
+    /// Otherwise candidates with overlapping predicted costs are benchmarked, unless --prices is
+    /// given.
     #[arg(long)]
     pub(crate) counted: bool,
-    /// Whose prices count, and what plays what is timed
+    /// Backend whose prices apply, and which runs the benchmarks
     #[arg(long, value_name = "NAME", default_value = "cpu")]
     pub(crate) backend: PlanBackend,
-    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the
-    /// built-in ones
+    /// File with prices of work, from `bench --costs --write` or `card` (.json). Default: the
+    /// built-in prices
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
-    /// Which of the scene's lights, from 1; with --regret all of them
+    /// Number of the light in the scene, from 1; --regret uses all lights
     #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with = "regret", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) light: u16,
-    /// Image size in pixels, of the screen that the shadows are for; else 1280x720 (with --regret
-    /// the scenes' own)
+    /// Image size in pixels. Default: 1280x720; with --regret each scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Receivers sampled under lights with an extent; four times as many under others
+    /// Receivers to sample under lights with an extent; four times as many under ideal lights
     #[arg(long, value_name = "COUNT", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(64..=1_048_576))]
     pub(crate) samples: u32,
-    /// Which sample; the same seed gives the same plan
+    /// Seed of the sample; the same seed returns the same plan
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u32,
-    /// Folder for the presets, pictures and figures; else target/plan in the repository
+    /// Folder for presets, images and figures. Default: target/plan in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Compare plans with sweeps of all candidates: bounds kept, and cost over the least, by count
-    /// and by the clock
+    /// Compare plans with exhaustive sweeps of all candidates
+    ///
+    /// Reports whether the bounds hold, and the cost relative to the least one, predicted and
+    /// measured.
     #[arg(long, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes"])]
     pub(crate) regret: bool,
     /// Error bounds to test with --regret
@@ -146,27 +153,27 @@ pub(crate) struct PlanArguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlanWeight {
-    /// All alike
+    /// Equal weight of all pixels
     Even,
-    /// By the square of the light's irradiance, which shading multiplies shadows by
+    /// Weight by the square of the light's irradiance, by which shading multiplies the visibility
     Irradiance,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlanRenderer {
-    /// Triangles, and the points that the camera sees, read back from the GPU
+    /// Triangles, and the visible points, read back from the GPU
     SeenPoints,
     /// Triangles
     Triangles,
-    /// A box around the casters: their triangles are on the GPU alone
+    /// A bounding box of the casters, whose triangles are on the GPU only
     CasterBox,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlanBackend {
-    /// The CPU backend's
+    /// The CPU backend
     Cpu,
-    /// The wgpu backend's, on a software driver
+    /// The wgpu backend; the built-in prices are those of a software driver
     Wgpu,
 }
 
@@ -197,23 +204,24 @@ fn parse_ms(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The image size that plans are made for if nobody says otherwise, pixels: no smaller than what
-/// people play at, since the size decides which technique is the least.
+/// Default image size of plans, pixels. It is as large as that of typical programs, since the size
+/// decides which technique is cheapest.
 const SIZE: UVec2 = UVec2::new(1280, 720);
 
-/// Plans, prints and writes; errors if nothing is within the bounds.
+/// Plans, prints the plan and writes its files. Errors if no setting is within the bounds.
 pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let [name] = &arguments.scenes[..] else {
-        return Err(
-            Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into(),
-        );
+        return Err(Usage(
+            "`plan` needs exactly one scene: give one SCENE, or use --regret".to_owned(),
+        )
+        .into());
     };
     let bounds = bounds_of(arguments);
     let budget = budget_of(arguments);
     if budget.is_none() {
         bounds.validate().map_err(|_| {
             Usage(
-                "give --max-error, --max-relative-error, --max-time or --max-bytes, or some of them; for all lights \
+                "no bound is given: use --max-error, --max-relative-error, --max-time or --max-bytes; for all lights \
                  --budget-ms or --budget-error"
                     .to_owned(),
             )
@@ -245,7 +253,7 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     end(&files, plan.preset().err().map(|miss| miss.to_string()))
 }
 
-/// Lists the files that were written; errors if nothing was within the bounds.
+/// Lists the written files. Errors if no setting was within the bounds.
 fn end(files: &[Written], miss: Option<String>) -> Result<()> {
     println!();
     for file in files {
@@ -257,7 +265,7 @@ fn end(files: &[Written], miss: Option<String>) -> Result<()> {
     }
 }
 
-/// Returns the bounds that are asked for; with a budget of all lights those of each light.
+/// Returns the bounds of the arguments. With a budget for all lights, they apply to each light.
 fn bounds_of(arguments: &PlanArguments) -> Bounds {
     Bounds {
         max_error: arguments.max_error,
@@ -279,7 +287,7 @@ fn budget_of(arguments: &PlanArguments) -> Option<LightsBudget> {
     time.or(arguments.budget_error.map(LightsBudget::Error))
 }
 
-/// Returns the kind of backend whose prices count.
+/// Returns the kind of backend whose prices apply.
 fn kind(arguments: &PlanArguments) -> &'static str {
     match arguments.backend {
         PlanBackend::Cpu => "cpu",
@@ -287,7 +295,7 @@ fn kind(arguments: &PlanArguments) -> &'static str {
     }
 }
 
-/// Opens what plays what is timed; none where costs are counted alone.
+/// Opens the backends for benchmarks. `None` if costs are predicted only.
 pub(crate) fn clock_of(arguments: &PlanArguments) -> Result<Option<Backends>> {
     if arguments.counted || arguments.prices.is_some() {
         return Ok(None);
@@ -299,7 +307,7 @@ pub(crate) fn clock_of(arguments: &PlanArguments) -> Result<Option<Backends>> {
     Ok(Some(inputs::open(name, None)?))
 }
 
-/// Returns the options that do not depend on the scene.
+/// Returns the options that don't depend on the scene.
 pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result<PlanOptions> {
     let prices = inputs::prices(arguments.prices.as_deref())?;
     Ok(PlanOptions {
@@ -307,7 +315,7 @@ pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result
         samples: arguments.samples,
         seed: arguments.seed,
         cost: prices.of(kind(arguments)),
-        // The command counts lights from 1.
+        // The command numbers lights from 1.
         light: usize::from(arguments.light) - 1,
         size: match arguments.size {
             Some(size) => Some(UVec2::from_array(size)),
@@ -336,14 +344,14 @@ fn options_for(program: &Program, arguments: &PlanArguments, scene: &Scene) -> R
     Ok(options)
 }
 
-/// Returns the techniques that meet what is asked of the stability matrix.
+/// Returns the techniques that meet the demands on the stability matrix.
 fn demanded(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalogue> {
     let Some(path) = &arguments.stability else {
         return Ok(techniques.clone());
     };
     let demand = match (&arguments.must_pass[..], arguments.no_failing_rows) {
         ([], false) => {
-            let why = "--stability: say what is asked of it by --must-pass or --no-failing-rows";
+            let why = "--stability needs a demand: add --must-pass or --no-failing-rows";
             return Err(Usage(why.to_owned()).into());
         }
         ([], true) => Demand::FailNone,
@@ -361,19 +369,19 @@ fn demanded(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalog
         }
     }
     if left.is_empty() {
-        bail!("no technique passes what is asked of the stability matrix: ask less");
+        bail!("no technique passes the demanded rows of the stability matrix; demand fewer");
     }
     println!(
-        "by the stability matrix these are left: {}",
+        "techniques that pass the demanded rows of the stability matrix: {}",
         left.join(", ")
     );
     Ok(techniques.clone().retain(|name| left.contains(&name)))
 }
 
-/// Where predicted times come from.
+/// The source of predicted times.
 struct Prices {
     kind: &'static str,
-    /// The file of prices, if they aren't the built-in ones.
+    /// The file of prices. `None` for the built-in ones.
     file: Option<String>,
 }
 
@@ -411,12 +419,12 @@ fn print(plan: &Plan, prices: &Prices) {
     );
     if plan.cameras > 1 {
         println!(
-            "{} cameras; figures are of the worst that the plan holds for",
+            "{} cameras; figures are those of the worst camera that must meet the bounds",
             plan.cameras
         );
     }
     println!(
-        "{} receivers sampled in {:.1} s, {} settings tried in {:.1} s (truth of {} receivers in all)",
+        "{} receivers sampled in {:.1} s, {} settings evaluated in {:.1} s (truth of {} receivers)",
         s.receivers, s.looking, s.settings, s.trying, s.traced
     );
     println!("{}\n", promise(&plan.coverage));
@@ -424,27 +432,24 @@ fn print(plan: &Plan, prices: &Prices) {
         println!("{}", chosen.label());
         let e = &chosen.estimate;
         println!(
-            "  error {:.4} ({:.4} to {:.4}, 9 in 10), of which too dark {:.4}, too light {:.4}",
+            "  error {:.4} (90 % interval {:.4} to {:.4}); too dark {:.4}, too light {:.4}",
             e.error, e.low, e.high, e.too_dark, e.too_light
         );
         let none = plan.error_of_no_shadow.error;
         if none > 0.0 {
             let percent = 100.0 * e.error / none;
-            println!("  {percent:.0} % of what no shadow at all would err by ({none:.4})");
+            println!("  {percent:.0} % of the error without shadows ({none:.4})");
         }
         if let Some(grain) = chosen.grain {
-            println!("  grain {grain:.3} in penumbrae");
+            println!("  noise {grain:.3} in penumbrae");
         }
         if let Some(shimmer) = chosen.shimmer {
-            println!("  shimmer {shimmer:.5}: the mean change from frame to frame of a pan");
+            println!("  shimmer {shimmer:.5}: mean change between frames of a pan");
         }
         let bytes = planning::bytes(chosen.bytes);
-        println!(
-            "  {} by counting, {bytes}",
-            prices.about(chosen.milliseconds)
-        );
+        println!("  {} predicted, {bytes}", prices.about(chosen.milliseconds));
         if let Some(ms) = chosen.measured_ms {
-            println!("  {ms:.2} ms by the clock, here");
+            println!("  {ms:.2} ms measured on this machine");
         }
     }
     for reason in &plan.reasons {
@@ -455,18 +460,18 @@ fn print(plan: &Plan, prices: &Prices) {
     }
     if !plan.runners_up.is_empty() {
         println!(
-            "\nOthers that nothing tried beats in both error and time:\n{}",
+            "\nOther settings that no candidate beats in both error and time:\n{}",
             table(&plan.runners_up)
         );
     }
 }
 
-/// Says for how many pixels a plan holds.
+/// Formats the number of pixels for which a plan is valid.
 fn promise(coverage: &Coverage) -> String {
     let share = |count: u64| 100.0 * count as f64 / coverage.receivers.max(1) as f64;
     format!(
-        "it holds for {} of {} pixels (+-{}): {} show something that receives, of which {} face away from the light and {} \
-         ({:.2} %) hang on rounding; truth was traced at {}, and of the other {} the sample tells",
+        "valid for {} of {} pixels (+-{}); {} show a receiver: {} of them face away from the light, {} \
+         ({:.2} %) are ambiguous; truth was traced at {}, {} are estimated from that sample",
         coverage.certain,
         coverage.pixels,
         coverage.certain_margin,
@@ -483,7 +488,7 @@ const LIGHTS_HEADER: [&str; 7] = [
     "light",
     "technique",
     "error",
-    "of no shadow",
+    "without shadows",
     "ms",
     "memory",
     "choices",
@@ -523,13 +528,9 @@ fn print_lights(plan: &LightsPlan) {
         .iter()
         .flat_map(|light| &light.front)
         .any(|s| s.measured_ms.is_some());
-    let clock = if is_timed {
-        "by the clock, here"
-    } else {
-        "by counting"
-    };
+    let clock = if is_timed { "measured" } else { "predicted" };
     println!(
-        "together {:.3} ms {clock}, error {:.4} (up to {:.4})",
+        "total {:.3} ms {clock}, error {:.4} (up to {:.4})",
         plan.milliseconds, plan.error, plan.high
     );
     for light in &plan.lights {
@@ -538,7 +539,14 @@ fn print_lights(plan: &LightsPlan) {
 }
 
 fn table(settings: &[Setting]) -> Table {
-    let header = ["technique", "settings", "error", "9 in 10", "ms", "memory"];
+    let header = [
+        "technique",
+        "settings",
+        "error",
+        "90 % interval",
+        "ms",
+        "memory",
+    ];
     let row = |s: &Setting| {
         let e = &s.estimate;
         [

@@ -1,46 +1,46 @@
-//! Progress and formats that `plan` and its regret table share.
+//! Progress and formats shared by `plan` and its regret table.
 
 use crate::cli::{cost::spoken, progress::LoggedBar};
 use indicatif::ProgressBar;
 use std::time::Duration;
 use umbrage_plan::Step;
 
-/// The progress of a plan; lines without a terminal. How many candidates it tries is not known
-/// beforehand, so only tracing truth moves the bar.
+/// Progress of a plan, as lines without a terminal. The number of candidates is not known
+/// beforehand, so only tracing moves the bar.
 pub(crate) struct PlanProgress(LoggedBar);
 
 impl PlanProgress {
     pub(crate) fn new() -> Self {
-        // Not among the results, which may be read by a program.
+        // Print to standard error: a program may read the results.
         let print_line = |bar: &ProgressBar, elapsed: Duration| {
             let gone = spoken(elapsed);
-            eprintln!("{gone} gone: {}{}", bar.prefix(), bar.message());
+            eprintln!("[{gone}] {}{}", bar.prefix(), bar.message());
         };
-        let style = "{bar:30} {elapsed} gone  {prefix}{wide_msg}";
+        let style = "{bar:30} [{elapsed}]  {prefix}{wide_msg}";
         let shown = LoggedBar::new(1000, style, print_line);
         shown.bar.enable_steady_tick(Duration::from_millis(200));
         Self(shown)
     }
 
-    /// Sets a text before each message.
+    /// Sets a text that precedes each message.
     pub(crate) fn prefix(&self, text: String) {
         self.0.bar.set_prefix(text);
     }
 
-    /// Shows a step; may be called from any thread.
+    /// Shows a step. May be called from any thread.
     pub(crate) fn note(&self, step: Step<'_>) {
         let bar = &self.0.bar;
         match step {
-            Step::Looking => bar.set_message("looking for where visibility varies"),
+            Step::Looking => bar.set_message("locating regions of varying visibility"),
             Step::Truth(done, total) => {
-                bar.set_message("tracing truth");
+                bar.set_message("tracing the reference");
                 bar.set_position(1000 * done as u64 / total.max(1) as u64);
             }
             Step::Trying(technique, before) => {
-                bar.set_message(format!("trying {technique} ({before} tried)"));
+                bar.set_message(format!("evaluating {technique} ({before} settings done)"));
             }
             Step::Timing(count) => bar.set_message(format!("timing {count} settings in turn")),
-            Step::Explaining => bar.set_message("writing down why"),
+            Step::Explaining => bar.set_message("writing the reasons"),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Presets of the user's, from files.
+//! Presets in the user's files.
 
 use crate::cli::{program::Program, usage::Usage};
 use crate::compare::NamedPreset;
@@ -6,8 +6,8 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use umbrage_techniques::{Soft, TechniquePreset};
 
-/// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`,
-/// or by the whole file name if a technique has that name.
+/// Reads the presets in some files. A preset's name is the file's without `.preset.toml` or
+/// `.toml`, or the whole file name if a technique has that name.
 pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPreset>> {
     let mut out: Vec<NamedPreset> = Vec::new();
     for file in files {
@@ -15,7 +15,7 @@ pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPres
         if out.iter().any(|other| other.name == preset.name) {
             let (file, name) = (file.display(), &preset.name);
             let why =
-                format!("--preset `{file}`: another one is called `{name}`, too; rename a file");
+                format!("--preset `{file}`: another preset is called `{name}`, too; rename a file");
             return Err(Usage(why).into());
         }
         out.push(preset);
@@ -23,7 +23,7 @@ pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPres
     Ok(out)
 }
 
-/// Adds `soft` with this error. It is called `soft-E`.
+/// Adds a preset of `soft` with this error, called `soft-E`.
 pub(crate) fn add_soft(presets: &mut Vec<NamedPreset>, error: f32) -> Result<()> {
     let name = format!("soft-{error}");
     if presets.iter().any(|other| other.name == name) {
@@ -40,11 +40,8 @@ pub(crate) fn add_soft(presets: &mut Vec<NamedPreset>, error: f32) -> Result<()>
 /// Reads the preset in a file.
 pub(crate) fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
     let unusable = |why: String| Usage(format!("--preset `{}`: {why}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|e| {
-        unusable(format!(
-            "{e}; give the file of a preset, as `plan` writes it"
-        ))
-    })?;
+    let text = std::fs::read_to_string(file)
+        .map_err(|e| unusable(format!("{e}; use a preset file, as written by `plan`")))?;
     let preset = program.catalogue.preset_from_toml(&text);
     let preset = preset.map_err(|e| unusable(e.to_string()))?;
     let is_taken = |name: &str| {
@@ -60,7 +57,7 @@ pub(crate) fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
     })
 }
 
-/// Returns what a preset in this file is called.
+/// Returns the name of the preset in a file.
 fn name_of(file: &Path, is_taken: impl Fn(&str) -> bool) -> String {
     let whole = file.file_name().unwrap_or_default().to_string_lossy();
     let without_toml = whole.strip_suffix(".toml").unwrap_or(&whole);
@@ -121,13 +118,13 @@ mod tests {
     #[test]
     fn bad_files_are_refused_with_the_reason() {
         let (_a, unknown) = written("a.toml", "technique = 'pfc'");
-        assert!(refused(&[unknown]).contains("names no technique there is"));
+        assert!(refused(&[unknown]).contains("names an unknown technique"));
         let (_b, field) = written("b.toml", "technique = 'pcf'\nradiuss = 2");
         assert!(refused(&[field]).contains("radiuss"));
         let (_c, other) = written("c.toml", "not toml");
         assert!(refused(&[other]).contains("c.toml"));
         assert!(refused(&[PathBuf::from("missing.toml")]).contains("missing.toml"));
         let (_d, twice) = written("d.toml", "technique = 'pcf'");
-        assert!(refused(&[twice.clone(), twice]).contains("another one is called `d`"));
+        assert!(refused(&[twice.clone(), twice]).contains("another preset is called `d`"));
     }
 }

@@ -1,4 +1,4 @@
-//! A program that measures: what it is called, and where its reports go.
+//! The program that runs the commands: its name, folders and techniques.
 
 use anyhow::Result;
 use std::{
@@ -9,28 +9,27 @@ use umbrage_core::Invalid;
 use umbrage_plan::catalogue::{Catalogue, CatalogueEntry};
 use umbrage_wgpu::AdapterChoice;
 
-/// A program that measures shadow techniques, controlled by its command line.
+/// A program with the commands of this crate.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What users type to start it, as help and messages show it: `umbrage`.
+    /// The text that starts it in a shell, for help and messages: `umbrage`.
     pub invocation: &'static str,
-    /// Folder for reports where `--out` names none: that of `compare` goes to its subfolder
-    /// `compare`.
+    /// Folder for reports without `--out`. Each command has a subfolder, such as `compare`.
     pub reports: PathBuf,
-    /// The techniques that `compare`, `stability` and `plan` know: the built-in ones, and those of
-    /// the program.
+    /// The techniques of `compare`, `stability` and `plan`: the built-in ones and the program's
+    /// own.
     pub catalogue: Catalogue,
-    /// Times light sets against a program written by hand, for `card`; `None` if the program has
-    /// none.
+    /// Benchmark of light sets against a hand-written program, for `card`. `None` if the program
+    /// has none.
     pub light_set_ratios: Option<LightSetRatios>,
 }
 
-/// Returns times of light sets over times of a program written by hand, on this adapter, by what
-/// was timed.
+/// A function that returns times of light sets relative to those of a hand-written program on this
+/// adapter, by the name of the measurement.
 pub type LightSetRatios = fn(&AdapterChoice) -> Result<BTreeMap<String, f64>>;
 
 impl Default for Program {
-    /// Returns the program `umbrage`, whose reports go to subfolders of `umbrage-reports` in the
+    /// Returns the program `umbrage`. Its reports are in subfolders of `umbrage-reports` in the
     /// current folder.
     fn default() -> Self {
         Self {
@@ -43,18 +42,18 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Returns the program with one technique more, which is then on the command line, in charts,
-    /// in the stability matrix and among the planner's candidates.
+    /// Adds a technique. It is then available on the command line, in charts, in the stability
+    /// matrix and as a candidate of the planner.
     ///
     /// # Errors
-    /// Errors if there is a technique of that name.
+    /// Errors if there is a technique with the same name.
     pub fn with(mut self, technique: CatalogueEntry) -> Result<Self, Invalid> {
         self.catalogue = self.catalogue.with(technique)?;
         Ok(self)
     }
 
-    /// Returns the folder for a command's report: the one that was asked for, else a subfolder with
-    /// the command's name.
+    /// Returns the folder for a command's report: the requested one, or else a subfolder with the
+    /// command's name.
     pub(crate) fn folder(&self, asked_for: Option<&Path>, command: &str) -> PathBuf {
         match asked_for {
             Some(folder) => folder.to_owned(),

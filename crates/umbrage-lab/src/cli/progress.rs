@@ -1,4 +1,4 @@
-//! Shows the progress of a comparison, and how long it still takes.
+//! Shows the progress of a comparison and the remaining time.
 
 use crate::cli::cost::spoken;
 use crate::compare::CompareEvent;
@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Without a terminal for a bar, a line is printed this often.
+/// Interval of log lines if there is no terminal for a bar.
 pub(crate) const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
 /// A progress bar. Without a terminal, a line is printed every [`LOG_INTERVAL`].
@@ -22,8 +22,8 @@ pub(crate) struct LoggedBar {
 }
 
 impl LoggedBar {
-    /// Returns a bar of some steps in a style of `indicatif`. `print_line` receives the bar and
-    /// the time since it began.
+    /// Returns a bar with this many steps in a style of `indicatif`. `print_line` receives the bar
+    /// and the elapsed time.
     pub(crate) fn new(
         steps: u64,
         style: &str,
@@ -41,7 +41,7 @@ impl LoggedBar {
         Self { bar, log }
     }
 
-    /// Returns a bar for work that comes in equal steps.
+    /// Returns a bar for work in equal steps.
     pub(crate) fn of_steps(message: String, steps: u64) -> Self {
         let print_line = move |bar: &ProgressBar, _: Duration| {
             println!("{}: {} of {steps}", bar.message(), bar.position());
@@ -59,26 +59,26 @@ impl LoggedBar {
     }
 }
 
-/// A progress bar for the whole comparison.
+/// Progress bar of a whole comparison.
 pub(crate) struct Progress {
     shown: LoggedBar,
     at: Mutex<Position>,
 }
 
-/// How far the comparison is.
+/// Progress of the comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Position {
-    /// The work of the scenes before the one that is compared.
+    /// Work of the scenes before the current one.
     before: u64,
-    /// The work of the one that is compared: half for truth, half for its rows.
+    /// Work of the current scene: half for truth, half for its rows.
     work: u64,
-    /// Its rows.
+    /// Rows of the current scene.
     rows: u64,
 }
 
 impl Progress {
     pub(crate) fn new() -> Self {
-        let style = "{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}";
+        let style = "{bar:30} {percent:>3} %  {elapsed} elapsed, {eta} left  {wide_msg}";
         let print_line = |bar: &ProgressBar, elapsed: Duration| {
             let length = bar.length().unwrap_or(0).max(1);
             let done = bar.position() as f64 / length as f64;
@@ -90,10 +90,10 @@ impl Progress {
         }
     }
 
-    /// Shows an event; may be called from any thread.
+    /// Shows an event. May be called from any thread.
     pub(crate) fn note(&self, event: CompareEvent<'_>) {
-        // After a panic elsewhere the lock is poisoned; a second panic here would hide the first
-        // one's message.
+        // Use the lock after a panic on another thread, too: a second panic would hide the message
+        // of the first.
         let mut at = self
             .at
             .lock()
@@ -113,7 +113,7 @@ impl Progress {
             }
             _ => {}
         }
-        // In a log, a line for each scene.
+        // Print a line for each scene in a log.
         if let CompareEvent::SceneDone { result } = event
             && self.shown.bar.is_hidden()
         {
@@ -129,7 +129,7 @@ impl Progress {
     }
 }
 
-/// Calls a function at equal intervals on a thread of its own, until it is stopped.
+/// A thread that calls a function at equal intervals until it is stopped.
 pub(crate) struct Repeater {
     stop: Mutex<Option<Sender<()>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
@@ -139,7 +139,7 @@ impl Repeater {
     pub(crate) fn new(interval: Duration, function: impl Fn() + Send + 'static) -> Self {
         let (stop, stopped) = channel();
         let thread = std::thread::spawn(move || {
-            // Until the other end of the channel is dropped.
+            // Wait until the other end of the channel is dropped.
             while stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
                 function();
             }
@@ -150,13 +150,13 @@ impl Repeater {
         }
     }
 
-    /// Stops the calls; waits for one that has begun.
+    /// Stops the calls. Waits for one that has begun.
     pub(crate) fn stop(&self) {
         let sender = self.stop.lock().ok().and_then(|mut slot| slot.take());
         drop(sender);
         let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());
         if let Some(thread) = thread {
-            // If it panicked, its message has been printed.
+            // If the thread panicked, its message has been printed.
             drop(thread.join());
         }
     }
@@ -168,17 +168,17 @@ impl Drop for Repeater {
     }
 }
 
-/// Returns a line of the log. `done` is the share that is done, 0..=1.
+/// Returns a line of the log. `done` is the completed share, 0..=1.
 fn log_line(done: f64, elapsed: Duration, message: &str) -> String {
     let gone = spoken(elapsed);
     let left = elapsed.as_secs_f64() * (1.0 - done).max(0.0) / done;
-    // The first hundredth is too little to estimate the rest from.
+    // Estimate the rest only after the first hundredth: less is too little.
     let rest = if done > 0.01 {
-        format!(", about {} to go", spoken(Duration::from_secs_f64(left)))
+        format!(", about {} left", spoken(Duration::from_secs_f64(left)))
     } else {
         String::new()
     };
-    format!("{:.0} %, {gone} gone{rest}: {message}", 100.0 * done)
+    format!("{:.0} %, {gone} elapsed{rest}: {message}", 100.0 * done)
 }
 
 fn message(event: CompareEvent<'_>) -> Option<String> {
@@ -195,7 +195,7 @@ fn message(event: CompareEvent<'_>) -> Option<String> {
     }
 }
 
-/// Returns the steps that are done after an event; none if it doesn't change them.
+/// Returns the completed steps after an event. `None` if it doesn't change them.
 fn position(at: Position, event: CompareEvent<'_>) -> Option<u64> {
     let half = at.work / 2;
     let within = match event {
@@ -207,7 +207,7 @@ fn position(at: Position, event: CompareEvent<'_>) -> Option<u64> {
     Some(at.before + within)
 }
 
-/// Returns `done` of `total` parts of some work.
+/// Returns the work of `done` of `total` parts.
 fn part(work: u64, done: usize, total: usize) -> u64 {
     let share = done as f64 / total.max(1) as f64;
     (work as f64 * share) as u64
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(position(at, row), Some(6500));
     }
 
-    /// Nothing happens meanwhile, as while one large row is played.
+    /// No event occurs meanwhile, as during a large row.
     #[test]
     fn a_log_hears_of_progress_though_nothing_happens() {
         let calls = Arc::new(AtomicUsize::new(0));
@@ -265,11 +265,11 @@ mod tests {
         let minutes = |m: u64| Duration::from_secs(60 * m);
         assert_eq!(
             log_line(0.25, minutes(5), "cubes: truth"),
-            "25 %, 5 min gone, about 15 min to go: cubes: truth"
+            "25 %, 5 min elapsed, about 15 min left: cubes: truth"
         );
         assert_eq!(
             log_line(0.0, minutes(5), "cubes: truth"),
-            "0 %, 5 min gone: cubes: truth"
+            "0 %, 5 min elapsed: cubes: truth"
         );
     }
 }

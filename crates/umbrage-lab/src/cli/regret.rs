@@ -16,14 +16,14 @@ use umbrage_plan::{
     truth::TruthOptions,
 };
 
-/// Images of more pixels than this are judged at one pixel of each block under lights with an
-/// extent, and candidates are swept with their best bias alone: a sweep of everything would take
+/// Size limit of thorough sweeps, pixels. In larger images under lights with an extent, one pixel
+/// of each block is judged, and candidates have their best bias only. A full sweep would take
 /// hours.
 const MAX_THOROUGH: u32 = 320 * 240;
-/// The side of those blocks, pixels.
+/// Side of these blocks, pixels.
 const BLOCK_SIDE: u32 = 4;
 
-/// Prints a row for each scene, light and bound; errors if too many bounds are broken, or a choice
+/// Prints a row for each scene, light and bound. Errors if too many bounds are broken, or a choice
 /// costs too much.
 pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &arguments.scenes)?;
@@ -32,7 +32,7 @@ pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()>
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
-        // Once also without lights: then the library returns the error that says so.
+        // Run once for a scene without lights, too: the library then returns the error.
         for light in 0..scene.lights.len().max(1) {
             let of_all = options_of(program, arguments)?;
             let own = scene.cameras.first().map(|camera| camera.size);
@@ -86,7 +86,7 @@ fn cells(r: &Regret) -> Vec<String> {
     let verdict = if !r.keeps() {
         "bound broken"
     } else if r.misses() {
-        "dear"
+        "expensive"
     } else {
         ""
     };
@@ -119,13 +119,13 @@ fn cells(r: &Regret) -> Vec<String> {
     ]
 }
 
-/// Returns what the clock says of a plan.
+/// Returns the measured times of a plan in words.
 fn clock_words(clock: Option<&ClockRegret>) -> String {
     let Some(clock) = clock else {
         return "-".to_owned();
     };
     format!(
-        "{:.2}: {:.1} ms, of {} the quickest {} {:.1} ms",
+        "{:.2}: {:.1} ms; fastest of {}: {} with {:.1} ms",
         clock.ratio(),
         clock.chosen_ms,
         clock.candidates,
@@ -139,20 +139,20 @@ const HEADER: [&str; 12] = [
     "light",
     "bound",
     "planned",
-    "predicted (most)",
+    "predicted (upper bound)",
     "error",
     "ms",
     "cheapest by sweep",
-    "times the least",
-    "by the clock",
+    "cost ratio",
+    "measured ratio",
     "seconds",
     "",
 ];
 
-/// The columns of [`HEADER`] that hold numbers.
+/// Columns of [`HEADER`] with numbers.
 const NUMBERS: [usize; 6] = [2, 4, 5, 6, 8, 10];
 
-/// Returns a row as a line for logs.
+/// Returns a row as a log line.
 fn line(r: &Regret) -> String {
     cells(r).join(" | ")
 }
@@ -174,7 +174,7 @@ fn table(all: &[Regret]) -> Table {
     table
 }
 
-/// Prints a summary; errors if plans miss their targets.
+/// Prints a summary. Errors if plans miss their targets.
 fn verdict(all: &[Regret]) -> Result<()> {
     let count = all.len().max(1) as f64;
     let kept = all.iter().filter(|r| r.keeps()).count();
@@ -190,8 +190,8 @@ fn verdict(all: &[Regret]) -> Result<()> {
     let greatest = ratios.nearest(1.0).unwrap_or(1.0);
     let percent = 100.0 * kept as f64 / count;
     println!(
-        "{kept} of {} plans keep their bound on the whole image ({percent:.1} %); cost over the least: median {median:.2}, \
-         9 in 10 within {nine_in_ten:.2}, greatest {greatest:.2}; {dear} cost more than {MAX_REGRET} times the least",
+        "{kept} of {} plans keep their bound on the whole image ({percent:.1} %); cost relative to the cheapest: median {median:.2}, \
+         90 % within {nine_in_ten:.2}, maximum {greatest:.2}; {dear} cost more than {MAX_REGRET} times the cheapest",
         all.len()
     );
     let by_clock: Vec<f64> = all
@@ -210,7 +210,7 @@ fn verdict(all: &[Regret]) -> Result<()> {
         let timed = by_clock.len();
         let ratios = Sorted::new(by_clock);
         println!(
-            "by the clock: {within} of {timed} within {MAX_REGRET} times the least ({:.1} %); median {:.2}, greatest {:.2}",
+            "measured: {within} of {timed} within {MAX_REGRET} times the fastest ({:.1} %); median {:.2}, maximum {:.2}",
             100.0 * within as f64 / timed as f64,
             ratios.nearest(0.5).unwrap_or(1.0),
             ratios.nearest(1.0).unwrap_or(1.0)
@@ -219,7 +219,7 @@ fn verdict(all: &[Regret]) -> Result<()> {
     }
     if misses {
         bail!(
-            "plans miss their targets: {:.0} % kept, at most {MAX_REGRET} times the least cost (by the clock in as many)",
+            "plans miss their targets: {:.0} % must keep their bound, at no more than {MAX_REGRET} times the least cost or measured time",
             100.0 * MIN_KEPT
         );
     }

@@ -1,4 +1,4 @@
-//! Runs the command that the command line names.
+//! Dispatches the command line to its command.
 
 use super::{
     args::{self, Command},
@@ -10,11 +10,13 @@ use anyhow::Result;
 use std::process::ExitCode;
 
 impl Program {
-    /// Runs the command that the command line asks for. Returns the exit code: 0 (done), 2 (what
-    /// was asked for can't be: a name, a file or a number is wrong) or 1 (failed otherwise).
+    /// Runs the command of the command line. Prints errors to standard error.
     ///
-    /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong
-    /// usage, and with 141 when nobody reads what it prints.
+    /// Returns the exit code: 0 (success), 2 (a name, file or number of the user is invalid) or 1
+    /// (any other failure).
+    ///
+    /// Ends the process with 0 after `--help`, with 2 after wrong usage, and with 141 if standard
+    /// output is closed.
     pub fn run(&self) -> ExitCode {
         let command = args::parse(self.invocation);
         let Err(error) = self.dispatch(&command) else {

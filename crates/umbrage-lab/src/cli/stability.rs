@@ -1,4 +1,4 @@
-//! `stability`: plays the rows, prints the matrix and writes the report.
+//! `stability`: runs the failure tests, prints the matrix and writes the report.
 
 use crate::{
     cli::{
@@ -21,40 +21,43 @@ use std::{path::PathBuf, time::Instant};
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask stability                              all rows, all sweeps, all windows of bias
-  cargo xtask stability --list                       the rows, and what each is judged by
+  cargo xtask stability                              all rows, sweeps and bias windows
+  cargo xtask stability --list                       list the rows and their criteria
   cargo xtask stability 3 12 --technique hard,pcf    two rows, two techniques
-  cargo xtask stability --technique pcf              one technique in all rows, and its window
-  cargo xtask stability thin-plate --backend cpu     one case, on the CPU alone
-  cargo xtask stability --quick --out look           small images and maps, in a folder of your own")]
+  cargo xtask stability --technique pcf              one technique in all rows, and its bias window
+  cargo xtask stability thin-plate --backend cpu     one case, CPU only
+  cargo xtask stability --quick --out look           small images and maps, in your own folder")]
 pub(crate) struct StabilityArguments {
-    /// Rows by number, or cases by name; none: all rows, and each technique's window of bias;
-    /// without --technique all sweeps, too
+    /// Rows (numbers) or cases (names) to run
+    ///
+    /// Default: all rows and the bias window of each technique; without --technique also all
+    /// sweeps.
     #[arg(value_name = "ROW")]
     pub(crate) rows: Vec<String>,
-    /// Only these techniques; may be repeated, or separated by commas
+    /// Techniques to test; repeat the option, or separate names by commas. Default: all
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
-    /// Which backends play: figures are the first's, the others must agree; of moving rows they
-    /// play the first and the last frame, of sweeps the ends and the middle. Else those available,
-    /// with --quick the CPU
+    /// Backends to run. Default: the available ones; with --quick the CPU
+    ///
+    /// Figures are those of the first backend, with which the others must agree. The others run the
+    /// first and last frame of moving rows, and the ends and middle of sweeps.
     #[arg(long, value_name = "NAME")]
     pub(crate) backend: Option<BackendName>,
-    /// Graphics adapter by part of its name, such as llvmpipe
+    /// Graphics adapter, by part of its name, such as llvmpipe
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// Small images and maps, few frames and samples: a look rather than a measurement
+    /// Preview: small images and maps, few frames and samples
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Folder for the report; else target/stability in the repository
+    /// Folder for the report. Default: target/stability in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// List the rows with their scenes, measures and limits, and end
+    /// List the rows with their scenes, measures and limits, and exit
     #[arg(long)]
     pub(crate) list: bool,
 }
 
-/// Plays, prints and reports; errors if there are faults.
+/// Runs the rows, prints the matrix and writes the report. Errors if there are faults.
 pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Result<()> {
     if arguments.list {
         println!("{}", tables::list());
@@ -74,17 +77,17 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
         println!("{}", tables::matrix(&stability));
         println!("{}", tables::legend(&stability));
         println!(
-            "a figure in brackets is the second measure's: what a cure for the failure takes away"
+            "figures in brackets belong to the second measure: the side effect of fixing the failure"
         );
     }
     if arguments.rows.is_empty() {
         match run_windows(&options, &mut backends) {
             Ok(found) => stability.windows = found,
-            // The rows' results are kept; the run fails nevertheless.
+            // Keep the results of the rows. The run fails nevertheless.
             Err(e) => stability.faults.push(format!("bias windows: {e:#}")),
         }
     }
-    // Those of all techniques are in the page, and in one line below.
+    // Print windows of named techniques only: the page has all of them.
     if !arguments.techniques.is_empty() && !stability.windows.is_empty() {
         println!("{}", tables::windows_table(&stability.windows));
     }
@@ -94,7 +97,7 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     if arguments.rows.is_empty() && arguments.techniques.is_empty() {
         match run_sweeps(&options, &mut backends) {
             Ok(found) => sweeps = found,
-            // The rows' results are kept; the run fails nevertheless.
+            // Keep the results of the rows. The run fails nevertheless.
             Err(e) => stability.faults.push(format!("sweeps: {e:#}")),
         }
     }
@@ -138,7 +141,7 @@ fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<Stabi
 
 fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
     let style = ProgressStyle::with_template(
-        "{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}",
+        "{bar:30} {pos:>3}/{len}  {elapsed} elapsed, {eta} left  {wide_msg}",
     );
     let bar =
         ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -159,12 +162,12 @@ fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability
     Ok(stability?)
 }
 
-/// Returns a line of the log: how many cases are done, and the last of them.
+/// Returns a line of the log: the number of finished cases and the last of them.
 fn log_line(done: u64, of: Option<u64>, case: &str) -> String {
     format!("{done:>3} of {}: {case}", of.unwrap_or(done))
 }
 
-/// Shows what is done now: beside the bar, or as a line without a terminal.
+/// Shows the current step next to the bar, or as a line without a terminal.
 fn show(bar: &ProgressBar, message: String) {
     if bar.is_hidden() {
         println!("{message}");
@@ -173,7 +176,7 @@ fn show(bar: &ProgressBar, message: String) {
     bar.tick();
 }
 
-/// Finds the windows of bias.
+/// Measures the bias windows.
 fn run_windows(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<BiasWindow>> {
     let bar = ProgressBar::new_spinner();
     let windows = windows(options, backends, &mut |technique| {
@@ -193,7 +196,7 @@ fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec
     Ok(sweeps?)
 }
 
-/// Returns a case as a line for logs.
+/// Returns a case as a log line.
 fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
     format!(
@@ -209,14 +212,14 @@ fn verdict(stability: &Stability) -> Result<()> {
         return Ok(());
     }
     bail!(
-        "{} results must not be:\n  {}",
+        "{} results are invalid:\n  {}",
         stability.faults.len(),
         stability.faults.join("\n  ")
     )
 }
 
-/// Returns the backends to play on. A quick run plays on the CPU alone unless others are named, as
-/// software drivers are slow.
+/// Returns the backends to run. The default of quick runs is the CPU only, as software drivers are
+/// slow.
 fn backend(arguments: &StabilityArguments) -> BackendName {
     let otherwise = if arguments.quick {
         BackendName::Cpu

@@ -1,19 +1,19 @@
-//! What a run of `stability` comes to, in the last lines that it prints.
+//! Summary of a `stability` run: the last lines of its output.
 
 use crate::stability::{SettingVerdicts, Stability, Verdict};
 
-/// Lines about techniques: one each, those that fail the least share of their rows.
+/// Number of lines about single techniques: those that fail the smallest share of their rows.
 const TECHNIQUES: usize = 5;
-/// Titles of failed rows that a line names.
+/// Number of titles of failed rows in a line.
 const TITLES: usize = 5;
 
-/// Returns a heading, a line for each of the techniques that fail the least share of their rows, a
-/// line about the others, the windows of bias and the sanity rows: nine lines at most, and the
-/// report's place is the tenth.
+/// Returns at most nine lines: a heading, the techniques that fail the smallest share of their
+/// rows, the other techniques, the bias windows and the sanity rows. The command adds the path of
+/// the report as the tenth.
 pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     let count = |verdict| stability.count(verdict);
     let cells = format!(
-        "{} cells pass, {} are degraded, {} fail, {} could not have failed and are not measured",
+        "{} cells pass, {} are degraded, {} fail, {} are not measured, as they could not have failed",
         count(Verdict::Pass),
         count(Verdict::Degraded),
         count(Verdict::Fails),
@@ -21,7 +21,7 @@ pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     );
     let all = stability.setting_verdicts();
     let mut out = vec![format!(
-        "where techniques fail, by their best setting ({cells}):"
+        "failures of each technique with its best setting ({cells}):"
     )];
     let best = best_settings(&all);
     for verdicts in best.iter().take(TECHNIQUES) {
@@ -46,9 +46,11 @@ pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     out
 }
 
-/// Returns each technique's setting that fails the least share of its rows (of equal ones, with the
-/// fewest degraded), the techniques likewise. `none` is left out: it has no shadow to be wrong. So
-/// is what no row measures.
+/// Returns the best setting of each technique, sorted: the smallest share of failed rows, then the
+/// fewest degraded ones.
+///
+/// `none` is skipped, since it has no shadow that could be wrong. So are settings without measured
+/// rows.
 fn best_settings(all: &[SettingVerdicts]) -> Vec<&SettingVerdicts> {
     let mut sorted: Vec<&SettingVerdicts> = all
         .iter()
@@ -75,7 +77,7 @@ mod tests {
     use super::*;
     use crate::stability::{CaseResult, Cell, CellOutcome, Judgement};
 
-    /// Technique `t<n>` fails the first `n` of 12 rows; each has a second setting that fails all.
+    /// Technique `t<n>` fails the first `n` of 12 rows. Its second setting fails all.
     fn sample(techniques: usize) -> Stability {
         let mut cases = Vec::new();
         for row in 0..12 {

@@ -1,12 +1,12 @@
-//! The tables that `stability` prints: the matrix of single rows, the windows of bias, and the list
-//! of rows.
+//! Tables printed by `stability`: the matrix of single rows, the bias windows, and the list of
+//! rows.
 
 use crate::stability::{
     Base, BiasWindow, CaseResult, Cell, CriterionResult, Stability, Verdict, rows,
 };
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 
-/// Returns a line for each technique: the normal offsets at which it has neither acne nor a gap.
+/// Returns a table with one line per technique: the normal offsets with neither acne nor a gap.
 pub(crate) fn windows_table(windows: &[BiasWindow]) -> Table {
     let mut table = Table::new();
     table
@@ -14,9 +14,9 @@ pub(crate) fn windows_table(windows: &[BiasWindow]) -> Table {
         .set_content_arrangement(ContentArrangement::Disabled)
         .set_header([
             "technique",
-            "normal offsets that pass acne and gap, beside its default bias",
+            "normal offsets without acne and gap, added to the default bias",
             "width, texels",
-            "alone",
+            "as the only bias",
             "width, texels",
         ]);
     for own in windows.iter().filter(|window| window.base == Base::Own) {
@@ -39,7 +39,7 @@ pub(crate) fn windows_table(windows: &[BiasWindow]) -> Table {
     table
 }
 
-/// Returns how many cells have each verdict, beside its sign.
+/// Returns the number of cells with each verdict, next to its sign.
 pub(crate) fn legend(stability: &Stability) -> String {
     let verdicts = [
         (Verdict::Pass, "pass"),
@@ -53,10 +53,10 @@ pub(crate) fn legend(stability: &Stability) -> String {
         parts.push(format!("{} {count} {what}", verdict.sign()));
     }
     let counts = parts.join("   ");
-    format!("{counts}   – not served   ! must not be")
+    format!("{counts}   – not supported   ! invalid")
 }
 
-/// Returns what `text` says of each of a case's criteria; that of all but the first in brackets.
+/// Formats each of a case's criteria with `text`. All but the first are in brackets.
 pub(crate) fn measures(
     result: &CaseResult,
     text: impl Fn(&CriterionResult) -> String,
@@ -68,7 +68,7 @@ pub(crate) fn measures(
     out
 }
 
-/// Returns the text as it is for a case's first criterion, and in brackets for the others.
+/// Returns the text of the first criterion as it is, and that of others in brackets.
 fn bracketed(criterion: usize, text: String) -> String {
     if criterion == 0 {
         text
@@ -77,7 +77,7 @@ fn bracketed(criterion: usize, text: String) -> String {
     }
 }
 
-/// Returns a measure's name and unit.
+/// Returns the name and unit of a measure.
 fn with_unit(criterion: &CriterionResult) -> String {
     if criterion.unit.is_empty() {
         criterion.measure.clone()
@@ -86,8 +86,8 @@ fn with_unit(criterion: &CriterionResult) -> String {
     }
 }
 
-/// Returns the matrix: a line for each case that tells techniques apart, a column for each
-/// technique, in each cell a sign and the figure that decides for each of its settings.
+/// Returns the matrix: a line for each case but the sanity cases, and a column for each
+/// technique. Each setting has a sign and its decisive figure.
 pub(crate) fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();
@@ -129,14 +129,14 @@ fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
     lines.join("\n")
 }
 
-/// Returns the figure that decides a cell's verdict; none if there is none.
+/// Returns the figure that decides a cell's verdict. `None` if there is none.
 fn decisive_figure(cell: &Cell) -> Option<String> {
     let criterion = cell.decisive()?;
     let figure = cell.judgements()[criterion].figure?;
     Some(bracketed(criterion, number(figure)))
 }
 
-/// Formats a number with three significant digits, fewer below .1.
+/// Formats a number with three significant digits, or fewer below 0.1.
 pub(crate) fn number(v: f64) -> String {
     match v.abs() {
         0.0 => "0".to_owned(),
@@ -148,7 +148,7 @@ pub(crate) fn number(v: f64) -> String {
     }
 }
 
-/// Returns the table of all rows, their cases and measures.
+/// Returns the table of all rows with their cases and measures.
 pub(crate) fn list() -> Table {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING).set_header([

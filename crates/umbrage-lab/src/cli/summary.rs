@@ -1,4 +1,4 @@
-//! What a comparison comes to, in the last lines that it prints.
+//! Summary of a comparison: the last lines of its output.
 
 use crate::{
     compare::{
@@ -9,12 +9,13 @@ use crate::{
 };
 use umbrage_plan::statistics::Sorted;
 
-/// Lines about settings, over all groups.
+/// Number of lines about settings in all groups together.
 const LINES: usize = 8;
 
-/// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of
-/// light and each backend (one at least), and how well counted costs rank rows; nothing where
-/// there is nothing to report.
+/// Returns a heading, about [`LINES`] lines and the rank correlation of predicted cost and time.
+///
+/// The lines are the most important settings for each kind of light and backend, at least one each.
+/// Returns nothing if there is nothing to report.
 pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>) -> Vec<String> {
     let groups = setting_groups(comparison);
     let Some(first) = groups.first() else {
@@ -25,7 +26,7 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
         CostBasis::Cost => "cost",
     };
     let heading =
-        format!("what to use: error relative to no shadow, {unit} relative to a hard map");
+        format!("recommended settings: error relative to no shadow, {unit} relative to a hard map");
     let mut out = vec![heading];
     let count = (LINES / groups.len()).max(1);
     for group in &groups {
@@ -46,7 +47,7 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
     out
 }
 
-/// Returns a line about rows of which rounding alone changes many pixels. `None` if there are none.
+/// Returns a line about rows in which rounding alone changes many pixels. `None` if there are none.
 fn rows_sensitive_to_rounding(comparison: &Comparison) -> Option<String> {
     let rows = comparison.rows_sensitive_to_rounding();
     let (first, rest) = rows.split_first()?;
@@ -59,12 +60,12 @@ fn rows_sensitive_to_rounding(comparison: &Comparison) -> Option<String> {
     ))
 }
 
-/// Returns a line about how well counted costs rank the rows of each scene and backend as the clock
-/// does; none without times.
+/// Returns a line about the rank correlation of predicted cost and measured time, per scene and
+/// backend. `None` without times.
 fn cost_ranks(comparison: &Comparison) -> Option<String> {
     let mut worst: Option<(f64, String)> = None;
     let mut all = Vec::new();
-    // Small checks count in no mean, where there are frames of real size.
+    // Skip small checks if there are full-size scenes.
     let is_content = |scene: &&SceneResult| scene.section == Section::Content;
     let has_content = comparison.scenes.iter().any(|scene| is_content(&scene));
     let scenes = comparison.scenes.iter();
@@ -82,7 +83,7 @@ fn cost_ranks(comparison: &Comparison) -> Option<String> {
     let median = Sorted::new(all).quantile(0.5)?;
     let (least, place) = worst?;
     Some(format!(
-        "counted costs rank rows as the clock does with a correlation of {median:.2}; at worst {least:.2} ({place})"
+        "rank correlation of predicted cost and measured time: median {median:.2}, minimum {least:.2} ({place})"
     ))
 }
 
@@ -163,7 +164,7 @@ mod tests {
     fn ten_lines_tell_what_to_use() {
         let all = lines(&comparison(&["cpu", "wgpu"]), None);
         assert_eq!(all.len(), 2 + LINES, "{all:?}");
-        let ranks = "with a correlation of 1.00; at worst 1.00 ( on cpu)";
+        let ranks = "median 1.00, minimum 1.00 ( on cpu)";
         assert!(all[1 + LINES].ends_with(ranks), "{}", all[1 + LINES]);
         assert_eq!(all[1], "hard shadows, cpu     10 %  1.5 times  pcf");
         assert_eq!(all[8], "soft shadows, wgpu   exact   12 times  volumes");

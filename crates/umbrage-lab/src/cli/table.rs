@@ -4,7 +4,7 @@ use crate::cli::figures_table::figures_table;
 use crate::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
-/// With more rows than this, only those are printed that no other beats in both time and error.
+/// Number of rows above which only Pareto-optimal rows (time and error) are printed.
 const ALL_ROWS: usize = 120;
 
 const HEADER: [&str; 12] = [
@@ -46,26 +46,26 @@ pub(crate) fn print(scenes: &[SceneResult]) {
     }
     if !whole {
         println!(
-            "\nOnly rows that no other row of their scene and backend beats in both time and error; the report has all."
+            "\nOnly rows that are Pareto-optimal in time and error for their scene and backend; the report has all rows."
         );
     }
 }
 
-/// Returns a line about how the maps of all rows are used; none without maps.
+/// Returns a line about the use of all rows' maps. `None` without maps.
 fn maps(rows: &[CompareRow]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
     Some(format!("maps: {}", footprint::words(&used)?))
 }
 
-/// Returns a line about the pixels that were left out of the errors as the backend sees other
-/// triangles there than truth; none if there are no such pixels.
+/// Returns a line about excluded pixels, at which the backend sees other triangles than truth.
+/// `None` if there are none.
 fn left_out(rows: &[CompareRow]) -> Option<String> {
     for row in rows {
         let errors = row.measured().and_then(|measured| measured.errors);
         let pixels = errors.map_or(0, |errors| errors.elsewhere);
         if pixels > 0 {
             return Some(format!(
-                "left out: {pixels} pixels at which {} sees other triangles than truth",
+                "excluded: {pixels} pixels at which {} sees other triangles than truth",
                 row.backend
             ));
         }
@@ -86,7 +86,7 @@ fn cells(row: &CompareRow, motion: FrameMotion) -> Vec<String> {
     cells
 }
 
-/// Returns the cells of a row's figures, in the order of [`HEADER`].
+/// Returns the figures of a row, in the order of [`HEADER`].
 fn figures(m: &Measured, motion: FrameMotion) -> [String; 9] {
     let receive = m
         .times
@@ -105,19 +105,19 @@ fn figures(m: &Measured, motion: FrameMotion) -> [String; 9] {
     ]
 }
 
-/// Formats a figure with this many decimals; a dash without one.
+/// Formats a figure with this many decimals, or a dash without one.
 fn or_dash(figure: Option<f64>, decimals: usize) -> String {
     figure.map_or_else(|| "-".to_owned(), |figure| format!("{figure:.decimals$}"))
 }
 
-/// Returns the time of a frame; the cost where times weren't measured.
+/// Returns the time of a frame, or its cost if times weren't measured.
 fn milliseconds(m: &Measured, motion: FrameMotion) -> f64 {
     let time = m.milliseconds(CostBasis::Wall, motion);
     let cost = m.milliseconds(CostBasis::Cost, motion);
     time.or(cost).unwrap_or(f64::NAN)
 }
 
-/// Returns the rows to print: all, or each backend's Pareto front of time against error.
+/// Returns the rows to print: all, or the Pareto front of time and error of each backend.
 fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
     let rows = &scene.rows;
     if whole {
@@ -136,7 +136,7 @@ fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
     out
 }
 
-/// Returns the rows that no other beats in both time and error.
+/// Returns the rows that no other row beats in both time and error.
 fn best(rows: Vec<&CompareRow>, motion: FrameMotion) -> Vec<&CompareRow> {
     let mut points = Vec::with_capacity(rows.len());
     for row in &rows {

@@ -1,11 +1,11 @@
-//! Wrong usage that only a command itself can see, such as a scene's name, and the exit codes.
+//! Wrong usage that only a command can detect, such as an unknown scene, and exit codes.
 
 use crate::error::LabError;
 use umbrage_core::{BackendError, Invalid, RecipeError};
 use umbrage_plan::MeasureError;
 use umbrage_scenes::SceneError;
 
-/// The user asked for something that isn't there. The program ends with 2.
+/// An argument names something that doesn't exist. The program exits with 2.
 #[derive(Debug)]
 pub(crate) struct Usage(pub(crate) String);
 
@@ -17,9 +17,10 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Returns the exit code after an error: 2 if what the user gave can't be used (names, numbers, and
-/// what is in files), 1 for all else: results that must not be, bounds that nothing keeps, a device
-/// or a disk that fails.
+/// Returns the exit code for an error.
+///
+/// 2 means invalid input of the user: names, numbers, and the content of files. 1 means any other
+/// failure: invalid results, bounds that nothing meets, a failing device or disk.
 pub(crate) fn exit_code(error: &anyhow::Error) -> u8 {
     let is_input = error.is::<Usage>()
         || error.is::<SceneError>()
@@ -56,7 +57,7 @@ mod tests {
             assert_eq!(exit_code(&mistake), 2, "{mistake}");
         }
         let failures: [anyhow::Error; 3] = [
-            anyhow::anyhow!("2 results must not be"),
+            anyhow::anyhow!("2 results are invalid"),
             BackendError::DeviceLost("gone".to_owned()).into(),
             LabError::Backend(BackendError::DeviceLost("gone".to_owned())).into(),
         ];

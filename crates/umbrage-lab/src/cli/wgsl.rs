@@ -11,26 +11,26 @@ use umbrage_techniques::TechniquePreset;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask wgsl hard                            with the default settings
-  cargo xtask wgsl --preset street.preset.toml     with settings from a file
-  cargo xtask wgsl pcf --prefix sun_ > sun.wgsl    with a prefix of yours before each name")]
+  cargo xtask wgsl hard                            default settings
+  cargo xtask wgsl --preset street.preset.toml     settings from a file
+  cargo xtask wgsl pcf --prefix sun_ > sun.wgsl    all names begin with `sun_`")]
 pub(crate) struct WgslArguments {
-    /// The technique
+    /// Name of the technique
     #[arg(
         value_name = "NAME",
         required_unless_present = "preset",
         conflicts_with = "preset"
     )]
     pub(crate) name: Option<String>,
-    /// File with the settings of a technique, as `plan` writes it
+    /// Preset file, as written by `plan`
     #[arg(long, value_name = "FILE")]
     pub(crate) preset: Option<PathBuf>,
-    /// What each name of the text begins with
+    /// Prefix of all names in the text
     #[arg(long, value_name = "TEXT", default_value = "shadow_")]
     pub(crate) prefix: String,
 }
 
-/// Prints the text that a user pastes into a shader; errors if there is no such technique.
+/// Prints the text to paste into a shader. Errors if there is no such technique.
 pub(crate) fn wgsl(program: &Program, arguments: &WgslArguments) -> Result<()> {
     let preset = chosen(program, arguments)?;
     let text = assembled_wgsl(&*preset.technique(), &arguments.prefix)?;

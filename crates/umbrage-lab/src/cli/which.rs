@@ -1,4 +1,4 @@
-//! `which`: writes the page that says which technique to use, from what was measured.
+//! `which`: writes the page that recommends techniques, from measured results.
 
 use crate::{
     cli::{program::Program, usage::Usage},
@@ -11,22 +11,22 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask which                                              from the last `compare` and `stability`
-  cargo xtask which target/compare target/stability --out docs   docs/which.md, docs/which.html, pictures in docs/which")]
+  cargo xtask which                                              from the last results
+  cargo xtask which target/compare target/stability --out docs   docs/which.md, .html and images")]
 pub(crate) struct WhichArguments {
-    /// Folder that `cargo xtask compare` wrote, with frames of real size; else target/compare in
-    /// the repository
+    /// Folder written by `compare`, with full-size scenes. Default: target/compare in the
+    /// repository
     #[arg(value_name = "COMPARED")]
     pub(crate) compared: Option<PathBuf>,
-    /// Folder that `cargo xtask stability` wrote; else target/stability in the repository
+    /// Folder written by `stability`. Default: target/stability in the repository
     #[arg(value_name = "STABILITY")]
     pub(crate) stability: Option<PathBuf>,
-    /// Folder for the page and its pictures; else target/which in the repository
+    /// Folder for the page and its images. Default: target/which in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
 }
 
-/// Writes the page; errors if a folder holds no such results.
+/// Writes the page. Errors if a folder has no such results.
 pub(crate) fn which(program: &Program, arguments: &WhichArguments) -> Result<()> {
     let compared = program.folder(arguments.compared.as_deref(), "compare");
     let stability = program.folder(arguments.stability.as_deref(), "stability");

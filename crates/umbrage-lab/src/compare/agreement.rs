@@ -1,10 +1,9 @@
-//! How well another backend agrees with the CPU.
+//! Agreement of other backends with the CPU.
 //!
-//! Devices move vertices to grids of 1/16 to 1/256 pixels, and some lay depth planes through the
-//! moved ones. That alone moves edges, of shadows and of what is seen. So the CPU executes the
-//! recipe once more, rounding vertices as the other backend's device does ([`Snapping`]), and that
-//! is what the other backend must agree with: on other grids the same answers are decided, no
-//! fewer.
+//! Devices round vertices to grids of 1/16 to 1/256 pixels, and some compute depth planes from the
+//! rounded vertices. This alone moves the edges of geometry and shadows. So the CPU executes the
+//! recipe a second time with the vertex rounding of the other device ([`Snapping`]), and the other
+//! backend must agree with that result. No more pixels are undecided on other grids.
 
 use crate::{compare::nudges::nudges, error::LabError};
 use umbrage_core::{
@@ -14,12 +13,12 @@ use umbrage_core::{
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_techniques::sampler_tolerance;
 
-/// A device may differ by so many times what the CPU's answer changes by: it rounds all at once,
-/// and several taps of a filter may change together.
+/// Allowed difference of a device, as a multiple of the change of the CPU's result. A device rounds
+/// everything at once, and several taps of a filter may change together.
 const MOST_CHANGES: f32 = 4.0;
 
-/// Returns the same for a recipe. There is no bound for images that filters made: `msm` of 16 bits
-/// with little bias makes 40,000 times the change out of another rounding of its quotients.
+/// Returns the same for a recipe. Filtered images have no bound: 16-bit `msm` with a small bias
+/// amplifies other rounding of its quotients 40,000 times.
 fn most_changes(recipe: &Recipe) -> f32 {
     if recipe.filters.is_empty() {
         MOST_CHANGES
@@ -28,18 +27,19 @@ fn most_changes(recipe: &Recipe) -> f32 {
     }
 }
 
-/// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too.
-/// `of_cpu` is what it makes of the same recipe by its own rule; [`Agreement::differing`] and
-/// [`Agreement::largest`] tell the difference from that.
+/// Compares a backend's mask with the CPU's mask at the same vertex rounding.
 ///
-/// Pixels where the two see different triangles are set apart. Others that differ by more than is
-/// allowed are *undecided* if the CPU's answer changes by a quarter as much or more as something
-/// moves by what rounding may come to (`nudges.rs`); where images are filtered, if it changes at
-/// all. Else they are violations. Equal masks need no nudges, so none are rendered for them.
+/// `of_cpu` is the CPU's result with its own rounding. [`Agreement::differing`] and
+/// [`Agreement::largest`] are relative to that.
+///
+/// Pixels where the two see different triangles are counted separately. Other pixels that differ by
+/// more than the tolerance are *undecided* if perturbations within rounding (`nudges.rs`) change
+/// the CPU's result by a quarter of the difference. With filtered images, any change suffices. All
+/// others are violations. Equal masks need no nudges, so none are rendered.
 ///
 /// # Errors
-/// Errors if the CPU can't execute the recipe, or masks differ in size or hold anything outside
-/// 0..=1.
+/// Errors if the CPU can't execute the recipe, or if the masks have different sizes or values
+/// outside 0..=1.
 pub fn agree(
     view: &View<'_>,
     recipe: &Recipe,
@@ -106,7 +106,7 @@ pub fn agree(
     })
 }
 
-/// How the CPU rounds if it isn't told otherwise.
+/// Returns the CPU's default rounding.
 fn cpu_rule() -> Snapping {
     Snapping::default()
 }

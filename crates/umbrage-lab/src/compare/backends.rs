@@ -8,19 +8,19 @@ use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
-/// Backends, ready to play.
+/// Opened backends.
 pub struct Backends {
-    /// Those compared; the CPU comes first where it takes part.
+    /// The backends to compare. The CPU is the first if it is one of them.
     pub playing: Vec<Box<dyn Backend + Send>>,
-    /// What the reader of the results must know about the choice.
+    /// Notices about the choice, for the reader of the results.
     pub notices: Vec<String>,
-    /// The graphics adapter and its driver, if one takes part.
+    /// The graphics adapter and its driver, if one is used.
     pub adapter: Option<String>,
-    /// Where truth is kept between runs; none: nowhere.
+    /// Storage for truth between runs. `None` if truth is not stored.
     pub kept_truth: Option<KeptTruth>,
-    /// Finds the receivers that truth is traced at.
+    /// Backend that finds the receivers for truth.
     pub(crate) receivers: Cpu,
-    /// What is known of the graphics device's clock.
+    /// Clock state of the graphics device.
     pub(crate) device_clock: DeviceClock,
 }
 
@@ -35,43 +35,43 @@ impl fmt::Debug for Backends {
 }
 
 impl Backends {
-    /// The CPU alone.
+    /// Returns the CPU only.
     pub fn cpu() -> Self {
         Self::of(vec![Box::new(Cpu::new())])
     }
 
-    /// wgpu alone, on the adapter asked for.
+    /// Returns wgpu only, on the requested adapter.
     ///
     /// # Errors
-    /// Errors if there is no adapter that fits.
+    /// Errors if there is no suitable adapter.
     pub fn wgpu(adapter: &AdapterChoice) -> Result<Self, BackendError> {
         let mut out = Self::of(Vec::new());
         out.add(Gpu::new(adapter), false)?;
         Ok(out)
     }
 
-    /// The CPU and wgpu.
+    /// Returns the CPU and wgpu.
     ///
     /// # Errors
-    /// Errors if there is no adapter that fits.
+    /// Errors if there is no suitable adapter.
     pub fn both(adapter: &AdapterChoice) -> Result<Self, BackendError> {
         let mut out = Self::cpu();
         out.add(Gpu::new(adapter), false)?;
         Ok(out)
     }
 
-    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what
-    /// to do.
+    /// Returns the CPU, and wgpu if there is a suitable adapter. Otherwise a notice states the
+    /// reason and a remedy.
     ///
     /// # Errors
-    /// Errors if an adapter was asked for by name and does not fit.
+    /// Errors if an adapter was requested by name and isn't suitable.
     pub fn available(adapter: &AdapterChoice) -> Result<Self, BackendError> {
         let mut out = Self::cpu();
         out.add(Gpu::new(adapter), adapter.name.is_none())?;
         Ok(out)
     }
 
-    /// Adds wgpu, or if it `may_be_missing`, a notice that says why it is.
+    /// Adds wgpu. If it can't be opened and `may_be_missing`, adds a notice instead.
     fn add(
         &mut self,
         gpu: Result<Gpu, BackendError>,
@@ -89,12 +89,11 @@ impl Backends {
                 ));
                 self.playing.push(Box::new(gpu));
             }
-            // An adapter asked for by name must be there. One that was merely found may be of no
-            // use: its driver may be too old, or the graphics API that the environment names may
-            // lack what is needed.
+            // An adapter requested by name must exist. Any other may be unusable: its driver may be
+            // too old, or the graphics API named by the environment may lack features.
             Err(e) if may_be_missing => {
                 self.notices.push(format!(
-                    "Compared on the CPU alone, as wgpu could not be opened: {e}."
+                    "Compared on the CPU alone: wgpu could not be opened: {e}."
                 ));
             }
             Err(e) => return Err(e),
@@ -102,7 +101,7 @@ impl Backends {
         Ok(())
     }
 
-    /// Returns the caller's own backends. Agreement is measured against the first if its kind is
+    /// Returns the caller's backends. Agreement is measured against the first one if its kind is
     /// `cpu`.
     pub fn of(playing: Vec<Box<dyn Backend + Send>>) -> Self {
         Self {
@@ -115,7 +114,7 @@ impl Backends {
         }
     }
 
-    /// Returns where a comparison with these backends is made, and when, if it has times.
+    /// Returns the environment of a comparison with these backends, and the date if it has times.
     pub fn environment(&self, options: &CompareOptions) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
         let snapping = self
@@ -137,8 +136,8 @@ mod tests {
     use super::*;
     use umbrage_core::Invalid;
 
-    /// An adapter that can't play is as good as none, whatever it can't do: asked for, it is an
-    /// error; else the CPU goes on and says why.
+    /// An unsuitable adapter counts as a missing one. If it was requested, this is an error;
+    /// otherwise only the CPU is used, with a notice.
     #[test]
     fn an_adapter_that_cannot_play_leaves_the_cpu() {
         let errors: [fn() -> BackendError; 3] = [
@@ -161,9 +160,9 @@ mod tests {
             let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
             assert!(
                 backends.add(Err(error()), false).is_err() && backends.notices.is_empty(),
-                "asked for by name"
+                "requested by name"
             );
-            backends.add(Err(error()), true).expect("the CPU plays");
+            backends.add(Err(error()), true).expect("the CPU remains");
             let (notices, why) = (&backends.notices, error().to_string());
             assert!(
                 notices.len() == 1 && notices[0].contains(&why) && notices[0].contains("CPU alone"),

@@ -1,14 +1,14 @@
-//! What to use under one kind of light on one backend: the Pareto front of its settings, and a
-//! choice among them.
+//! Recommended settings for one kind of light on one backend: the Pareto front and a choice from
+//! it.
 //!
-//! * **The least product** of error and time: up to there, each doubling of the time more than
-//!   halves the error. Exact settings are left out, as any time times 0 is 0.
-//! * **The least error**: the cheapest exact setting where there is one.
-//! * **The cheapest** with at most half of the error of no shadow, if it takes at most eight tenths
-//!   of the first one's time.
+//! * **Knee**: the least product of error and time. Up to there, each doubling of the time more
+//!   than halves the error. Exact settings are excluded, as their product is 0.
+//! * **Best**: the least error. The cheapest exact setting if there is one.
+//! * **Cheapest**: error at most half of that without shadows, and time at most eight tenths of the
+//!   knee's.
 //!
-//! `none` is left out of all of them: it takes no time. Where all of them trace rays, which not
-//! every renderer can, the least product without rays is named, too.
+//! `none` is excluded from all of them, as it takes no time. If all of them trace rays, which some
+//! renderers can't, the knee without rays is named, too.
 
 use super::{
     options::Section,
@@ -17,45 +17,45 @@ use super::{
 };
 use umbrage_plan::{motion::FrameMotion, pareto};
 
-/// The greatest relative error of a cheap setting that is worth naming.
+/// Maximum relative error of the cheapest setting.
 const MAX_CHEAP_ERROR: f64 = 0.5;
-/// The greatest share of the knee's time that a cheap setting takes: less of a difference is mostly
+/// Maximum time of the cheapest setting, as a share of the knee's. A smaller difference is mostly
 /// noise.
 const MAX_CHEAP_TIME: f64 = 0.8;
 
-/// The settings of one backend over the scenes of one kind of light.
+/// Settings of one backend over all scenes with one kind of light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SettingGroup {
     /// `hard` or `soft`.
     pub light: &'static str,
-    /// What its scenes are compared for.
+    /// Purpose of the scenes.
     pub section: Section,
-    /// What moves from frame to frame.
+    /// Motion between frames.
     pub motion: FrameMotion,
-    /// Its scenes' places in the comparison.
+    /// Indices of the scenes in the comparison.
     pub scenes: Vec<usize>,
-    /// Kind of backend.
+    /// Kind of the backend.
     pub backend: String,
     /// The settings.
     pub settings: Vec<Relative>,
 }
 
-/// The settings worth naming, as places among those of a group.
+/// Recommended settings, as indices into those of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where
-    /// none is clearly cheaper.
+    /// The cheapest with at most half of the error without shadows. Equal to [`Self::knee`] if none
+    /// is clearly cheaper.
     pub cheapest: usize,
     /// The least product of error and time.
     pub knee: usize,
     /// The least error.
     pub best: usize,
-    /// The least product of error and time without rays, if the others trace some.
+    /// The least product of error and time without rays. `None` unless all others trace rays.
     pub without_rays: Option<usize>,
 }
 
 impl Choice {
-    /// Returns the settings in the order of [`SettingGroup::advice`], each once.
+    /// Returns the settings in the order of [`SettingGroup::advice`], without duplicates.
     pub fn named(&self) -> Vec<usize> {
         let mut out: Vec<usize> = Vec::new();
         let without_rays = self.without_rays.unwrap_or(self.knee);
@@ -68,8 +68,8 @@ impl Choice {
     }
 }
 
-/// Returns the groups of a comparison, hard shadows first; none where nothing can be told of a kind
-/// of light.
+/// Returns the groups of a comparison, hard shadows first. Kinds of light without results have no
+/// group.
 pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
     let mut out = Vec::new();
     for group in scene_groups(comparison) {
@@ -95,7 +95,7 @@ pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
     out
 }
 
-/// Returns the places of a group's scenes in its comparison.
+/// Returns the indices of a group's scenes in its comparison.
 fn places(comparison: &Comparison, group: &SceneGroup<'_>) -> Vec<usize> {
     let scenes = comparison.scenes.iter().enumerate();
     let of_group =
@@ -104,15 +104,14 @@ fn places(comparison: &Comparison, group: &SceneGroup<'_>) -> Vec<usize> {
 }
 
 impl Relative {
-    /// Whether the error is too small to be seen.
+    /// Reports whether the error is too small to be visible.
     pub fn is_exact(&self) -> bool {
         self.error < MIN_ERROR
     }
 }
 
 impl SettingGroup {
-    /// Returns the clock by which settings are chosen: measured times, or counted costs where
-    /// nothing was timed.
+    /// Returns the basis of the choice: measured time, or predicted cost if nothing was timed.
     pub fn clock(&self) -> CostBasis {
         if self.settings.iter().any(|s| s.time.is_some()) {
             CostBasis::Wall
@@ -121,7 +120,8 @@ impl SettingGroup {
         }
     }
 
-    /// Returns the settings on the Pareto front, by rising time. Exact ones count as equally good.
+    /// Returns the settings on the Pareto front, in order of increasing time. Exact ones count as
+    /// equally good.
     pub fn front(&self, clock: CostBasis) -> Vec<usize> {
         let mut points = Vec::with_capacity(self.settings.len());
         for setting in &self.settings {
@@ -133,8 +133,8 @@ impl SettingGroup {
         pareto::front(&points)
     }
 
-    /// Returns the product of a setting's error and time; infinite without a time, for `none`, for
-    /// exact settings, and for those that are no better than no shadow.
+    /// Returns the product of a setting's error and time. Infinite without a time, for `none`, for
+    /// exact settings, and for those no better than no shadow.
     fn product(&self, setting: usize) -> f64 {
         let r = &self.settings[setting];
         match r.take(self.clock()) {
@@ -143,8 +143,8 @@ impl SettingGroup {
         }
     }
 
-    /// Returns the settings that are better than no shadow and not exact, by rising product of
-    /// error and time.
+    /// Returns the settings that are better than no shadow and not exact, in order of increasing
+    /// product of error and time.
     fn by_product(&self) -> Vec<usize> {
         let mut out: Vec<usize> = (0..self.settings.len()).collect();
         out.retain(|&i| self.product(i).is_finite());
@@ -152,13 +152,13 @@ impl SettingGroup {
         out
     }
 
-    /// Returns what to use; none if nothing is better than no shadow.
+    /// Returns the recommended settings. `None` if nothing is better than no shadow.
     pub fn choice(&self) -> Option<Choice> {
         let clock = self.clock();
         let mut front = self.front(clock);
         front.retain(|&i| self.settings[i].error < 1.0);
         let error = |i: &usize| self.settings[*i].error;
-        // The front's time rises while its error falls.
+        // The front's error falls with increasing time.
         let best = *front.last()?;
         let by_product = self.by_product();
         let knee = by_product.iter().find(|&i| front.contains(i));
@@ -180,9 +180,10 @@ impl SettingGroup {
         })
     }
 
-    /// Returns at most `count` settings that matter most, by rising time: those of
-    /// [`Self::choice`], those of other techniques with the least product of error and time, and
-    /// those of the front with the least error.
+    /// Returns at most `count` settings, in order of increasing time.
+    ///
+    /// By priority these are [`Self::choice`], settings of other techniques with the least product
+    /// of error and time, and settings of the front with the least error.
     pub fn shortlist(&self, count: usize) -> Vec<usize> {
         let Some(choice) = self.choice() else {
             return Vec::new();
@@ -215,7 +216,7 @@ impl SettingGroup {
         out
     }
 
-    /// Returns what to use in one sentence; none if nothing is better than no shadow.
+    /// Returns the recommendation as a sentence. `None` if nothing is better than no shadow.
     pub fn advice(&self) -> Option<String> {
         let choice = self.choice()?;
         let mut out = self.clause(choice.knee, true);
@@ -233,7 +234,7 @@ impl SettingGroup {
         Some(out + ".")
     }
 
-    /// Returns a setting with its error and its time; in full words what they are relative to.
+    /// Formats a setting with its error and time. `in_full` adds the references of both.
     fn clause(&self, setting: usize, in_full: bool) -> String {
         let clock = self.clock();
         let r = &self.settings[setting];
@@ -256,8 +257,8 @@ impl SettingGroup {
 }
 
 impl Relative {
-    /// Whether it traces rays, as a technique or as a preset, whose settings begin with the
-    /// technique's name.
+    /// Reports whether it traces rays, as a technique or as a preset. Settings of a preset begin
+    /// with the technique's name.
     fn traces_rays(&self) -> bool {
         self.technique == "traced" || self.settings.starts_with("traced, ")
     }
@@ -272,7 +273,7 @@ impl Relative {
     }
 }
 
-/// Returns a relative error in percent, to two digits.
+/// Formats a relative error in percent with two digits.
 pub fn percent(error: f64) -> String {
     let percent = 100.0 * error;
     if percent < 10.0 {
@@ -282,7 +283,7 @@ pub fn percent(error: f64) -> String {
     }
 }
 
-/// Returns a relative time, to two digits.
+/// Formats a relative time with two digits.
 pub fn times(ratio: f64) -> String {
     if ratio < 0.1 {
         format!("{ratio:.2} times")
@@ -293,7 +294,7 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-/// Returns a count with commas between thousands.
+/// Formats a count with commas between thousands.
 pub(crate) fn thousands(count: u64) -> String {
     let digits = count.to_string();
     let mut out = String::new();

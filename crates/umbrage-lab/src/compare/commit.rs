@@ -1,9 +1,9 @@
-//! Finds out a repository's commit. `xtask-upkeep` compiles this file, too.
+//! Reads a repository's commit. `xtask-upkeep` compiles this file, too.
 
 use std::{path::Path, process::Command};
 
-/// Returns the commit of a folder's repository, with `+` if files were changed since. `None`
-/// outside a repository.
+/// Returns the commit of a folder's repository, with `+` if files were changed. `None` outside a
+/// repository.
 pub(crate) fn commit(folder: &Path) -> Option<String> {
     let git = |arguments: &[&str]| {
         let mut command = Command::new("git");

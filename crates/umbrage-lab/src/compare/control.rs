@@ -1,21 +1,20 @@
-//! The negative control: plays each technique without casters, to check that the comparison notices
+//! Negative control: renders each technique without casters, to check that the comparison detects
 //! their absence.
 //!
-//! Each technique is played on the same triangles, none of which casts. What its mask then owes is
-//! known, pixel by pixel:
+//! The triangles are the same, but none of them casts. The correct mask is then known for each
+//! pixel:
 //!
-//! * Rays ask the light's points one by one, and see those above the receiver's tangent plane.
-//!   Truth takes the same points of the same sequence ([`light_sample`]), so the share that is
-//!   right is counted, not estimated: there is no noise in it.
-//! * Kernels that know the receiver's horizon
-//!   ([`CataloguedKernel::horizon_error`]) owe the share of the light above it, for
-//!   which there are formulas ([`horizon`](super::horizon)).
-//! * All others take the light for its middle. Where that is above the tangent plane they owe 1.
-//!   Where it isn't, both 0 (those that look which way a surface faces) and 1 (maps, which don't)
-//!   are right.
+//! * Ray kernels test points of the light and count those above the receiver's tangent plane. Truth
+//!   uses the same points of the same sequence ([`light_sample`]), so the correct share is counted
+//!   without noise.
+//! * Kernels that account for the receiver's horizon ([`CataloguedKernel::horizon_error`]) must
+//!   return the share of the light above it, which [`horizon`](super::horizon) computes.
+//! * All other kernels treat the light as its centre. If the centre is above the tangent plane,
+//!   they must return 1. Otherwise both 0 (kernels that test the surface's orientation) and 1
+//!   (maps, which don't) are correct.
 //!
-//! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a
-//! ray's origin is lifted and on the order of additions: there either answer is right.
+//! A point within rounding of the tangent plane may count as above or below it. The result depends
+//! on the lift of the ray's origin and on the order of additions.
 
 use super::{horizon, result::Control, seen::SceneView};
 use crate::error::LabError;
@@ -33,9 +32,10 @@ use umbrage_plan::{
 };
 use umbrage_techniques::{TechniquePreset, sampler_tolerance};
 
-/// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its
-/// mask. `recipe` and `with_casters` are what it planned and showed with them. None where it can't
-/// be planned without casters.
+/// Renders a technique on the same triangles without casters, and checks its mask.
+///
+/// `recipe` and `with_casters` are its recipe and its result with casters. `None` if the technique
+/// has no recipe without casters.
 pub(super) fn run(
     backend: &mut dyn Backend,
     technique: &TechniquePreset,
@@ -50,8 +50,8 @@ pub(super) fn run(
         geometry: &bare,
         ..*view
     };
-    // Truth's receivers, so that a backend that sees a neighbouring triangle somewhere isn't judged
-    // by another's plane.
+    // Use truth's receivers: a backend that sees a neighbouring triangle at a pixel must not be
+    // judged by another plane.
     let seen = bare_view.core().with_receivers(&truth.receivers);
     let bare_recipe = match technique.recipe(&seen) {
         Ok(recipe) => recipe,
@@ -66,7 +66,7 @@ pub(super) fn run(
     let is_counted = |i: usize| truth.pixels[i] == Pixel::Counted;
     let wrong_without = (0..expected.len())
         .filter(|&i| {
-            // Counting points errs where the horizon crosses the light, and nowhere else.
+            // Counting points has an error only where the horizon crosses the light.
             let error = if expected[i].is_partial() {
                 horizon_error
             } else {
@@ -75,10 +75,9 @@ pub(super) fn run(
             is_counted(i) && !expected[i].contains(without.mask[i], tolerance + error)
         })
         .count() as u64;
-    // A recipe that draws no casters and has no tables of them shows no shadow, and need not.
+    // A recipe without casts and caster tables shows no shadow, and need not.
     let knows_casters = !recipe.casts.is_empty() || !recipe.tables.is_empty();
-    // Where the whole light is hidden by casters, its center and every sample of it are hidden,
-    // too.
+    // If casters hide the whole light, its centre and all its samples are hidden, too.
     let shadow: Vec<bool> = (0..expected.len())
         .map(|i| {
             let is_lit_without = expected[i].min > ERROR_THRESHOLD;
@@ -103,7 +102,7 @@ pub(super) fn run(
     }))
 }
 
-/// The visibilities of a pixel that are right, 0..=1.
+/// Correct visibilities of a pixel, 0..=1.
 #[derive(Clone, Copy, Debug)]
 struct VisibilityRange {
     min: f32,
@@ -113,7 +112,7 @@ struct VisibilityRange {
 impl VisibilityRange {
     const LIT: Self = Self { min: 1.0, max: 1.0 };
 
-    /// Whether some of the light is seen, and some isn't.
+    /// Reports whether the light is partially visible.
     fn is_partial(self) -> bool {
         self.max > 0.0 && self.min < 1.0
     }
@@ -123,7 +122,7 @@ impl VisibilityRange {
     }
 }
 
-/// Returns for every pixel the visibilities that are right when nothing casts.
+/// Returns the correct visibilities of every pixel without casters.
 fn expected_without_casters(
     view: &SceneView<'_>,
     truth: &Truth,
@@ -147,33 +146,34 @@ fn expected_without_casters(
         .collect()
 }
 
-/// The part of the light that a kernel asks for.
+/// The part of the light that a kernel tests.
 enum KernelQuery {
-    /// The light's center alone.
+    /// The light's centre only.
     Center,
-    /// So many points.
+    /// This number of points.
     Points(u32),
-    /// The share above the horizon.
+    /// The visible share above the horizon.
     Share,
 }
 
-/// Whether a point of the light lies above a receiver's tangent plane.
+/// Position of a point of the light relative to a receiver's tangent plane.
 #[derive(Clone, Copy, Debug)]
 struct Above {
+    /// It is above the plane.
     surely: bool,
-    /// Within rounding.
+    /// It is above the plane or within rounding of it.
     maybe: bool,
 }
 
-/// A light as receivers see it over their own horizon.
+/// A light as seen by receivers over their own horizon.
 struct LightOverHorizon {
     light: LightSampler,
     query: KernelQuery,
-    /// The light's center; none for directions.
+    /// The light's centre. `None` for directional lights.
     center: Option<Vec3>,
     /// The unit direction to a directional light.
     direction: Vec3,
-    /// How far rays' origins may be lifted off their surface, metres.
+    /// Maximum lift of ray origins off their surface, metres.
     lift: f32,
 }
 
@@ -184,7 +184,7 @@ impl LightOverHorizon {
             .bounds()
             .union(&Aabb::around([view.camera.eye()]));
         let light = LightSampler::new(view.light);
-        // One ray serves an ideal light, whatever was asked for.
+        // An ideal light needs one ray, whatever the number of samples.
         let query = match rays {
             _ if knows_horizon && !light.is_ideal() => KernelQuery::Share,
             0 => KernelQuery::Center,
@@ -208,7 +208,7 @@ impl LightOverHorizon {
         }
     }
 
-    /// Returns the visibilities that are right at a position with a unit normal.
+    /// Returns the correct visibilities at a position with a unit normal.
     fn expected(&self, position: Vec3, normal: Vec3, pixel: UVec2) -> VisibilityRange {
         let to_center = self
             .center
@@ -246,9 +246,10 @@ impl LightOverHorizon {
         }
     }
 
-    /// Whether a point of the light is surely, and whether it may be, above the tangent plane: seen
-    /// from the surface itself and from as far above it as rays may start. (A ball's disc turns
-    /// with the receiver, and its axes jump where they change their sign: so both ends are asked.)
+    /// Reports whether a point of the light is surely, or possibly, above the tangent plane.
+    ///
+    /// Tests from the surface and from the highest ray origin above it. The disc of a spherical
+    /// light turns with the receiver, and its axes jump when their signs change.
     fn sees(&self, position: Vec3, normal: Vec3, uv: Vec2) -> Above {
         let on_surface = segment(&self.light, position + normal * 0.0, uv, 1.0);
         let lifted = segment(&self.light, position + normal * self.lift, uv, 1.0);
@@ -260,7 +261,7 @@ impl LightOverHorizon {
         }
     }
 
-    /// Whether a vector to the light points above the tangent plane.
+    /// Reports whether a vector to the light points above the tangent plane.
     fn above(&self, normal: Vec3, to_light: Vec3) -> Above {
         let height = normal.as_dvec3().dot(to_light.as_dvec3());
         let margin = self.margin(to_light);
@@ -270,9 +271,10 @@ impl LightOverHorizon {
         }
     }
 
-    /// Returns by how much the height of a point of the light over the surface may be wrong,
-    /// metres: by a lift, which the positions' rounding is a part of, and by the rounding of a sum
-    /// of three products, 2^-22 of the vector's length.
+    /// Returns the error bound of a light point's height over the surface, metres.
+    ///
+    /// It is the sum of the lift, which includes the rounding of positions, and 2^-22 of the
+    /// vector's length, for a sum of three products.
     fn margin(&self, to_light: Vec3) -> f64 {
         let lift = if self.center.is_some() {
             f64::from(self.lift)
@@ -283,7 +285,7 @@ impl LightOverHorizon {
     }
 }
 
-/// The greatest coordinate of a light's points, metres; 0 for directions.
+/// Returns the greatest coordinate of a light's points, metres. 0 for directional lights.
 fn extent(light: &Light) -> f32 {
     let sampler = LightSampler::new(light);
     if matches!(sampler.shape.x, kind::DIRECTION | kind::CAP) {
@@ -294,11 +296,12 @@ fn extent(light: &Light) -> f32 {
     (sampler.center.truncate().abs() + across).max_element()
 }
 
-/// Whether a technique may rightly show nothing of a shadow: what it looks up need not hold it.
+/// Reports whether a technique may correctly show nothing of a shadow, because its maps need not
+/// contain it.
 ///
-/// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are
-/// open. And a map's texels may be wider than all of the shadow: one that is darker than its
-/// surroundings must cover a texel and all that the kernel averages with it.
+/// [`Cull::Front`] and peeling keep the far sides of casters, which are missing if casters are
+/// open. A map's texels may also be wider than the whole shadow. A shadow that is darker than its
+/// surroundings must cover a texel and all texels that the kernel averages.
 fn may_miss(
     technique: &TechniquePreset,
     view: &View<'_>,
@@ -322,8 +325,8 @@ fn may_miss(
     let Some(texels_per_pixel) = used.texels else {
         return true;
     };
-    // Half a texel to the middle of the one looked up, half a texel more to what covers that
-    // middle.
+    // Half a texel to the centre of the looked-up texel, and half a texel more to the edge of what
+    // covers it.
     let texels = reach + 1.0;
     let radius = (texels / texels_per_pixel.max(f32::MIN_POSITIVE)).ceil();
     if radius >= truth.size.max_element() as f32 {

@@ -1,4 +1,4 @@
-//! Controls under lights of every kind, and inputs spoilt so that they must fail.
+//! Controls under all kinds of lights, and corrupted inputs for which they must fail.
 
 use super::*;
 use crate::compare::{
@@ -56,8 +56,7 @@ fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend + Se
     .expect("valid")
 }
 
-/// Lights that surfaces see in part over their own horizon, of every kind that has an extent, and
-/// ideal ones.
+/// Lights of every kind that a surface's horizon may hide in part, and ideal ones.
 fn lights() -> Vec<Scene> {
     let position = Vec3::new(1.5, 1.1, 1.0);
     let spot = |radius| Light::Spot {
@@ -112,7 +111,7 @@ fn what_is_right_holds_for_every_technique_under_every_light() {
     }
 }
 
-/// The CPU, whose masks are spoilt where the scene does (or doesn't) have casters.
+/// The CPU, with masks corrupted if the scene has (or doesn't have) casters.
 struct Spoilt<F> {
     cpu: Cpu,
     casters: bool,
@@ -138,7 +137,8 @@ impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
     }
 }
 
-/// The controls of all techniques but `none`, of masks spoilt with (or without) casters.
+/// Returns the controls of all techniques but `none`, with masks corrupted with (or without)
+/// casters.
 fn spoilt(
     casters: bool,
     scene: Scene,
@@ -160,7 +160,7 @@ fn spoilt(
 
 #[test]
 fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
-    // Casters that are open or smaller than texels excuse: the cubes are closed and wide.
+    // Open casters, and casters smaller than texels, are excused: the cubes are closed and wide.
     let lit = |shadows: &mut Shadows, _: &View<'_>| shadows.mask.fill(1.0);
     for control in spoilt(true, scene("cubes"), lit) {
         let keeps_far_sides = ["second_depth", "midpoint"].contains(&&*control.technique);
@@ -171,8 +171,7 @@ fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
 
 #[test]
 fn casters_that_stay_are_noticed_in_every_technique() {
-    // A floor under a sun from above owes light everywhere: one pixel that stays dark is one too
-    // many.
+    // A floor under a sun from above must be lit everywhere: one dark pixel is an error.
     let darken_one = |shadows: &mut Shadows, view: &View<'_>| {
         let receivers = view.receivers.expect("given");
         let pixel = (0..receivers.len())
@@ -185,7 +184,7 @@ fn casters_that_stay_are_noticed_in_every_technique() {
     }
 }
 
-/// The control of one technique, however it is set.
+/// Returns the control of one technique with the given settings.
 fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Backend) -> Control {
     let technique = TechniquePreset::from(technique);
     let geometry = Geometry::bake(scene).expect("valid");
@@ -218,8 +217,8 @@ fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Bac
     .expect("planned")
 }
 
-/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed,
-/// where the light is seen whole and where the horizon cuts it.
+/// Rays are counted, not estimated: one missing or additional ray is detected, both where the light
+/// is fully visible and where the horizon cuts it.
 #[test]
 fn a_single_ray_is_noticed() {
     let samples = 4;
@@ -230,7 +229,7 @@ fn a_single_ray_is_noticed() {
     let spoilt = |change: f32, wanted: fn(f32) -> bool| {
         let spoil = move |shadows: &mut Shadows, view: &View<'_>| {
             let receives = &view.receivers.expect("given").receives;
-            // The last one: the image's upper rows may see the lamp's own level.
+            // Use the last pixel: the image's upper rows may see the level of the light.
             let pixel = (0..receives.len())
                 .rfind(|&i| receives[i] && wanted(shadows.mask[i]))
                 .expect("there");
@@ -257,8 +256,8 @@ fn a_single_ray_is_noticed() {
     }
 }
 
-/// Of a kernel that knows the horizon, a part of the light too many or too few is noticed, where
-/// the horizon cuts the lamp.
+/// An error of the visible share is detected where the horizon cuts the light, for a kernel that
+/// accounts for the horizon.
 #[test]
 fn a_share_that_is_wrong_is_noticed() {
     let lamp = scene("teapot-lamp");
@@ -292,7 +291,7 @@ fn a_share_that_is_wrong_is_noticed() {
     }
 }
 
-/// The cubes' floor alone, and a leaf of this half side a metre and a half over it.
+/// The floor of `cubes`, and a leaf of this half side 1.5 m above it.
 fn leaf(half: f32) -> Scene {
     let mut scene = scene("cubes");
     let corners = [(-half, -half), (-half, half), (half, half), (half, -half)]
@@ -307,8 +306,8 @@ fn leaf(half: f32) -> Scene {
     scene
 }
 
-/// A map with texels wider than all of the shadow, and one of far sides under a leaf, which has
-/// none, rightly show nothing.
+/// Maps may miss the shadow if their texels are wider than it, or if they keep far sides, which a
+/// leaf doesn't have.
 #[test]
 fn maps_may_miss_what_they_cannot_hold() {
     let map = |size| ShadowMap {

@@ -1,4 +1,4 @@
-//! Finds out where a comparison is made: machine, commit and date.
+//! The environment of a comparison: machine, commit and date.
 
 use super::{commit::commit, result::Environment};
 use std::{
@@ -8,8 +8,8 @@ use std::{
 };
 
 impl Environment {
-    /// Returns this machine and, if `dated`, this moment. Backends and adapter are left for the
-    /// caller to fill in.
+    /// Returns this machine and, if `dated`, the current time. The caller sets backends and
+    /// adapter.
     pub fn here(dated: bool) -> Self {
         let date = if dated {
             let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -31,7 +31,7 @@ impl Environment {
     }
 }
 
-/// Runs a program and returns what it prints; none if it can't be run or fails.
+/// Runs a program and returns its output. `None` if it can't be run or fails.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let out = Command::new(program).args(arguments).output().ok()?;
     if !out.status.success() {
@@ -40,7 +40,7 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8_lossy(&out.stdout).trim().to_owned())
 }
 
-/// Returns the processor's name by the way of each operating system: Linux, macOS, Windows.
+/// Returns the processor's name, with one method per operating system: Linux, macOS, Windows.
 fn processor() -> String {
     linux_processor()
         .or_else(|| output("sysctl", &["-n", "machdep.cpu.brand_string"]))
@@ -55,10 +55,11 @@ fn linux_processor() -> Option<String> {
     Some(name.trim().to_owned())
 }
 
-/// Returns date and time of day from seconds since 1970, as `2026-11-21 03:25`. The algorithm is
-/// `civil_from_days` of Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms", and so are its
-/// numbers: an era is 400 years, which have 146,097 days; years begin in March, so that a leap day
-/// is a year's last.
+/// Formats seconds since 1970 as date and time, `2026-11-21 03:25`.
+///
+/// Uses `civil_from_days` of Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms", with the
+/// same constants. An era is 400 years or 146,097 days. Years begin in March, so that a leap day is
+/// the last day of its year.
 fn format_date(seconds: u64) -> String {
     let second_of_day = seconds % 86_400;
     // Days from 0000-03-01 to 1970-01-01.

@@ -3,43 +3,43 @@
 /// A step of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CompareEvent<'a> {
-    /// Before anything else.
+    /// The comparison begins.
     Started {
-        /// How many scenes there are.
+        /// Number of scenes.
         scenes: usize,
-        /// How much work there is in all: pixels of images times rows, summed over the scenes.
+        /// Total work: pixels times rows, summed over the scenes.
         work: u64,
     },
     /// A scene begins.
     Scene {
-        /// Its name.
+        /// The scene's name.
         name: &'a str,
-        /// Its place, from 0.
+        /// The scene's index, from 0.
         index: usize,
-        /// How many rows it has.
+        /// Number of its rows.
         rows: usize,
-        /// Its part of the work.
+        /// Share of the total work.
         work: u64,
     },
-    /// Truth advances; comes from any thread.
+    /// Tracing of truth advances. May come from any thread.
     Truth {
         /// Receivers traced so far.
         done: usize,
-        /// Receivers to trace in all, repetitions included.
+        /// Receivers to trace in total, repetitions included.
         total: usize,
     },
     /// A row begins.
     Row {
         /// The technique's name.
         technique: &'a str,
-        /// Its settings.
+        /// Settings of the technique.
         settings: &'a str,
         /// The backend's kind.
         backend: &'a str,
-        /// Its place in the scene, from 0.
+        /// The row's index in the scene, from 0.
         index: usize,
     },
-    /// A scene's figures are there.
+    /// A scene is complete.
     SceneDone {
         /// The figures.
         result: &'a super::result::SceneResult,
@@ -48,5 +48,5 @@ pub enum CompareEvent<'a> {
     Writing,
 }
 
-/// Receives the events, from any thread.
+/// A callback for events. May be called from any thread.
 pub type OnEvent<'a> = dyn Fn(CompareEvent<'_>) + Sync + 'a;

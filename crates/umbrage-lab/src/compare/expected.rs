@@ -1,4 +1,4 @@
-//! Counts and estimates what a comparison will take before it begins.
+//! Counts the work of a comparison and estimates its duration before it begins.
 
 use super::{
     backends::Backends,
@@ -15,20 +15,20 @@ use std::{
 };
 use umbrage_plan::truth::{PREVIEW_SAMPLES, PROBES};
 
-/// Bytes that are held for each pixel while rows are played, masks apart: receivers (eight floats,
-/// an id, a flag) of truth and of the backend, truth's results, and the camera-sized images of
-/// techniques and adapters.
+/// Bytes per pixel while rows are rendered, without masks: receivers (eight floats, an id, a flag)
+/// of truth and of the backend, truth's results, and camera-sized images of techniques and
+/// adapters.
 const BYTES_A_PIXEL: u64 = 37 + 37 + 14 + 112;
-/// Bytes for each pixel of a mask; one mask is kept for each row.
+/// Bytes per pixel of a mask. Each row keeps one mask.
 const BYTES_A_MASK: u64 = 4;
 
-/// The most pixels of the pilot's smaller image.
+/// Maximum pixels of the pilot's smaller image.
 const SMALL_PILOT: u64 = 64 * 48;
-/// The most pixels of the pilot's larger image. The difference of the two images' times is that of
-/// their pixels, without the time that is the same at any size.
+/// Maximum pixels of the pilot's larger image. The difference of both times removes the part that
+/// doesn't depend on the size.
 const LARGE_PILOT: u64 = 128 * 96;
 
-/// What a comparison takes, counted.
+/// The counted work of a comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expected {
     /// Scenes.
@@ -37,17 +37,17 @@ pub struct Expected {
     pub rows: usize,
     /// Pixels of all scenes' images together.
     pub pixels: u64,
-    /// The most rays that truth may trace.
+    /// Maximum number of rays traced for truth.
     pub rays: u64,
-    /// About how many bytes are held at a time: those of the scene that takes the most.
+    /// Approximate memory, bytes: that of the largest scene.
     pub bytes: u64,
 }
 
 impl Expected {
-    /// Counts what comparing these scenes on so many backends takes.
+    /// Counts the work of comparing these scenes on this number of backends.
     ///
     /// # Errors
-    /// Errors if a scene has no camera or light, or the options are wrong.
+    /// Errors if a scene has no camera or light, or the options are invalid.
     pub fn new(
         inputs: &[SceneInput],
         options: &CompareOptions,
@@ -70,7 +70,7 @@ impl Expected {
                 probe_samples = u64::from(truth.probe_samples);
             }
             let rays_a_pixel = max_samples + PROBES as u64 * probe_samples;
-            // Of each block of pixels one is judged; all get a preview then.
+            // One pixel of each block is judged; all pixels get a preview then.
             let block = u64::from(truth.block_side).pow(2).max(1);
             let judged = pixels.div_ceil(block);
             let bytes_a_pixel = BYTES_A_PIXEL + BYTES_A_MASK * rows as u64;
@@ -91,7 +91,7 @@ impl Expected {
         Ok(out)
     }
 
-    /// Returns the work of one scene: pixels of its image times its rows.
+    /// Returns the work of one scene: its pixels times its rows.
     pub(super) fn work(&self) -> u64 {
         self.pixels * self.rows as u64
     }
@@ -101,8 +101,10 @@ fn pixels(size: UVec2) -> u64 {
     u64::from(size.x) * u64::from(size.y)
 }
 
-/// Estimates how long comparing these scenes takes, by comparing the largest of them at two small
-/// sizes: the time that a pixel adds is the same at any size.
+/// Estimates the duration of comparing these scenes.
+///
+/// Compares the largest scene at two small sizes: the time per additional pixel doesn't depend on
+/// the size.
 ///
 /// # Errors
 /// Errors if the scene can't be compared.
@@ -123,7 +125,7 @@ pub fn pilot(
     let Some((input, &size)) = largest else {
         return Ok(Duration::ZERO);
     };
-    // Truth that is kept would be missing from the estimate.
+    // Disable stored truth: its time would be missing from the estimate.
     let kept_truth = backends.kept_truth.take();
     let seconds = piloted(input, options, size, backends);
     backends.kept_truth = kept_truth;
@@ -146,7 +148,7 @@ fn piloted(
 ) -> Result<PilotTimes, LabError> {
     let small_size = reduced(size, SMALL_PILOT);
     let large_size = reduced(size, LARGE_PILOT);
-    // The first one compiles shaders, too.
+    // The first run also compiles shaders.
     once(input, options, small_size, backends)?;
     let small = PilotTime {
         pixels: pixels(small_size),
@@ -159,15 +161,15 @@ fn piloted(
     Ok(PilotTimes { small, large })
 }
 
-/// How long a pilot's image took.
+/// Duration of a pilot image.
 #[derive(Clone, Copy, Debug)]
 struct PilotTime {
     pixels: u64,
     seconds: f64,
 }
 
-/// Returns the seconds that images of these numbers of pixels take together, from those of two
-/// sizes: linear in the pixels, and never falling.
+/// Extrapolates the total seconds for images with these numbers of pixels from those of two sizes.
+/// Linear in the pixels, and never decreasing.
 fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
     let more_pixels = large.pixels.max(small.pixels + 1) - small.pixels;
     let a_pixel = ((large.seconds - small.seconds) / more_pixels as f64).max(0.0);
@@ -178,15 +180,15 @@ fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
         .sum()
 }
 
-/// Returns an image size of the same shape with at most `most` pixels.
+/// Returns an image size with the same aspect ratio and at most `most` pixels.
 fn reduced(size: UVec2, most: u64) -> UVec2 {
     let by = (most as f64 / pixels(size) as f64).sqrt().min(1.0);
     (size.as_dvec2() * by).floor().as_uvec2().max(UVec2::ONE)
 }
 
-/// Returns the seconds that a comparison at this image size takes, with the least number of timed
-/// runs of each row. It is played without timed runs, and the part after the first row begins is
-/// multiplied.
+/// Returns the seconds of a comparison at this image size with the minimum number of timed runs.
+///
+/// It runs without timed runs. The time from the first row on is multiplied instead.
 fn once(
     input: &SceneInput,
     options: &CompareOptions,
@@ -223,7 +225,7 @@ fn once(
         .ok()
         .and_then(|first| *first)
         .unwrap_or(end);
-    // A timed row is played once for its mask, and then in turn with its yardstick.
+    // A timed row is rendered once for its mask, and then in turn with its yardstick.
     let plays = own
         .runs
         .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.min.max(1)));

@@ -1,13 +1,14 @@
-//! The share of a light that a receiver sees over its own horizon, in 64 bits: what is right for
-//! kernels that know the horizon.
+//! The share of a light above a receiver's horizon, in 64 bits: the correct result of kernels that
+//! account for the horizon.
 
 use glam::{DVec2, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 use umbrage_core::light_sample::{LightSampler, kind};
 
-/// Returns the share of the light above the tangent plane at `p` with unit normal `n`, 0..=1: the
-/// least and the greatest that are right if heights over the plane are wrong by no more than
-/// `margin`, metres (for directions: by no more than this sine).
+/// Returns the share of the light above the tangent plane at `p` with unit normal `n`, 0..=1.
+///
+/// The result is the interval of correct values if heights above the plane have an error of at most
+/// `margin`, metres (for directions: this sine).
 pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64; 2] {
     let n = n.as_dvec3();
     let to_center = light.center.truncate().as_dvec3() - p.as_dvec3();
@@ -32,9 +33,9 @@ pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64
             let cosine = 1.0 - f64::from(light.half_u.w);
             let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
             let rim = tangent * rim_of_facing_disc(n, to_light);
-            // The cap of directions may count as flat. On a flat disc of radius 1, what lies at r
-            // weighs more than on the cap by 3/2 (r^2 - 1/2) of the tangent's square; over a
-            // segment that adds up to .052 of the square at most.
+            // The cap of directions may count as flat. On a flat disc of radius 1, a point at r
+            // weighs more than on the cap by 3/2 (r^2 - 1/2) of the tangent's square. Over a
+            // segment this sums to at most 0.052 of the square.
             let curved = tangent * tangent / 16.0;
             [
                 disc(height - margin, rim) - curved,
@@ -44,20 +45,20 @@ pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64
     }
 }
 
-/// Returns by how much a step along a half axis rises over the tangent plane with unit normal `n`.
+/// Returns the height of a half axis above the tangent plane with unit normal `n`.
 fn height_of(half_axis: Vec4, n: DVec3) -> f64 {
     n.dot(half_axis.truncate().as_dvec3())
 }
 
-/// Returns how much higher than its center the rim of a disc of radius 1 is that faces the
-/// receiver: the sine of the angle between the normal and the direction to the light.
+/// Returns the height of the rim above the centre, for a disc of radius 1 that faces the receiver.
+/// It is the sine of the angle between the normal and the direction to the light.
 fn rim_of_facing_disc(n: DVec3, to_light: DVec3) -> f64 {
     let cosine = n.dot(to_light.normalize_or(n));
     (1.0 - cosine.powi(2)).max(0.0).sqrt()
 }
 
-/// Returns the share of a disc above the plane: its center is `height` above it, its highest point
-/// higher by `rim`. The plane cuts off a circular segment.
+/// Returns the share of a disc above the plane, which cuts off a circular segment. The centre is
+/// `height` above it, the highest point `rim` higher.
 fn disc(height: f64, rim: f64) -> f64 {
     if height.abs() >= rim {
         return f64::from(u8::from(height >= 0.0));
@@ -66,17 +67,18 @@ fn disc(height: f64, rim: f64) -> f64 {
     1.0 - (t.acos() - t * (1.0 - t * t).sqrt()) / PI
 }
 
-/// Returns the share of the square -1..1 on which `height + axes.x x + axes.y y` is positive. For
-/// each y it is a length, which is linear in y where it is neither 0 nor 1; the mean over y follows
-/// from its antiderivative.
+/// Returns the share of the square -1..1 in which `height + axes.x x + axes.y y` is positive.
+///
+/// For each y it is a length, which is linear in y where it is neither 0 nor 1. The mean over y
+/// follows from its antiderivative.
 fn square(height: f64, axes: DVec2) -> f64 {
     let steeper = axes.abs().max_element();
     let flatter = axes.abs().min_element();
     if height.abs() >= steeper + flatter {
         return f64::from(u8::from(height >= 0.0));
     }
-    // The share of the lines at both ends of the flatter axis that is positive, before it is
-    // clamped to 0..=1.
+    // The positive share of the lines at both ends of the flatter axis, before it is clamped to
+    // 0..=1.
     let first = 0.5 * (1.0 + (height - flatter) / steeper);
     let last = 0.5 * (1.0 + (height + flatter) / steeper);
     if last - first < 1e-9 {
@@ -104,8 +106,8 @@ mod tests {
         light_sample::{segment, unit_square},
     };
 
-    /// Points of the light that truth asks, of which 4,096 lie one in each of 64 x 64 cells: a line
-    /// crosses at most 127.
+    /// Points of the light as used by truth. 4,096 of them are one in each of 64 x 64 cells, of
+    /// which a line crosses at most 127.
     #[test]
     fn shares_are_those_of_truths_points() {
         let (position, direction) = (Vec3::new(0.4, 3.0, -0.7), Vec3::new(0.3, -0.2, 0.4));
@@ -144,7 +146,7 @@ mod tests {
                     (least - slack..=most + slack).contains(&counted),
                     "{light:?} {p} {n}: {counted}, {least}"
                 );
-                // On the whole, cells that a line crosses even out.
+                // Errors of crossed cells mostly cancel out.
                 cut += usize::from(
                     counted > 0.0
                         && counted < 1.0

@@ -1,8 +1,8 @@
-//! Truth that is kept between runs: tracing it takes longer than playing a scene's rows.
+//! Truth stored between runs: tracing it takes longer than rendering a scene's rows.
 //!
-//! A file is found by a hash of all that truth depends on: triangles, camera, light, options, and
-//! the program that traces. It begins with a checksum of the rest, so that a file that was cut off
-//! or changed is traced anew.
+//! A file's name is a hash of everything that truth depends on: triangles, camera, light, options,
+//! and the program. It begins with a checksum of the rest, so that truncated or changed files are
+//! traced again.
 
 use super::seen::SceneView;
 use crate::{
@@ -17,19 +17,19 @@ use std::{
 use umbrage_core::{Receivers, metrics::Pixel};
 use umbrage_plan::truth::{Truth, TruthOptions};
 
-/// The most bytes that are kept; the files that were used least recently are removed.
+/// Maximum total size, bytes. The least recently used files are removed.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// A folder in which truth is kept.
+/// A folder with stored truth.
 #[derive(Clone, Debug)]
 pub struct KeptTruth {
     folder: PathBuf,
-    /// A hash of the program that traces: another program's truth is not taken up.
+    /// Hash of the program. Truth of another program is not used.
     program: String,
 }
 
 impl KeptTruth {
-    /// Keeps truth in a folder, which is made once there is something to keep.
+    /// Stores truth in a folder, which is created with the first file.
     pub fn in_folder(folder: PathBuf) -> Self {
         Self {
             folder,
@@ -46,30 +46,30 @@ impl KeptTruth {
         format!("{}.truth", checksum(text.as_bytes()))
     }
 
-    /// Returns what is kept; none if nothing is, or it is not whole. `receivers` are what the
-    /// camera sees.
+    /// Returns the stored truth for the `receivers` of the camera. `None` if there is none, or it
+    /// is damaged.
     pub(super) fn read(
         &self,
         view: &SceneView<'_>,
         options: &TruthOptions,
         receivers: Receivers,
     ) -> Option<Truth> {
-        // Without the program's hash nobody knows whose truth it is.
+        // Without the program's hash, the origin of truth is unknown.
         if self.program.is_empty() {
             return None;
         }
         let path = self.folder.join(self.name(view, options));
         let bytes = fs::read(&path).ok()?;
         let truth = decoded(&bytes, receivers, view.geometry.fingerprint())?;
-        // So that what is used is not what is removed first. Where that is refused it is removed
-        // earlier, which costs time alone.
+        // Mark the file as recently used. If this fails it is removed earlier, which only costs
+        // time.
         if let Ok(file) = fs::File::options().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
         }
         Some(truth)
     }
 
-    /// Keeps truth, and removes what was not used for longest if all takes too much room.
+    /// Stores truth. Removes the least recently used files if the total size is too large.
     ///
     /// # Errors
     /// Errors if the folder can't be written.
@@ -79,7 +79,7 @@ impl KeptTruth {
         options: &TruthOptions,
         truth: &Truth,
     ) -> Result<(), LabError> {
-        // Nothing is read then: see `read`.
+        // Nothing would be read then: see `read`.
         if self.program.is_empty() {
             return Ok(());
         }
@@ -91,7 +91,7 @@ impl KeptTruth {
         Ok(())
     }
 
-    /// Returns the names of the files used least recently beyond [`MAX_BYTES`].
+    /// Returns the names of the least recently used files beyond [`MAX_BYTES`].
     fn too_many(&self) -> Vec<String> {
         let mut files = Vec::new();
         for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
@@ -116,7 +116,7 @@ impl KeptTruth {
     }
 }
 
-/// The classes of pixels in files, by their place.
+/// Classes of pixels, by their code in files.
 const CLASSES: [Pixel; 6] = [
     Pixel::Counted,
     Pixel::Empty,
@@ -126,9 +126,11 @@ const CLASSES: [Pixel; 6] = [
     Pixel::Unsampled,
 ];
 
-/// Returns a file's bytes: the checksum of the rest, the seconds that tracing took, the contact
-/// distance, and then for each pixel its visibility, error, distance to the blocker, class, and
-/// whether it is ambiguous; all numbers lowest byte first.
+/// Returns a file's bytes.
+///
+/// They are the checksum of the rest, the tracing time in seconds, the contact distance, and then
+/// for each pixel its visibility, error, distance to the blocker, class and ambiguity. All numbers
+/// are little-endian.
 fn encoded(truth: &Truth) -> Vec<u8> {
     let mut rest = Vec::new();
     rest.extend(truth.elapsed.as_secs_f64().to_le_bytes());
@@ -146,12 +148,12 @@ fn encoded(truth: &Truth) -> Vec<u8> {
     out
 }
 
-/// Bytes of a pixel.
+/// Bytes per pixel.
 const PIXEL_BYTES: usize = 14;
 /// Bytes of a checksum.
 const CHECKSUM_BYTES: usize = 16;
 
-/// Returns the truth that a file holds; none if it is not whole or of another size.
+/// Returns the truth in a file. `None` if it is damaged or of another size.
 fn decoded(bytes: &[u8], receivers: Receivers, fingerprint: u64) -> Option<Truth> {
     let (expected, rest) = bytes.split_at_checked(CHECKSUM_BYTES)?;
     if checksum(rest).as_bytes() != expected {
@@ -272,7 +274,7 @@ mod tests {
             (truth.pixels, truth.ambiguous)
         );
         assert_eq!((read.contact, read.size), (truth.contact, truth.size));
-        // Of another camera, light, option or program nothing is kept.
+        // There is no stored truth for another camera, light, option or program.
         let mut other = Stage::new();
         other.options.samples = 9;
         assert!(other.read(&kept, stage.receivers()).is_none());

@@ -1,4 +1,4 @@
-//! How much of their maps recipes use on a scene, and where they look them up.
+//! Use of the recipes' maps on a scene, and the locations of their lookups.
 
 use super::seen::SceneView;
 use glam::UVec2;
@@ -10,22 +10,21 @@ use umbrage_plan::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small
-/// beside the masks'.
+/// Side of the lookup heat maps, pixels. Enough detail in files smaller than the masks'.
 const HEAT_SIDE: u32 = 256;
 
-/// The uses of maps measured so far on a scene.
+/// The measured map uses of a scene.
 pub(super) struct MapUses {
-    /// Whether to keep where maps are looked up.
+    /// Whether to keep the locations of lookups.
     keeps_heat: bool,
     known: Vec<KnownUse>,
 }
 
-/// A footprint that has been measured. Most settings differ only in their bias: their maps are used
-/// alike, so that one measurement serves all.
+/// A measured footprint. Most settings differ only in their bias and use their maps in the same
+/// way, so that one measurement serves all.
 struct KnownUse {
     maps: Vec<CastMap>,
-    /// How far the kernel reaches, texels.
+    /// Reach of the kernel, texels.
     reach: f32,
     map_use: MapUse,
     heat: Option<Arc<Heat>>,
@@ -48,8 +47,8 @@ impl MapUses {
         }
     }
 
-    /// Returns the use of a recipe's maps and, with `heat`, where they are looked up; none without
-    /// maps.
+    /// Returns the use of a recipe's maps and, with `heat`, the locations of lookups. `None`
+    /// without maps.
     pub(super) fn measure(
         &mut self,
         view: &SceneView<'_>,
@@ -66,8 +65,7 @@ impl MapUses {
             .filter(|cast| cast.mode == CastMode::Depth)
             .map(|cast| cast_map(cast, recipe))
             .collect();
-        // Where the kernel's reach differs from receiver to receiver, `reach` does not distinguish
-        // kernels.
+        // If the reach differs between receivers, `reach` doesn't identify the kernel.
         let varies = reach_varies(kernel, receivers);
         if !varies {
             let known = self
@@ -106,8 +104,8 @@ fn cast_map(cast: &Cast, recipe: &Recipe) -> CastMap {
     }
 }
 
-/// Whether the kernel's reach differs from receiver to receiver
-/// ([`CataloguedKernel::reach`]); the first receiver is asked.
+/// Reports whether the kernel's reach differs between receivers ([`CataloguedKernel::reach`]). Only
+/// the first receiver is tested.
 fn reach_varies(kernel: &dyn CataloguedKernel, receivers: &Receivers) -> bool {
     let Some(first) = receivers.receives.iter().position(|receives| *receives) else {
         return false;

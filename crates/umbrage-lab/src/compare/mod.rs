@@ -1,8 +1,8 @@
-//! Comparing techniques, settings and backends on scenes against truth.
+//! Comparison of techniques, settings and backends on scenes against truth.
 //!
-//! A row from the command line to the report, in reading order:
+//! Source files in the order of a row's way from the command line to the report:
 //!
-//! 1. `cli/compare.rs`: the arguments, and the options that they make.
+//! 1. `cli/compare.rs`: arguments, and the options made from them.
 //! 2. This file: [`compare`], scene by scene.
 //! 3. `settings.rs`: the technique settings of a scene.
 //! 4. `scene.rs`: truth, then each setting.
@@ -11,9 +11,10 @@
 //! 7. `result.rs`: the row as plain data.
 //! 8. `report/mod.rs`: a scene's figures and images on disk.
 //! 9. `report/assemble.rs`: `results.json`, charts and the page of all scenes.
-//! 10. `report/table.rs`: the line of `rows.csv`; `report/page_rows.rs` is the same for the page.
+//! 10. `report/table.rs`: the row's line in `rows.csv`. `report/page_rows.rs` is its counterpart
+//!     for the page.
 //!
-//! Beside the way: `kept_truth` (truth of earlier runs), `seen` (pixels that a backend sees),
+//! Other files: `kept_truth` (truth of earlier runs), `seen` (pixels visible to a backend),
 //! `agreement` and `nudges` (rounding), `control` and `horizon` (negative controls), `map_uses`,
 //! `expected` (cost of a comparison), `relative` and `choice` (settings over many scenes).
 
@@ -61,19 +62,18 @@ use crate::error::LabError;
 use settings::settings_of;
 use umbrage_core::Fit;
 
-/// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene
-/// wants to see it.
+/// Maximum number of scenes for which every row gets its images.
 pub(crate) const FEW_SCENES: usize = 3;
 
-/// Receives a scene's figures and images as soon as they are there.
+/// Callback that receives a scene's figures and images when they are complete.
 pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;
 
-/// Compares the options' techniques on the scenes. Scenes are handed to `sink` one by one, since
-/// all their images together may not fit into memory.
+/// Compares the techniques of the options on the scenes.
+///
+/// Passes scenes to `sink` one by one, since the images of all scenes may exceed the memory.
 ///
 /// # Errors
-/// Errors if input is not valid, a backend fails, or truth and a technique did not see the same
-/// triangles.
+/// Errors if input is invalid, a backend fails, or truth and a technique see different triangles.
 pub fn compare(
     inputs: &[SceneInput],
     options: &CompareOptions,
@@ -81,11 +81,11 @@ pub fn compare(
     sink: &mut Sink<'_>,
     on_event: &OnEvent<'_>,
 ) -> Result<Comparison, LabError> {
-    // Before anything is played: an error must not come after minutes of comparing other scenes.
+    // Validate all scenes first: errors must not come after minutes of comparing other scenes.
     for input in inputs {
         input.scene.validate()?;
     }
-    // Unknown names are refused even where there is nothing to compare.
+    // Refuse unknown names even if there is nothing to compare.
     options.settings(Fit::Tight)?;
     let mut parts = Vec::new();
     for input in inputs {
@@ -97,8 +97,8 @@ pub fn compare(
         work: parts.iter().map(Expected::work).sum(),
     });
     let mut scenes = Vec::new();
-    // The report may have more scenes than this run (from other shards), but never fewer: then it
-    // doesn't use them.
+    // The final report may have more scenes than this run (from other shards), and then ignores
+    // these.
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
         on_event(CompareEvent::Scene {

@@ -1,11 +1,16 @@
-//! What rounding may come to: a recipe as the CPU renders it after something moved by so much.
+//! Perturbations of a recipe within rounding errors, as rendered by the CPU.
 //!
-//! A pixel is *decided* if the CPU's answer changes by less than a quarter of the difference (not
-//! at all, where images are filtered) under each move, and under some together: maps by half a step
-//! of the grid sideways, vertices by other orders of their sums, each triangle's depth by the bound
-//! of its plane's error, units of polygon offset halved or doubled, receivers by 2^-21 of their
-//! coordinates, normals and what filters make by some units in the last place. Where masks agree
-//! nothing is moved.
+//! A pixel is *decided* if no perturbation changes the CPU's result by a quarter of the difference
+//! or more (for filtered images: at all). Perturbations are applied alone and in combination:
+//!
+//! * maps by half a grid step sideways,
+//! * vertices by other summation orders,
+//! * each triangle's depth by the error bound of its plane,
+//! * units of polygon offset halved or doubled,
+//! * receivers by 2^-21 of their coordinates,
+//! * normals and filter results by some units in the last place.
+//!
+//! If masks agree, nothing is perturbed.
 
 use crate::error::LabError;
 use glam::{Vec2, Vec3, Vec4};
@@ -14,37 +19,39 @@ use umbrage_core::{
 };
 use umbrage_cpu::{Cpu, CpuOptions, PlaneShift, VertexSums};
 
-/// How far casts are moved in depth: 2^-20, 16 units in the last place of depths in 0.5..1.
+/// Depth shift of casts: 2^-20, 16 units in the last place of depths in 0.5..1.
 const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
 
-/// Distance of two surfaces that may change places: 2^-16. Where they meet at an outline they are
-/// seen edge-on, so that rounding is many times that of other depths.
+/// Distance of two surfaces whose order may change: 2^-16. Where they meet at an outline they are
+/// seen edge-on, which amplifies rounding many times.
 const NUDGE_SECOND: f32 = 1.0 / 65_536.0;
 
-/// Moves that change the last bits of planes, as parts of [`NUDGE_DEPTH`]: they decide which of two
-/// surfaces that meet is nearer.
+/// Shifts that change the last bits of planes, relative to [`NUDGE_DEPTH`]. They decide which of
+/// two touching surfaces is nearer.
 const LAST_BITS: [f32; 8] = [0.125, -0.125, 0.25, -0.25, 0.375, -0.375, 0.5, -0.5];
 
-/// How triangles with even and with odd numbers are moved, as parts of what rounding may come to.
+/// Shifts of triangles with even and with odd indices, relative to the bound of rounding.
 const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
 
-/// Units of polygon offset on devices, as parts of the CPU's. For floats a unit is the spacing at
-/// the primitive's greatest depth. SwiftShader takes the greatest difference from one corner's,
-/// which may be half as much, and 1.01 steps for images of 16 bits.
+/// Units of polygon offset on devices, relative to the CPU's.
+///
+/// For floats a unit is the spacing at the primitive's greatest depth. SwiftShader uses the
+/// greatest difference from one corner's depth, which may be half as much. For 16-bit images it
+/// uses 1.01 steps.
 const UNITS: [f32; 2] = [0.5, 2.0];
 
-/// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
+/// Shift of receivers, relative to the greatest coordinate: 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
-/// How far receivers' normals are turned: 2^-22, 4 units in the last place of components in 0.5..1.
+/// Rotation of receiver normals: 2^-22, 4 units in the last place of components in 0.5..1.
 const NUDGE_NORMAL: f32 = 1.0 / 4_194_304.0;
 
-/// How much filters' results change: 2^-21. A mean of seven texels is rounded seven times, by half
-/// a unit in the last place each: 3.5 * 2^-23.
+/// Relative change of filter results: 2^-21. A mean of seven texels is rounded seven times by half
+/// a unit in the last place: 3.5 * 2^-23.
 const NUDGE_FILTERED: f32 = 1.0 / 2_097_152.0;
 
-/// Signs of the changes of the channels. Moments are subtracted from each other: where almost all
-/// is at one depth, their last bits decide the difference.
+/// Signs of the channels' changes. Moments are subtracted from each other: if almost all depths are
+/// equal, their last bits decide the difference.
 const CHANNELS: [[f32; 4]; 4] = [
     [1.0, -1.0, 1.0, -1.0],
     [-1.0, 1.0, -1.0, 1.0],
@@ -52,37 +59,36 @@ const CHANNELS: [[f32; 4]; 4] = [
     [-1.0, -1.0, 1.0, 1.0],
 ];
 
-/// Movements too small to see, all at once.
+/// A set of simultaneous perturbations within rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nudge {
-    /// How transforms of vertices are summed. Far from the origin their products cancel out, so
-    /// that rounding moves vertices by more than a step of the grid.
+    /// Summation order of vertex transforms. Far from the origin their products cancel out, so that
+    /// rounding moves vertices by more than a grid step.
     sums: VertexSums,
-    /// Of triangles in depth, by parts of what rounding may come to for each.
+    /// Depth shift of triangles, relative to each triangle's bound.
     planes: PlaneShift,
-    /// Of every cast's light space sideways, texels.
+    /// Lateral shift of every cast's light space, texels.
     texels: Vec2,
-    /// Of every cast in depth, away from the light.
+    /// Depth shift of every cast, away from the light.
     depth: f32,
-    /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform
-    /// of a receiver ([`lookup_rounding`]). Far from the origin that is more than half a step of
-    /// the grid.
+    /// Shift of casts without perspective, as shares (-1..=1) of the rounding bound of a receiver's
+    /// transform ([`lookup_rounding`]). Far from the origin that is more than half a grid step.
     lookup: Vec3,
-    /// Of those casts in depth that keep what is behind another image. Two surfaces that meet are
-    /// as far apart as they are rounded, and the second of them may count or not.
+    /// Depth shift of casts that keep what is behind another image. Touching surfaces are separated
+    /// only by rounding, so that the second may count or not.
     behind: f32,
-    /// Of the constants of polygon offsets, whose units are left to devices: a factor.
+    /// Factor of the constants of polygon offsets, whose units depend on the device.
     units: Option<f32>,
-    /// Of receivers, by a part of their greatest coordinate.
+    /// Shift of receivers, relative to their greatest coordinate.
     receivers: Option<Direction>,
-    /// Of what filters make: the fraction by which each channel changes.
+    /// Relative change of each channel of filter results.
     filtered: Vec4,
-    /// Of receivers' normals. In a plane that the light grazes, what is computed from them are
+    /// Change of receiver normals. For a plane at grazing light, the values computed from them are
     /// small differences of products.
     normals: Vec3,
 }
 
-/// Where receivers are moved to, in parts of the greatest coordinate.
+/// Shift of receivers, relative to the greatest coordinate.
 #[derive(Clone, Copy, Debug)]
 enum Direction {
     /// Along their normals.
@@ -91,7 +97,7 @@ enum Direction {
     Fixed(Vec3),
 }
 
-/// Nothing moves.
+/// No perturbation.
 const NO_NUDGE: Nudge = Nudge {
     sums: VertexSums::InOrder,
     planes: PlaneShift::NONE,
@@ -105,10 +111,10 @@ const NO_NUDGE: Nudge = Nudge {
     normals: Vec3::ZERO,
 };
 
-/// Other orders of a transform's sums. Nothing is fused: products are guarded.
+/// Other summation orders of a transform. Nothing is fused, as products are guarded.
 const OTHER_ORDERS: [VertexSums; 2] = [VertexSums::Reversed, VertexSums::Paired];
 
-/// Returns what to try on a recipe: first what moves alone, then what moves together.
+/// Returns the perturbations of a recipe: single ones first, then combinations.
 pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     if recipe.casts.is_empty() {
         let moved = along_directions(1.0, VertexSums::InOrder);
@@ -120,7 +126,7 @@ pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     out
 }
 
-/// Returns moves of a recipe's casts and of what is made of them, one at a time.
+/// Returns single perturbations of a recipe's casts and of results computed from them.
 fn of_casts(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let mut out = Vec::new();
     out.extend(corners(snapping).map(|texels| Nudge { texels, ..NO_NUDGE }));
@@ -143,7 +149,7 @@ fn of_casts(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
         }));
     }
     if recipe.casts.iter().any(is_behind) {
-        // Moved the other way, each surface would be behind itself.
+        // The opposite shift would put each surface behind itself.
         out.push(Nudge {
             behind: -NUDGE_SECOND,
             ..NO_NUDGE
@@ -153,9 +159,9 @@ fn of_casts(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     out
 }
 
-/// Returns moves of several things at once: devices round all at once. A tap crosses the edge of a
-/// texel while what it is compared with moves. Parts of the most matter, too: an answer may change
-/// between the ends of a move and be the same at both.
+/// Returns combinations, since devices round all values at once. A tap may cross a texel's edge
+/// while its reference depth moves. Smaller shares matter, too: a result may change within a shift
+/// and be equal at both ends.
 fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let mut out = Vec::new();
     for part in [1.0, 0.25] {
@@ -185,7 +191,7 @@ fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
         }
     }
     if recipe.casts.iter().any(is_behind) {
-        // Each order of sums changes the last bits, which decide between surfaces that meet.
+        // Each order of sums changes the last bits, which decide between touching surfaces.
         for sums in OTHER_ORDERS {
             out.extend(LAST_BITS.map(|part| Nudge {
                 sums,
@@ -196,7 +202,7 @@ fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     out
 }
 
-/// Returns a move of all casts in depth, by a part of [`NUDGE_DEPTH`].
+/// Returns a depth shift of all casts by a multiple of [`NUDGE_DEPTH`].
 fn in_depth(part: f32) -> Nudge {
     Nudge {
         depth: part * NUDGE_DEPTH,
@@ -204,7 +210,7 @@ fn in_depth(part: f32) -> Nudge {
     }
 }
 
-/// Returns moves of receivers along their normals, both ways.
+/// Returns shifts of receivers along their normals in both directions.
 fn along_normals() -> [Nudge; 2] {
     [NUDGE_POSITION, -NUDGE_POSITION].map(|part| Nudge {
         receivers: Some(Direction::Normal(part)),
@@ -212,8 +218,8 @@ fn along_normals() -> [Nudge; 2] {
     })
 }
 
-/// Returns moves of receivers in all directions by a part of [`NUDGE_POSITION`], with sums in this
-/// order.
+/// Returns shifts of receivers in all directions by a multiple of [`NUDGE_POSITION`], with this
+/// order of sums.
 fn along_directions(part: f32, sums: VertexSums) -> impl Iterator<Item = Nudge> {
     directions().into_iter().map(move |direction| Nudge {
         sums,
@@ -222,15 +228,15 @@ fn along_directions(part: f32, sums: VertexSums) -> impl Iterator<Item = Nudge> 
     })
 }
 
-/// Returns half a step of the device's grid to all sides, texels: as far as rounding moves a
-/// vertex. A device that rounds another way (down, say) moves it as much further.
+/// Returns shifts by half a grid step to all sides, texels: the maximum shift of a vertex by
+/// rounding. A device that rounds down shifts it by that much more.
 fn corners(snapping: Snapping) -> [Vec2; 4] {
     let t = 0.5 * snapping.step();
     [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Vec2::new(x, y))
 }
 
-/// Returns the steps to the neighbours of a cube among 27: along an axis a texel's edge is crossed,
-/// along a diagonal its corner.
+/// Returns the 26 steps from a cube to its neighbours. A step along an axis crosses a texel's edge,
+/// a diagonal one its corner.
 fn directions() -> Vec<Vec3> {
     let steps = [-1.0, 0.0, 1.0];
     let cubes = steps.map(|x| steps.map(|y| steps.map(|z| Vec3::new(x, y, z))));
@@ -239,7 +245,7 @@ fn directions() -> Vec<Vec3> {
 }
 
 impl Nudge {
-    /// Returns what the CPU makes of the recipe, moved so. What it saw is known.
+    /// Returns the CPU's result of the perturbed recipe. The visible receivers are known.
     pub(super) fn render(
         &self,
         cpu: &mut Cpu,
@@ -276,8 +282,8 @@ impl Nudge {
         Ok(Cpu::with_options(&options)?.render(&view, &recipe)?)
     }
 
-    /// Returns the recipe with each cast's light space moved; the lookup stays. Receivers have no
-    /// coordinate beyond `greatest`.
+    /// Returns the recipe with the light space of each cast perturbed; the lookup is unchanged. No
+    /// coordinate of a receiver exceeds `greatest`.
     fn recipe(&self, recipe: &Recipe, greatest: f32) -> Recipe {
         let mut nudged = recipe.clone();
         for cast in &mut nudged.casts {
@@ -298,9 +304,10 @@ fn is_behind(cast: &Cast) -> bool {
     matches!(cast.mode, CastMode::DepthPeel(_))
 }
 
-/// Returns what rounding may come to in a receiver's clip x, y and z; 0 with perspective. Three
-/// sums are each rounded by half a unit in the last place of the greatest sum, on each of two
-/// devices; half a unit more is for the product that some of them fuse.
+/// Returns the rounding bound of a receiver's clip x, y and z; 0 with perspective.
+///
+/// On each of two devices, three sums are each rounded by half a unit in the last place of the
+/// greatest sum. Another half unit accounts for a fused product.
 fn lookup_rounding(space: &LightSpace, greatest: f32) -> Vec3 {
     let m = space.clip_from_world();
     if m.row(3) != Vec4::W {
@@ -316,9 +323,9 @@ fn greatest_coordinate(receivers: &Receivers) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Returns receivers moved by what `by` makes of their normals, times the greatest coordinate of
-/// any of them: the matrix that takes a receiver near the origin to the light's space has a term of
-/// that size, too, and rounds as much.
+/// Returns receivers shifted by `by` of their normals, times the greatest coordinate of any
+/// receiver. For receivers near the origin, the light matrix has a term of that size, too, and
+/// rounds as much.
 fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     let mut out = receivers.clone();
     let greatest = greatest_coordinate(receivers);
@@ -330,7 +337,7 @@ fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     out
 }
 
-/// Returns receivers with this added to their normals.
+/// Returns receivers with `by` added to their normals.
 fn turned(mut receivers: Receivers, by: Vec3) -> Receivers {
     for i in 0..receivers.len() {
         let n = receivers.normal(i) + by;
@@ -377,7 +384,7 @@ mod tests {
         assert!(peeled > 0 && peeled < recipe.casts.len());
     }
 
-    /// Against transforms in 64 bits.
+    /// Compares with transforms in 64 bits.
     #[test]
     fn lookups_are_rounded_by_less_than_the_bound() {
         let recipe =

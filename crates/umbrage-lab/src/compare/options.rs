@@ -8,38 +8,38 @@ use umbrage_plan::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// What a scene is compared for.
+/// The purpose of a scene in a comparison.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
-    /// A frame as programs have them: the charts over all scenes are about these.
+    /// A full-size scene, as in typical programs. Charts over all scenes show these.
     Content,
-    /// A small scene in which something can go wrong. It is in charts over all scenes only where
-    /// there is no content.
+    /// A small scene in which something can go wrong. Charts over all scenes show it only if there
+    /// is no content.
     #[default]
     Check,
 }
 
-/// A scene to be compared.
+/// A scene to compare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneInput {
-    /// The scene; its first camera and first light count.
+    /// The scene. Its first camera and first light are used.
     pub scene: Scene,
-    /// One line about it for the report, maybe empty.
+    /// One line about it for the report. May be empty.
     pub summary: String,
-    /// A fit set by hand, as textbooks do; techniques with a map are compared under it, too.
+    /// Manual fit, as in textbooks. Techniques with a map are also compared under it.
     pub fit: Option<Fit>,
-    /// What it is compared for.
+    /// The scene's purpose.
     pub section: Section,
-    /// How it is compared; none: as the comparison's options say.
+    /// The scene's own options. `None` for those of the comparison.
     pub options: Option<Box<CompareOptions>>,
 }
 
 impl SceneInput {
-    /// Returns a scene that is a [check](Section::Check), compared by the comparison's options and
-    /// without a fit set by hand.
+    /// Returns a scene that is a [check](Section::Check), with the comparison's options and without
+    /// a manual fit.
     pub fn new(scene: Scene, summary: impl Into<String>) -> Self {
         Self {
             scene,
@@ -50,7 +50,7 @@ impl SceneInput {
         }
     }
 
-    /// Returns the scene's first camera and first light, which are the ones compared.
+    /// Returns the scene's first camera and first light, which are used.
     pub(super) fn camera_and_light(&self) -> Result<(&Camera, &Light), Invalid> {
         let scene = &self.scene;
         let camera = scene.cameras.first();
@@ -60,7 +60,7 @@ impl SceneInput {
         Ok((camera, light))
     }
 
-    /// Returns the options by which the scene is compared: its own, or else these.
+    /// Returns the scene's options, or else these.
     pub fn options_or<'a>(&'a self, of_all: &'a CompareOptions) -> &'a CompareOptions {
         self.options.as_deref().unwrap_or(of_all)
     }
@@ -74,91 +74,92 @@ fn missing(scene: &Scene, what: &str) -> Invalid {
     )
 }
 
-/// A technique with settings of the user's, compared under a name of its own.
+/// A technique with the user's settings, compared under its own name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPreset {
-    /// Its name in rows, charts and file names: that of no technique, and of no other preset.
+    /// Name in rows, charts and file names. Differs from all techniques and other presets.
     pub name: String,
     /// The technique and its settings.
     pub preset: TechniquePreset,
 }
 
-/// How a comparison is made.
+/// Options of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompareOptions {
-    /// The techniques that there are.
+    /// The available techniques.
     pub catalogue: Catalogue,
-    /// Names of those that are compared; all when empty.
+    /// Names of the techniques to compare. Empty for all.
     pub techniques: Vec<String>,
-    /// Whether techniques that are not named are left out if they take too long for a preview: see
+    /// Whether expensive techniques are skipped unless they are named, as in previews: see
     /// [`CataloguedTechnique::IS_PREVIEWED`](umbrage_plan::catalogue::CataloguedTechnique::IS_PREVIEWED).
     pub is_preview: bool,
-    /// Settings of the user's, played before the others; they are neither cut by
-    /// [`max_settings`](Self::max_settings) nor put on other maps.
+    /// The user's settings, compared before all others. [`max_settings`](Self::max_settings) and
+    /// the map sizes don't apply to them.
     pub presets: Vec<NamedPreset>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
-    /// The most settings of each technique that are compared; none: all of them.
+    /// Maximum number of settings per technique. `None` for all.
     pub max_settings: Option<usize>,
-    /// Whether only the few settings are compared that stand for each technique: see
+    /// Whether only the representative settings of each technique are compared: see
     /// [`CataloguedTechnique::headline`](umbrage_plan::catalogue::CataloguedTechnique::headline).
     pub headline: bool,
-    /// Whether recipes are made with the receivers that are seen, so that maps lie tightly around
-    /// them. Programs rarely have them: a renderer on the GPU would have to read them back.
+    /// Whether recipes are made with the visible receivers, for a tight fit of maps. Programs
+    /// rarely have them, since a GPU renderer would have to read them back.
     pub knows_receivers: bool,
-    /// What moves from frame to frame: which times make up a row's sum.
+    /// Motion between frames, which decides the parts of a frame time.
     pub motion: FrameMotion,
-    /// What work costs.
+    /// Prices of work.
     pub prices: PriceList,
-    /// Image size instead of the cameras' own, pixels; the vertical field of view stays.
+    /// Image size that replaces that of the cameras, pixels. The vertical field of view is kept.
     pub size: Option<UVec2>,
-    /// How truth is traced.
+    /// Options for tracing truth.
     pub truth: TruthOptions,
-    /// Timed runs of each row, after one that compiles and uploads; their median counts. None: no
-    /// times and no date, so that the results are the same whenever they are made.
+    /// Number of timed runs of each row, after one that compiles and uploads. The median is
+    /// reported. `None` omits times and date, so that results are the same on every run.
     pub runs: Option<Runs>,
-    /// Whether every row is rendered in color, too.
+    /// Whether every row is also rendered in colour.
     pub color: bool,
 }
 
-/// How often a row is played to be timed: slow rows seldom, quick rows often, since their noise is
+/// Number of timed runs of a row. Fast rows get more runs than slow ones, since their noise is
 /// greater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Runs {
-    /// At least this often, 1 or more.
+    /// Minimum number of runs, at least 1.
     #[serde(rename = "least")]
     pub min: u32,
-    /// Never more often.
+    /// Maximum number of runs.
     #[serde(rename = "most")]
     pub max: u32,
-    /// In between, until this much time has been spent on the row, milliseconds; a quarter more
-    /// goes into its yardstick, if the least number of runs is as many as baselines need.
+    /// Time budget of a row between both limits, milliseconds. A quarter more is spent on its
+    /// yardstick, if `min` is as many runs as baselines need.
     pub budget_ms: u32,
-    /// A row whose first play took this long, milliseconds, is timed once, without a yardstick.
+    /// Duration of a first run from which on the row is timed once, without a yardstick,
+    /// milliseconds.
     #[serde(default = "never")]
     pub once_from_ms: u32,
 }
 
-/// Returns more milliseconds than a row takes.
+/// Returns a duration that no row reaches, milliseconds.
 fn never() -> u32 {
     u32::MAX
 }
 
-/// Rows with fewer runs are not judged by [baselines](crate::baseline::times).
+/// Minimum number of runs of a row that is judged by [baselines](crate::baseline::times).
 pub const MIN_JUDGED_RUNS: u32 = 5;
 
 impl Runs {
-    /// Whether a row whose first play took so long is timed once.
+    /// Reports whether one timed run suffices for a row with this first run.
     pub(super) fn one_is_enough(&self, first: Duration) -> bool {
         first >= Duration::from_millis(self.once_from_ms.into())
     }
 
-    /// Whether a first play took so long that what was compiled in it matters little.
+    /// Reports whether the first run took so long that the compilation in it matters little.
     pub(super) fn dwarfs_compilation(&self, first: Duration) -> bool {
         first >= Duration::from_millis(self.once_from_ms.into()) * 4
     }
 
-    /// Returns options for this many runs, however long they take.
+    /// Returns options for exactly this number of runs.
     pub fn exactly(count: u32) -> Self {
         Self {
             min: count,
@@ -168,20 +169,20 @@ impl Runs {
         }
     }
 
-    /// Whether every row gets as many runs as a baseline needs to judge it.
+    /// Reports whether every row gets as many runs as a baseline needs to judge it.
     pub(super) fn suffice_for_baselines(&self) -> bool {
         self.min >= MIN_JUDGED_RUNS
     }
 
-    /// Whether `done` runs that took `spent` are enough.
+    /// Reports whether `done` runs that took `spent` suffice.
     pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
         let min = self.min.max(1) as usize;
         let is_spent = done >= self.max as usize || spent >= self.budget();
         done >= min && is_spent
     }
 
-    /// Whether a row that other programs held up may be played again in the hope of calmer runs:
-    /// for up to twice as long.
+    /// Reports whether a row disturbed by other programs may be run again, for up to twice the
+    /// budget.
     pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
         done < self.max as usize && spent < 2 * self.budget()
     }
@@ -192,7 +193,8 @@ impl Runs {
 }
 
 impl Default for Runs {
-    /// As many runs as a [baseline](crate::baseline::times) needs; quick rows get up to fifteen.
+    /// Returns as many runs as a [baseline](crate::baseline::times) needs. Fast rows get up to
+    /// fifteen.
     fn default() -> Self {
         Self {
             min: MIN_JUDGED_RUNS,
@@ -225,8 +227,8 @@ impl Default for CompareOptions {
 }
 
 impl CompareOptions {
-    /// Returns options for a quick preview: small images, one map size, few settings, few samples,
-    /// few runs, and only techniques that don't take long.
+    /// Returns options for a quick preview: small images, one map size, few settings, samples and
+    /// runs, and no expensive techniques.
     pub fn quick() -> Self {
         Self {
             is_preview: true,
@@ -247,8 +249,8 @@ impl CompareOptions {
         }
     }
 
-    /// Returns options for frames of real size: the scene's own image size, the few settings that
-    /// stand for each technique on larger maps, and truth at one of each 5 x 5 pixels.
+    /// Returns options for full-size scenes: the scene's image size, the representative settings of
+    /// each technique on larger maps, and truth at one of each 5 x 5 pixels.
     pub fn content() -> Self {
         Self {
             map_sizes: vec![1024, 2048],
@@ -259,7 +261,7 @@ impl CompareOptions {
                 block_side: 5,
                 ..TruthOptions::default()
             },
-            // Rows of seconds are played once, or the suite would take an hour.
+            // Run rows of seconds once only: otherwise the suite would take an hour.
             runs: Some(Runs {
                 min: 1,
                 max: 5,
@@ -270,7 +272,7 @@ impl CompareOptions {
         }
     }
 
-    /// Returns options for a quick preview of frames of real size: small images, one map size.
+    /// Returns options for a quick preview of full-size scenes: small images, one map size.
     pub fn quick_content() -> Self {
         Self {
             map_sizes: vec![1024],
@@ -285,7 +287,7 @@ impl CompareOptions {
         }
     }
 
-    /// Returns a scene's camera with the wanted image size.
+    /// Returns a scene's camera with the image size of the options.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
         self.size.map_or(*camera, |size| camera.resized(size))
     }

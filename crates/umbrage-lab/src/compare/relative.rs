@@ -1,15 +1,13 @@
-//! Many scenes in one chart: each setting's error and time, relative to what is known of each
-//! scene.
+//! Averages over many scenes: error and time of each setting, relative to references of each scene.
 //!
-//! * **Relative error**: a mask's RMSE over that of no shadow at all (a mask that is lit
-//!   everywhere); where nothing is in shadow, over that of a mask that is dark everywhere. 1: as
-//!   wrong as not drawing shadows.
-//! * **Relative time**: over that of `hard`, the first of its settings with the middle map size, on
-//!   the same scene and backend. The relative cost is the same of counted work.
+//! * **Relative error**: RMSE of a mask divided by that of a fully lit mask (no shadows). If
+//!   nothing is in shadow, by that of a fully dark mask. 1 is as wrong as drawing no shadows.
+//! * **Relative time**: time divided by that of `hard`, in its first setting with the middle map
+//!   size, on the same scene and backend. Relative cost is the same for predicted cost.
 //!
-//! Errors are averaged over the scenes as they are, so that exactness (0) counts and so does
-//! failure; times are ratios, so their mean is geometric. Where a technique cannot serve a scene it
-//! draws no shadow: relative error 1, and the time is the mean over the others.
+//! Errors are averaged arithmetically, so that exact results (0) and failures both count. Times are
+//! ratios, so their mean is geometric. A technique that doesn't support a scene draws no shadow:
+//! its relative error is 1, and its time is the mean over the other scenes.
 
 use super::{
     options::Section,
@@ -19,8 +17,8 @@ use serde::Serialize;
 use std::collections::HashMap;
 use umbrage_plan::motion::FrameMotion;
 
-/// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be
-/// seen, and 0 has no logarithm.
+/// Lower limit of relative errors in charts: a thousandth of the error without shadows is
+/// invisible, and 0 has no logarithm.
 pub const MIN_ERROR: f64 = 1e-3;
 
 /// One setting on one backend over all scenes.
@@ -28,25 +26,25 @@ pub const MIN_ERROR: f64 = 1e-3;
 pub struct Relative {
     /// The technique's name.
     pub technique: String,
-    /// Its settings in words.
+    /// Settings in words.
     pub settings: String,
     /// Kind of backend.
     pub backend: String,
     /// Mean of the relative errors.
     pub error: f64,
-    /// Geometric means of the relative times: medians, quickest and slowest runs; none without
+    /// Geometric means of the relative times: medians, fastest and slowest runs. `None` without
     /// times.
     pub time: Option<TimingStats>,
     /// Geometric mean of the relative costs.
     pub cost: f64,
-    /// Scenes that the technique served.
+    /// Number of scenes that the technique supports.
     pub served: usize,
-    /// Scenes compared.
+    /// Number of compared scenes.
     pub scenes: usize,
 }
 
 impl Relative {
-    /// Returns the relative time (none without times) or the relative cost.
+    /// Returns the relative time, or the relative cost. `None` without times.
     pub fn take(&self, clock: CostBasis) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.time.map(|t| t.median),
@@ -55,44 +53,44 @@ impl Relative {
     }
 }
 
-/// Sums over the scenes of one setting on one backend.
+/// Sums over the scenes, for one setting on one backend.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     /// Relative errors.
     error: f64,
-    /// Logarithms of relative times: the median, the quickest and the slowest run.
+    /// Logarithms of relative times: median, fastest and slowest run.
     time: [f64; 3],
     runs: u32,
-    /// Scenes with times.
+    /// Number of scenes with times.
     timed: usize,
     /// Logarithms of relative costs.
     cost: f64,
     served: usize,
     scenes: usize,
-    /// Whether it has been the same as another setting on all scenes.
+    /// Whether it equals another setting on all scenes so far.
     repeats: bool,
 }
 
-/// Scenes that belong into one chart: hard and soft shadows are not compared with each other.
+/// Scenes of one chart. Hard and soft shadows are in separate charts.
 #[derive(Clone, Debug)]
 pub struct SceneGroup<'a> {
-    /// Whether their lights have no extent.
+    /// Whether the lights have no extent.
     pub is_ideal: bool,
-    /// What they are compared for.
+    /// Purpose of the scenes.
     pub section: Section,
     /// The scenes, in the comparison's order.
     pub scenes: Vec<&'a SceneResult>,
 }
 
 impl SceneGroup<'_> {
-    /// Returns the kind of its lights, for file names and headings.
+    /// Returns the kind of the lights, for file names and headings.
     pub fn light(&self) -> &'static str {
         if self.is_ideal { "hard" } else { "soft" }
     }
 }
 
-/// Returns the scenes of content under lights without extent, and those under wide lights; of all
-/// scenes, if there is no content. Groups without scenes are left out.
+/// Returns the scenes of content under ideal lights, and those under area lights. Without content,
+/// groups all scenes. Groups without scenes are omitted.
 pub fn scene_groups(comparison: &Comparison) -> Vec<SceneGroup<'_>> {
     let has_content = comparison
         .scenes
@@ -121,9 +119,10 @@ pub fn scene_groups(comparison: &Comparison) -> Vec<SceneGroup<'_>> {
     out
 }
 
-/// Returns every setting that was compared on every scene, in the first scene's order. Scenes
-/// without a receiver that counts, and those on which `hard` was not measured, are left out.
-/// Settings that play the same as another one on all scenes are left out, too.
+/// Returns every setting that was compared on all scenes, in the order of the first scene.
+///
+/// Skips scenes without a receiver that counts, and those without measurements of `hard`. Also
+/// skips settings that equal another one on all scenes.
 pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
     let mut sums: HashMap<[&str; 3], Sums> = HashMap::new();
     let mut order: Vec<[&str; 3]> = Vec::new();
@@ -161,7 +160,7 @@ pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
     out
 }
 
-/// Returns for each backend the measurement that all its others are relative to.
+/// Returns the reference measurement of each backend.
 fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
     let mut of_backend: HashMap<&str, Vec<&Measured>> = HashMap::new();
     for row in scene.rows.iter().filter(|r| r.technique == "hard") {
@@ -178,8 +177,7 @@ fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
     out
 }
 
-/// Returns the first measurement with the median of the map sizes, which are told by the texels
-/// that are cleared.
+/// Returns the first measurement with the median map size. Cleared texels identify the size.
 fn first_with_middle_map<'a>(settings: &[&'a Measured]) -> Option<&'a Measured> {
     let mut sizes: Vec<u64> = settings.iter().map(|m| m.work.cleared).collect();
     sizes.sort_unstable();
@@ -198,7 +196,7 @@ impl Sums {
     ) {
         self.scenes += 1;
         let Some(m) = row else { return };
-        // Where no pixel counts, nothing is known.
+        // If no pixel counts, there is no error.
         let Some(rmse) = m.rmse() else { return };
         self.served += 1;
         self.error += rmse / none;
@@ -207,7 +205,7 @@ impl Sums {
         let frame = |m: &Measured| m.milliseconds(CostBasis::Wall, motion);
         if let (Some(times), Some(ms), Some(unit)) = (m.times, frame(m), frame(reference)) {
             let total = times.total;
-            // The frame's parts vary about as its casts, filters and lookup do together.
+            // Parts of the frame vary in proportion to casts, filters and lookup together.
             let spread = |run: f64| ms * run / total.median.max(f64::MIN_POSITIVE);
             self.time[0] += log_ratio(ms, unit);
             self.time[1] += log_ratio(spread(total.min), unit);
@@ -218,7 +216,7 @@ impl Sums {
     }
 
     fn mean(&self, technique: &str, settings: &str, backend: &str) -> Relative {
-        // A scene that is not served has no shadow: an error of 1.
+        // An unsupported scene has no shadow: an error of 1.
         let error_of_unserved = (self.scenes - self.served) as f64;
         let scenes = self.scenes.max(1) as f64;
         let served = self.served.max(1) as f64;
@@ -242,14 +240,14 @@ impl Sums {
     }
 }
 
-/// Returns the logarithm of a ratio of two times, of which either may be 0.
+/// Returns the logarithm of a ratio of two times, which may be 0.
 fn log_ratio(time: f64, unit: f64) -> f64 {
     (time.max(f64::MIN_POSITIVE) / unit.max(f64::MIN_POSITIVE)).ln()
 }
 
 impl SceneResult {
-    /// Returns the RMSE of a mask without shadows, all lit; where nothing is in shadow, that of a
-    /// mask that is all dark. 0 if no pixel counts.
+    /// Returns the RMSE of a fully lit mask, or of a fully dark one if nothing is in shadow. 0 if
+    /// no pixel counts.
     pub fn error_of_none(&self) -> f64 {
         let [lit, dark] = self.rmse_of_none;
         if lit > 0.0 { lit } else { dark }

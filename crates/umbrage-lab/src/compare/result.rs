@@ -1,4 +1,4 @@
-//! The results of a comparison: plain data, written to `results.json` as it is.
+//! Results of a comparison: plain data, written to `results.json`.
 
 use super::options::Section;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use umbrage_plan::{
     statistics::Sorted,
 };
 
-/// Version of this data's format; grows with every change that programs which read it would notice.
+/// Version of this data's format. Increases with every change that concerns programs that read it.
 pub const SCHEMA: u32 = 7;
 
 /// A whole comparison.
@@ -18,23 +18,23 @@ pub const SCHEMA: u32 = 7;
 pub struct Comparison {
     /// [`SCHEMA`] when it was written.
     pub schema: u32,
-    /// Where and with what it was made.
+    /// Environment of the comparison.
     pub environment: Environment,
-    /// What the reader must know, such as that an adapter is missing.
+    /// Notices for the reader, such as a missing adapter.
     pub notices: Vec<String>,
-    /// One entry for each scene, in the order compared.
+    /// One entry for each scene, in the order of comparison.
     pub scenes: Vec<SceneResult>,
 }
 
 impl Comparison {
-    /// Returns a line for each fault: decided pixels on which backends differ, and negative
-    /// controls that fail.
+    /// Returns a line for each fault: backends that differ at decided pixels, and failed negative
+    /// controls.
     pub fn faults(&self) -> Vec<String> {
         self.scenes.iter().flat_map(SceneResult::faults).collect()
     }
 
-    /// Returns a line for each row of which rounding alone changes many pixels, as is expected of
-    /// its settings. That is no fault.
+    /// Returns a line for each row in which rounding alone changes many pixels, as expected for its
+    /// settings. This is not a fault.
     pub fn rows_sensitive_to_rounding(&self) -> Vec<String> {
         let mut out = Vec::new();
         for scene in &self.scenes {
@@ -60,15 +60,14 @@ impl Comparison {
     }
 }
 
-/// Where and with what a comparison was made.
+/// The environment of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Environment {
     /// Version of umbrage.
     pub version: String,
-    /// The working tree's commit, with `+` if files were changed since; none outside a repository.
+    /// The working tree's commit, with `+` if files were changed. `None` outside a repository.
     pub commit: Option<String>,
-    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the
-    /// same whenever it is made.
+    /// UTC date and time, `2026-11-21 03:45`. `None` for reproducible comparisons.
     pub date: Option<String>,
     /// The processor's name.
     pub cpu: String,
@@ -76,54 +75,54 @@ pub struct Environment {
     pub threads: usize,
     /// Operating system and architecture.
     pub system: String,
-    /// The graphics adapter; none if there is none or it wasn't asked for.
+    /// The graphics adapter. `None` if there is none or it wasn't requested.
     pub adapter: Option<String>,
-    /// How it rounds vertices, in words; none without it.
+    /// The adapter's vertex rounding in words. `None` without an adapter.
     #[serde(default)]
     pub snapping: Option<String>,
-    /// Names of the backends compared.
+    /// Names of the compared backends.
     pub backends: Vec<String>,
 }
 
-/// One scene.
+/// Results of one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneResult {
     /// The scene's name.
     pub name: String,
-    /// One line about it, maybe empty.
+    /// One line about the scene. May be empty.
     pub summary: String,
-    /// What it is compared for.
+    /// The scene's purpose.
     #[serde(default)]
     pub section: Section,
-    /// What moves from frame to frame, and so what the rows' sums of times are made of.
+    /// Motion between frames, which decides the parts of a row's frame time.
     #[serde(default)]
     pub motion: FrameMotion,
-    /// Kind of the light compared.
+    /// Kind of the light.
     pub light: String,
     /// Whether the light has no extent, so that its shadows are hard.
     #[serde(default)]
     pub is_ideal: bool,
     /// Image width and height, pixels.
     pub size: [u32; 2],
-    /// Triangles in all.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Tells the triangles apart from others, hexadecimal.
+    /// Fingerprint of the triangles, hexadecimal.
     pub fingerprint: String,
-    /// How truth was made.
+    /// Summary of truth.
     pub truth: TruthSummary,
-    /// Why rows have no errors; none if they have.
+    /// Why rows have no errors. `None` if they have.
     #[serde(default)]
     pub nothing_compared: Option<String>,
-    /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
+    /// RMSE of a fully lit mask, and of a fully dark one.
     pub rmse_of_none: [f64; 2],
-    /// One entry a technique setting and backend.
+    /// One entry for each technique setting and backend.
     pub rows: Vec<CompareRow>,
-    /// One entry a technique and backend.
+    /// One entry for each technique and backend.
     pub controls: Vec<Control>,
 }
 
 impl SceneResult {
-    /// Returns the kinds of backend that played, in the order of their first rows.
+    /// Returns the kinds of backend, in the order of their first rows.
     pub fn backends(&self) -> Vec<&str> {
         let mut out: Vec<&str> = Vec::new();
         for row in &self.rows {
@@ -134,9 +133,8 @@ impl SceneResult {
         out
     }
 
-    /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank
-    /// correlation of cost and time of all that backends execute; `None` with fewer than three rows
-    /// or without times.
+    /// Returns Spearman's rank correlation of predicted cost and measured time over the rows of a
+    /// backend. `None` with fewer than three rows or without times.
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
         let mut pairs = Vec::new();
         for row in self.rows.iter().filter(|row| row.backend == backend) {
@@ -153,8 +151,8 @@ impl SceneResult {
         rank_correlation(&pairs)
     }
 
-    /// Sets the rows' [times at full clock](RowTimes::full_clock_factor) on devices, whose
-    /// yardstick takes at least `yardstick_ms` milliseconds a unit.
+    /// Sets the rows' [times at full clock](RowTimes::full_clock_factor) on devices whose yardstick
+    /// takes at least `yardstick_ms` milliseconds per unit.
     pub(super) fn set_full_clock(&mut self, yardstick_ms: f64) {
         for row in &mut self.rows {
             if let RowOutcome::Measured(m) = &mut row.outcome
@@ -170,7 +168,7 @@ impl SceneResult {
     }
 
     /// Returns the number of rows [at an unknown clock](CompareRow::is_at_unknown_clock), without
-    /// those that repeat the figures of another row.
+    /// those that repeat other rows.
     pub fn rows_at_unknown_clock(&self) -> usize {
         let rows = self.rows.iter().filter(|row| row.same_as.is_none());
         rows.filter(|row| row.is_at_unknown_clock()).count()
@@ -195,8 +193,8 @@ impl SceneResult {
                 ));
             }
         }
-        // Where nothing faces the light there is nothing to compare, which is no fault. Where truth
-        // is ambiguous everywhere, nothing was found out, which is one.
+        // If nothing faces the light, there is nothing to compare, which is no fault. If truth is
+        // ambiguous everywhere, nothing was tested, which is a fault.
         if let Some(why) = &self.nothing_compared
             && self.truth.ambiguous > 0
         {
@@ -205,10 +203,10 @@ impl SceneResult {
         for control in self.controls.iter().filter(|c| !c.holds) {
             let why = match control.wrong_without {
                 0 => format!(
-                    "the mask stays the same, though {} pixels are in shadow with them",
+                    "the mask stays the same, though they shadow {} pixels",
                     control.shadowed
                 ),
-                n => format!("{n} pixels of the mask are not as their own horizon leaves them"),
+                n => format!("{n} pixels of the mask differ from what their own horizon implies"),
             };
             out.push(format!(
                 "{scene}: {} {}: without casters {why}",
@@ -219,23 +217,22 @@ impl SceneResult {
     }
 }
 
-/// Settings whose masks rounding alone changes at more pixels than
-/// [`MAX_UNDECIDED_SHARE`](umbrage_core::metrics::MAX_UNDECIDED_SHARE) allows.
+/// Settings for which rounding alone may change more pixels than
+/// [`MAX_UNDECIDED_SHARE`](umbrage_core::metrics::MAX_UNDECIDED_SHARE).
 #[derive(Clone, Copy, Debug)]
 struct ExpectedUndecided {
     /// The technique. `None` for all.
     technique: Option<&'static str>,
-    /// One of its settings, as reports spell them.
+    /// One of its settings, as spelt in reports.
     setting: &'static str,
-    /// The greatest share of a scene's pixels.
+    /// Maximum share of a scene's pixels.
     share: f64,
     why: &'static str,
 }
 
 const EXPECTED_UNDECIDED: [ExpectedUndecided; 2] = [
     // `hard` on an H100: 28 of 19,200 pixels of `cubes`, 2,944 of 19,200 (0.15) of `lamp-in-room`.
-    // Twice that leaves room for other adapters. A mask of noise would differ at half of its
-    // pixels.
+    // Twice that allows for other adapters. A mask of noise would differ at half of its pixels.
     ExpectedUndecided {
         technique: None,
         setting: "bias: none",
@@ -281,7 +278,7 @@ fn disagreement(agreement: Agreement, expected: Option<ExpectedUndecided>) -> Op
         ))
     } else if !agreement.is_decided() && !is_expected {
         Some(format!(
-            "rounding alone lets {} of {} pixels differ from the CPU's: too many",
+            "rounding alone makes {} of {} pixels differ from the CPU's, which is too many",
             agreement.undecided, agreement.compared
         ))
     } else {
@@ -289,10 +286,10 @@ fn disagreement(agreement: Agreement, expected: Option<ExpectedUndecided>) -> Op
     }
 }
 
-/// How truth was traced, and how certain it is.
+/// Summary of truth and its uncertainty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TruthSummary {
-    /// Rays for each receiver; more in penumbra.
+    /// Rays for each receiver; more in penumbrae.
     pub samples: u32,
     /// Mean standard error over the pixels that count.
     pub mean_error: f32,
@@ -300,14 +297,14 @@ pub struct TruthSummary {
     pub largest_error: f32,
     /// Pixels that count.
     pub counted: u64,
-    /// Pixels left out as ambiguous.
+    /// Pixels excluded as ambiguous.
     pub ambiguous: u64,
-    /// Pixels left out as facing away from the light or outside its cone.
+    /// Pixels excluded as facing away from the light or outside its cone.
     pub unlit: u64,
-    /// Pixels left out as only a sample is judged; 0 where all are.
+    /// Pixels excluded as not sampled; 0 if all are judged.
     #[serde(default)]
     pub unsampled: u64,
-    /// Seconds it took; none without times.
+    /// Tracing time, seconds. `None` without times.
     pub seconds: Option<f64>,
 }
 
@@ -316,22 +313,22 @@ pub struct TruthSummary {
 pub struct CompareRow {
     /// The technique's name.
     pub technique: String,
-    /// Its settings in words.
+    /// Settings in words.
     pub settings: String,
-    /// A file name's stem that no other row of this technique has: `pcf` or `pcf-3x3-1024-slope`.
+    /// Stem of a file name, unique among rows of this technique: `pcf` or `pcf-3x3-1024-slope`.
     pub slug: String,
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
-    /// The row above whose figures these are, as both have the same recipe: its technique and
-    /// settings.
+    /// Technique and settings of an earlier row with the same recipe, whose figures these are.
+    /// `None` if there is none.
     #[serde(default)]
     pub same_as: Option<String>,
-    /// Its figures, or why it has none.
+    /// Figures, or the reason why there are none.
     pub outcome: RowOutcome,
 }
 
 impl CompareRow {
-    /// Returns the figures; none if the row isn't measured.
+    /// Returns the figures. `None` if the row isn't measured.
     pub fn measured(&self) -> Option<&Measured> {
         match &self.outcome {
             RowOutcome::Measured(m) => Some(m),
@@ -339,32 +336,32 @@ impl CompareRow {
         }
     }
 
-    /// Whether the row was timed in turn with a yardstick on a device, and its time at full clock
-    /// is not known. Long rows are timed once, without a yardstick: they do not count.
+    /// Reports whether the row was timed in turn with a yardstick on a device, but its time at full
+    /// clock is unknown. Long rows are timed without a yardstick and don't count.
     pub fn is_at_unknown_clock(&self) -> bool {
         let times = self.measured().and_then(|m| m.times);
         has_device_clock(&self.backend)
             && times.is_some_and(|t| t.yardstick.is_some() && t.full_clock_factor.is_none())
     }
 
-    /// Returns a file name's stem that no other row of its scene has.
+    /// Returns the stem of a file name, unique among rows of the scene.
     pub fn stem(&self) -> String {
         stem_of(&self.slug, &self.backend)
     }
 
-    /// Returns the row's name for people: `pcf (3x3, 1024, slope) on wgpu`.
+    /// Returns the row's name for readers: `pcf (3x3, 1024, slope) on wgpu`.
     pub fn label(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.settings, self.backend)
     }
 }
 
-/// Whether a kind of backend runs on a device with a clock of its own, which falls while the CPU
-/// works.
+/// Reports whether a kind of backend runs on a device with its own clock, which slows down while
+/// the CPU works.
 pub(super) fn has_device_clock(backend: &str) -> bool {
     backend != "cpu"
 }
 
-/// [`CompareRow::stem`] of a slug on a kind of backend.
+/// Returns [`CompareRow::stem`] for a slug and a kind of backend.
 pub(super) fn stem_of(slug: &str, backend: &str) -> String {
     format!("{slug}.{backend}")
 }
@@ -385,51 +382,51 @@ pub enum RowOutcome {
 /// A row's figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Errors against truth; `None` if no pixel counts ([`SceneResult::nothing_compared`] says
-    /// why), as errors of 0 would mean that the mask is right.
+    /// Errors against truth. `None` if no pixel counts ([`SceneResult::nothing_compared`] is the
+    /// reason): errors of 0 would mean a correct mask.
     pub errors: Option<Errors>,
-    /// What the errors come from; none where no pixel counts.
+    /// Causes of the errors. `None` if no pixel counts.
     pub causes: Option<Causes>,
-    /// Times of what the backend executes, without compilation, upload and read-back; `None` if
-    /// they were not measured.
+    /// Times of execution on the backend, without compilation, upload and read-back. `None` if not
+    /// measured.
     pub times: Option<RowTimes>,
-    /// Times of what comes before: the same on every backend; none if they were not measured.
+    /// Times of preparation, equal on every backend. `None` if not measured.
     #[serde(default)]
     pub preparation: Option<Preparation>,
-    /// Whether what the recipe draws stays the same while the camera moves.
+    /// Whether the drawn images stay the same while the camera moves.
     #[serde(default)]
     pub kept_as_camera_moves: bool,
-    /// The recipe's work, counted.
+    /// The recipe's counted work.
     pub work: Work,
-    /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of
-    /// backend, milliseconds: the same on every run.
+    /// Predicted cost of the work by the [prices](umbrage_plan::cost::PriceList) of this kind of
+    /// backend, milliseconds. The same on every run.
     pub cost_ms: f64,
-    /// The part of `cost_ms` that backends execute, which [`times`](Self::times) are of: without
-    /// triangles that were put into lists. None in files from before there were lists.
+    /// The part of `cost_ms` that backends execute, to compare with [`times`](Self::times).
+    /// Excludes triangles put into lists. `None` in files from before there were lists.
     #[serde(default)]
     pub played_cost_ms: Option<f64>,
-    /// The part of `cost_ms` that the lookup costs.
+    /// The part of `cost_ms` for the lookup.
     #[serde(default)]
     pub lookup_cost_ms: f64,
-    /// Bytes held for images, tables and receivers.
+    /// Bytes of images, tables and receivers.
     pub bytes: u64,
-    /// Agreement with the CPU's mask; none on the CPU or without it.
+    /// Agreement with the CPU's mask. `None` on the CPU or without it.
     pub agreement: Option<Agreement>,
-    /// Pixels whose colour differs from the first backend's by more than a step of 255 though the
-    /// masks agree; none without colours, and for the first backend.
+    /// Pixels whose colour differs from that of the first backend by more than a step of 255 though
+    /// the masks agree. `None` without colours, and for the first backend.
     pub color_differing: Option<u64>,
-    /// How the maps are used: the same on every backend; none without maps.
+    /// Use of the maps, equal on every backend. `None` without maps.
     pub maps: Option<MapUse>,
 }
 
 impl Measured {
-    /// Returns the root of the mean square error, 0..=1; none where no pixel counts.
+    /// Returns the root mean square error, 0..=1. `None` if no pixel counts.
     pub fn rmse(&self) -> Option<f64> {
         self.errors.map(|e| e.rmse)
     }
 
-    /// Returns the time of a frame or its cost, milliseconds; `None` if times weren't measured.
-    /// Costs are those of the whole recipe, or of its lookup alone where what is drawn is kept.
+    /// Returns the time of a frame or its cost, milliseconds. `None` if times weren't measured. If
+    /// the drawn images are kept between frames, costs are those of the lookup only.
     pub fn milliseconds(&self, clock: CostBasis, motion: FrameMotion) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.frame_ms(motion),
@@ -438,8 +435,8 @@ impl Measured {
         }
     }
 
-    /// Returns the time of a frame, milliseconds; none without times, or if the lookup alone was
-    /// not timed.
+    /// Returns the time of a frame, milliseconds. `None` without times, or if the lookup was not
+    /// timed separately.
     fn frame_ms(&self, motion: FrameMotion) -> Option<f64> {
         let times = self.times.as_ref()?;
         if self.is_kept(motion) {
@@ -453,7 +450,7 @@ impl Measured {
         }
     }
 
-    /// Whether what the recipe draws is kept from frame to frame.
+    /// Reports whether the drawn images are kept between frames.
     fn is_kept(&self, motion: FrameMotion) -> bool {
         match motion {
             FrameMotion::Still => true,
@@ -463,26 +460,26 @@ impl Measured {
     }
 }
 
-/// Two measures of what a row costs.
+/// The basis of a row's time: measured or predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CostBasis {
-    /// Measured time: of this machine at that moment.
+    /// Measured time. Depends on the machine and its load.
     Wall,
-    /// Counted work times its price: the same on every run.
+    /// Counted work times its price. The same on every run.
     Cost,
 }
 
-/// The times of what comes before a backend plays, for one setting on one scene.
+/// Times of preparation before a backend executes, for one setting on one scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
-    /// Once a scene: hierarchies over its triangles, welded edges and the like, milliseconds. It is
-    /// the time by which the first recipe of fresh triangles takes longer than later ones.
+    /// Once per scene: acceleration structures, welded edges and the like, milliseconds. It is the
+    /// additional time of the first recipe of new triangles.
     pub scene_ms: f64,
-    /// Making the recipe: once a change of what it depends on.
+    /// Making the recipe: after each change of its inputs.
     pub recipe: TimingStats,
 }
 
-/// How long the stages took; none where a stage is not played or not measurable.
+/// Times of the stages. `None` if a stage doesn't occur or can't be measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RowTimes {
     /// All casts.
@@ -493,22 +490,26 @@ pub struct RowTimes {
     pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
     pub total: TimingStats,
-    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is timed in turn with the runs,
-    /// milliseconds for each unit of its work; `None` if nothing receives, where the adapter can't
-    /// time it, and in results of schema 4 and before.
+    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that runs in turn with the row,
+    /// milliseconds per unit of its work. `None` if nothing receives, if the adapter can't time it,
+    /// and in results of schema 4 and before.
     pub yardstick: Option<TimingStats>,
-    /// Each run's time over the mean of the yardsticks' right before and after it: what is compared
-    /// with other runs' results. Only calm runs count: on the CPU those next to which no yardstick
-    /// took more than [`CALM`](super::CALM) times the quickest, on a device those of which neither
-    /// yardstick took more than that times the other. `None` if no run was calm.
+    /// Time of each run divided by the mean of the yardsticks before and after it, for comparison
+    /// with results of other runs.
+    ///
+    /// Only calm runs count. On the CPU, neither adjacent yardstick took more than
+    /// [`CALM`](super::CALM) times the fastest one. On a device, neither took more than that times
+    /// the other. `None` if no run was calm.
     pub ratio: Option<Ranks>,
-    /// The row's time at the device's full clock over the median of [`total`](Self::total), more
-    /// than 0: that ratio times the yardstick's least time on the device in this comparison. `None`
-    /// on the CPU, if no run was calm, and in files from before it was measured.
+    /// The row's time at the device's full clock divided by the median of [`total`](Self::total),
+    /// more than 0.
+    ///
+    /// It is the median ratio times the yardstick's least time on the device in this comparison.
+    /// `None` on the CPU, if no run was calm, and in older files.
     #[serde(default, rename = "full_clock")]
     pub full_clock_factor: Option<f64>,
-    /// Units of work of the yardstick on a device: [ratios](Self::ratio) to yardsticks of different
-    /// lengths cannot be compared. `None` on the CPU, without a yardstick, and before schema 7.
+    /// Units of work of the yardstick on a device. [Ratios](Self::ratio) to yardsticks of different
+    /// lengths are not comparable. `None` on the CPU, without a yardstick, and before schema 7.
     #[serde(default)]
     pub device_units: Option<f64>,
 }
@@ -521,26 +522,26 @@ impl RowTimes {
     }
 }
 
-/// The distribution of some figures as quantiles, which a few outliers do not change.
+/// Quantiles of some figures, which are robust against outliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ranks {
-    /// A tenth lies below.
+    /// 10 % quantile.
     pub tenth: f64,
-    /// A quarter lies below.
+    /// Lower quartile.
     pub low: f64,
-    /// Half lies below.
+    /// Median.
     pub median: f64,
-    /// A quarter lies above.
+    /// Upper quartile.
     pub high: f64,
-    /// The greatest.
+    /// Maximum.
     #[serde(rename = "greatest")]
     pub max: f64,
-    /// How many figures.
+    /// Number of figures.
     pub runs: u32,
 }
 
 impl Ranks {
-    /// Returns the quantiles of some figures, linear between neighbors; none without figures.
+    /// Returns the quantiles of some figures, with linear interpolation. `None` without figures.
     pub fn of(figures: Vec<f64>) -> Option<Self> {
         let runs = figures.len() as u32;
         let sorted = Sorted::new(figures);
@@ -558,20 +559,20 @@ impl Ranks {
 /// Times of several runs, milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimingStats {
-    /// Half of the runs took longer.
+    /// Median.
     pub median: f64,
-    /// The quickest run.
+    /// Fastest run.
     #[serde(rename = "least")]
     pub min: f64,
-    /// The slowest run.
+    /// Slowest run.
     #[serde(rename = "greatest")]
     pub max: f64,
-    /// How many runs.
+    /// Number of runs.
     pub runs: u32,
 }
 
 impl TimingStats {
-    /// Returns the statistics of times in milliseconds; none without times.
+    /// Returns the statistics of times in milliseconds. `None` without times.
     pub fn of(times: Vec<f64>) -> Option<Self> {
         let runs = times.len() as u32;
         let sorted = Sorted::new(times);
@@ -584,26 +585,27 @@ impl TimingStats {
     }
 }
 
-/// The negative control of one technique on one backend: with the casters removed, its mask must
-/// change where the shadow was, and show nothing but the receivers' own horizon.
+/// Negative control of one technique on one backend. Without casters its mask must change where the
+/// shadow was, and contain nothing but the receivers' own horizon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Kind of backend.
     pub backend: String,
-    /// The technique that was played: the first of its settings that was measured.
+    /// The technique, in its first measured setting.
     pub technique: String,
-    /// Counted pixels from which casters hide all of the light, and which the technique must light
-    /// without casters.
+    /// Counted pixels that casters shadow fully, and that the technique must light without casters.
     pub shadowed: u64,
-    /// Those of them whose mask brightened by more than a quarter when the casters were removed.
+    /// Those of them that brightened by more than a quarter without casters.
     pub changed: u64,
-    /// Counted pixels that without casters are darker or lighter than is right for the technique:
-    /// the share of its light samples that lie above the receiver's own horizon. Must be 0.
+    /// Counted pixels that are wrong without casters. The correct value is the share of the
+    /// technique's light samples above the receiver's own horizon. Must be 0.
     #[serde(alias = "dark_without")]
     pub wrong_without: u64,
-    /// Whether the control passed: nothing is wrong without casters, and something changed if truth
-    /// has a shadow that the technique cannot miss. (Maps may miss shadows narrower than their
-    /// texels, and so may maps of the far sides of casters.)
+    /// Whether the control passed.
+    ///
+    /// Nothing may be wrong without casters. Something must change, if truth has a shadow that the
+    /// technique can't miss. (Maps may miss shadows narrower than their texels, and maps of far
+    /// sides may miss open casters.)
     pub holds: bool,
 }
 
@@ -611,7 +613,7 @@ pub struct Control {
 mod tests {
     use super::*;
 
-    /// Timestamps may be so coarse that a row takes no time.
+    /// Coarse timestamps may measure 0 for a row.
     #[test]
     fn rows_of_no_time_have_no_factor() {
         for (median, factor) in [(4.0, Some(0.5)), (0.0, None)] {

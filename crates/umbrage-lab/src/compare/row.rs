@@ -1,5 +1,5 @@
-//! One technique setting on a scene: makes its recipe, executes it on every backend, times it, and
-//! measures its error. Each backend's figures are a row.
+//! Rows of one technique setting on a scene. Makes the recipe, executes and times it on every
+//! backend, and measures its error. Each backend's figures are a row.
 
 use super::{
     agreement::agree,
@@ -27,47 +27,47 @@ use umbrage_plan::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// The images of a row. All are `None` if it isn't measured.
+/// Images of a row. All are `None` if it isn't measured.
 #[derive(Clone, Debug, Default)]
 pub struct RowImages {
     /// The mask.
     pub mask: Option<Vec<f32>>,
-    /// The shaded picture as PNG; `None` without [`CompareOptions::color`].
+    /// The shaded image as PNG. `None` without [`CompareOptions::color`].
     pub color: Option<Vec<u8>>,
-    /// Where maps are looked up; `None` without a map, and in comparisons of more than three
-    /// scenes, whose reports don't show it.
+    /// Locations of lookups in the maps. `None` without a map, and in comparisons of more than
+    /// three scenes, whose reports don't show it.
     pub lookups: Option<Arc<Heat>>,
 }
 
-/// A scene while its settings are compared.
+/// State of a scene while its settings are compared.
 pub(super) struct SceneRun<'a> {
     pub(super) name: &'a str,
     pub(super) view: SceneView<'a>,
     pub(super) options: &'a CompareOptions,
     pub(super) judge: Judge<'a>,
-    /// The scene for color pictures; `None` without them.
+    /// The scene for colour images. `None` without them.
     pub(super) stage: Option<color::Stage>,
     /// The rows so far.
     pub(super) rows: Vec<(CompareRow, RowImages)>,
     pub(super) controls: Vec<Control>,
     pub(super) map_uses: MapUses,
-    /// Settings executed so far. Empty unless only the settings that stand for each technique are
+    /// Settings executed so far. Only recorded if the representative settings of each technique are
     /// compared.
     pub(super) executed: Vec<ExecutedSetting>,
-    /// How long techniques take once for the scene, by name, milliseconds.
+    /// Preparation time of each technique per scene, by name, milliseconds.
     pub(super) scene_times: Vec<(&'static str, f64)>,
-    /// What each backend sees; `None` before its first rendering.
+    /// Receivers that each backend sees. `None` before its first rendering.
     pub(super) seen: Vec<Option<SeenByBackend>>,
 }
 
-/// A setting that has been executed.
+/// An executed setting.
 pub(super) struct ExecutedSetting {
     recipe: Recipe,
-    /// The first of its rows; it has one for each backend.
+    /// First of its rows, of which there is one for each backend.
     first_row: usize,
 }
 
-/// A recipe, and what is known of how it comes about.
+/// A recipe with its preparation.
 struct MadeRecipe {
     recipe: Recipe,
     /// `None` if times aren't measured.
@@ -75,14 +75,14 @@ struct MadeRecipe {
     kept_as_camera_moves: bool,
 }
 
-/// What the CPU renders for a setting, and how far its mask is from truth.
+/// The CPU's result for a setting, and its error.
 struct OfCpu {
     shadows: Shadows,
     accuracy: Accuracy,
 }
 
 impl SceneRun<'_> {
-    /// Executes one setting on all backends. The recipe is made once, so that all execute the same.
+    /// Executes one setting on all backends. They share one recipe.
     pub(super) fn add_setting(
         &mut self,
         setting: &NamedSetting,
@@ -138,7 +138,7 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Makes a setting's recipe, and times that if the options have times.
+    /// Makes a setting's recipe. Times it if the options include times.
     fn make_recipe(&mut self, technique: &dyn ShadowTechnique) -> Result<MadeRecipe, RecipeError> {
         if let Some(reason) = self.too_slow(technique) {
             return Err(RecipeError::unsupported(reason));
@@ -177,8 +177,8 @@ impl SceneRun<'_> {
         })
     }
 
-    /// Returns why a technique is left out where the few settings of all scenes are compared;
-    /// `None` if it isn't.
+    /// Returns why a technique is skipped when representative settings are compared. `None` if it
+    /// isn't.
     fn too_slow(&self, technique: &dyn ShadowTechnique) -> Option<String> {
         let entry = self.options.catalogue.find(technique.name())?;
         let most = entry.max_compared_triangles?;
@@ -187,7 +187,7 @@ impl SceneRun<'_> {
             return None;
         }
         Some(format!(
-            "left out of scenes of over {most} triangles, where it takes minutes: name the scene, or ask for all settings"
+            "skipped on scenes of over {most} triangles, where it takes minutes; name the scene, or request all settings"
         ))
     }
 
@@ -200,6 +200,7 @@ impl SceneRun<'_> {
         of_cpu: &mut Option<OfCpu>,
         backends: &mut Backends,
     ) -> Result<(RowOutcome, RowImages), LabError> {
+        // Count the work and predict its cost.
         let recipe = &made.recipe;
         let view = self.view.core();
         let backend = &mut *backends.playing[backend_index];
@@ -210,19 +211,19 @@ impl SceneRun<'_> {
         let prices = self.options.prices.of(kind);
         let played_cost_ms = prices.milliseconds(&work.played());
         let runs = self.options.runs.as_ref();
-        // Every row of a scene has the same receivers: a backend finds them in its first one.
+        // Reuse the receivers of the backend's first row: they are the same for the whole scene.
         let seen = self.seen[backend_index].as_ref();
         let seen = seen.map(|seen| &seen.receivers);
         let seeing = View {
             receivers: seen,
             ..view
         };
+        // Render and time the recipe.
         let clock = &mut backends.device_clock;
         let (mut shadows, times) =
             match measure(backend, &seeing, recipe, runs, played_cost_ms, clock) {
                 Ok(measured) => measured,
-                // The report says what is too large for a backend; other backends may still execute
-                // it.
+                // The report states what is too large for a backend. Others may still execute it.
                 Err(BackendError::Invalid(e)) => return Ok(unsupported(&e.to_string())),
                 Err(e) => return Err(e.into()),
             };
@@ -233,6 +234,7 @@ impl SceneRun<'_> {
             Some(seen) => shadows.receivers = Some(seen.clone()),
             None => self.find_out_what_is_seen(backend_index, backend, &shadows)?,
         }
+        // Compare the mask with casters removed, with truth, and with the CPU's.
         self.add_control(backend, &setting.technique, recipe, &shadows)?;
         let pixels = self.seen[backend_index].as_ref();
         let pixels = pixels.and_then(|seen| seen.pixels.as_deref());
@@ -266,7 +268,7 @@ impl SceneRun<'_> {
         Ok((RowOutcome::Measured(Box::new(measured)), images))
     }
 
-    /// Finds out which pixels count on a backend, by its first rendering.
+    /// Determines which pixels count on a backend from its first rendering.
     fn find_out_what_is_seen(
         &mut self,
         backend_index: usize,
@@ -284,8 +286,8 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Runs the negative control of a technique on a backend with the first of its settings that is
-    /// measured there.
+    /// Runs the negative control of a technique on a backend, with the technique's first setting
+    /// that is measured there.
     fn add_control(
         &mut self,
         backend: &mut dyn Backend,
@@ -313,8 +315,8 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Compares a mask with truth. One that equals the CPU's has its errors, if the same pixels
-    /// count.
+    /// Compares a mask with truth. A mask that equals the CPU's has the same errors, if the same
+    /// pixels count.
     fn accuracy(
         &self,
         of_cpu: Option<&OfCpu>,
@@ -348,8 +350,8 @@ impl SceneRun<'_> {
         })
     }
 
-    /// Adds how the maps are used to the rows from `first_row` on that were measured. It is
-    /// measured once, since all backends execute the same.
+    /// Adds the use of maps to the measured rows from `first_row` on. It is measured once, since
+    /// all backends execute the same recipe.
     fn add_map_use(&mut self, technique: &TechniquePreset, recipe: &Recipe, first_row: usize) {
         let rows = &mut self.rows[first_row..];
         if rows.iter().all(|(row, _)| row.measured().is_none()) {
@@ -371,8 +373,8 @@ impl SceneRun<'_> {
         }
     }
 
-    /// Renders color pictures of the measured rows from `first_row` on, and compares them with the
-    /// first backend's.
+    /// Renders colour images of the measured rows from `first_row` on, and compares them with those
+    /// of the first backend.
     fn shade(
         &mut self,
         technique: &TechniquePreset,
@@ -385,8 +387,7 @@ impl SceneRun<'_> {
         let truth = self.judge.truth;
         let recipe = match stage.recipe(technique, &truth.receivers) {
             Ok(recipe) => recipe,
-            // The light's marker may be what the technique can't serve; the mask was made without
-            // it.
+            // The light's marker may be unsupported; the mask was made without it.
             Err(RecipeError::Unsupported(_)) => return Ok(()),
             Err(e) => return Err(e.into()),
         };
@@ -406,14 +407,14 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Returns the first row of a setting that executed the same recipe; `None` if there is none.
+    /// Returns the first row of a setting with the same recipe. `None` if there is none.
     fn first_row_alike(&self, recipe: &Recipe) -> Option<usize> {
         let mut executed = self.executed.iter();
         let alike = executed.find(|executed| render_alike(&executed.recipe, recipe))?;
         Some(alike.first_row)
     }
 
-    /// Adds rows with the figures of those from `first_row` on, since they would be the same.
+    /// Adds rows that repeat the figures of those from `first_row` on.
     fn repeat(&mut self, setting: &NamedSetting, first_row: usize, backends: usize) {
         for i in first_row..first_row + backends {
             let (like, images) = self.rows[i].clone();
@@ -429,14 +430,14 @@ impl SceneRun<'_> {
     }
 }
 
-/// Truth of a scene, prepared for comparing many masks with it.
+/// Truth of a scene, prepared for comparison with many masks.
 pub(super) struct Judge<'a> {
     truth: &'a Truth,
     reference: ReferenceMask<'a>,
     image: TruthImage<'a>,
 }
 
-/// The error of a mask, and its causes; `None` if no pixel counts.
+/// The error of a mask and its causes. `None` if no pixel counts.
 #[derive(Clone, Copy)]
 struct Accuracy {
     errors: Option<Errors>,
@@ -452,8 +453,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Compares a mask with truth over the pixels that count: by `pixels`, or by truth without
-    /// them.
+    /// Compares a mask with truth over the pixels that count, by `pixels` or else by truth.
     fn accuracy(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<Accuracy, Invalid> {
         let errors = self.errors(mask, pixels)?;
         let causes = match pixels {
@@ -467,8 +467,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Returns the errors of a mask over the pixels that count: by `pixels`, or by truth without
-    /// them.
+    /// Returns the errors of a mask over the pixels that count, by `pixels` or else by truth.
     fn errors(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<Errors, Invalid> {
         match pixels {
             None => self.reference.errors(mask),
@@ -476,14 +475,14 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Returns the RMSE of a mask that has one visibility everywhere; 0 if it can't be measured.
+    /// Returns the RMSE of a mask with the same visibility everywhere. 0 if it can't be measured.
     pub(super) fn rmse_of_constant(&self, visibility: f32) -> f64 {
         let mask = vec![visibility; self.truth.pixels.len()];
         self.errors(&mask, None).map_or(0.0, |errors| errors.rmse)
     }
 }
 
-/// Returns the outcome of a row without figures, and no images.
+/// Returns the outcome of a row without figures and images.
 fn unsupported(reason: &str) -> (RowOutcome, RowImages) {
     let outcome = RowOutcome::Unsupported {
         reason: reason.to_owned(),
@@ -491,7 +490,7 @@ fn unsupported(reason: &str) -> (RowOutcome, RowImages) {
     (outcome, RowImages::default())
 }
 
-/// Returns whether two recipes are the same, so that their masks are.
+/// Reports whether two recipes, and so their masks, are the same.
 fn render_alike(a: &Recipe, b: &Recipe) -> bool {
     let of_lookup = |recipe: &Recipe| {
         let receive = &recipe.receive;
@@ -524,7 +523,7 @@ mod tests {
         let hard = Hard {}.on(map);
         let pcss = Pcss::default().on(map);
         assert!(render_alike(&recipe(&hard, &sun), &recipe(&pcss, &sun)));
-        // Under a wide light, with another bias or on another map they differ.
+        // They differ under an area light, with another bias or with another map.
         let lamp = umbrage_scenes::by_argument("teapot-lamp")
             .expect("built in")
             .lights[0];

@@ -15,17 +15,17 @@ use crate::{color, error::LabError};
 use umbrage_core::{Camera, Geometry, Invalid, metrics::Pixel};
 use umbrage_plan::truth::{self, Truth, TruthOptions};
 
-/// The images of one scene.
+/// Images of one scene.
 #[derive(Clone, Debug)]
 pub struct SceneImages {
     /// Ray-traced truth.
     pub truth: Truth,
-    /// The images of each row, in the result's order.
+    /// Images of each row, in the result's order.
     pub rows: Vec<RowImages>,
 }
 
-/// Traces truth about a scene and executes all settings on all backends. With `heat`, keeps where
-/// each row's maps are looked up.
+/// Traces truth of a scene and executes all settings on all backends. With `heat`, keeps the
+/// locations of each row's lookups.
 pub(super) fn run(
     input: &SceneInput,
     settings: &[NamedSetting],
@@ -34,6 +34,7 @@ pub(super) fn run(
     backends: &mut Backends,
     on_event: &OnEvent<'_>,
 ) -> Result<(SceneResult, SceneImages), LabError> {
+    // Trace truth.
     let scene = &input.scene;
     let (camera, light) = input.camera_and_light()?;
     let camera = options.camera(camera);
@@ -49,6 +50,7 @@ pub(super) fn run(
     } else {
         None
     };
+    // Execute all settings.
     let mut run = SceneRun {
         name: &scene.name,
         view,
@@ -66,6 +68,7 @@ pub(super) fn run(
     for setting in settings {
         run.add_setting(setting, backends, on_event)?;
     }
+    // Collect the results.
     let truth_summary = summary(&truth, options);
     let rmse_of_none = [1.0, 0.0].map(|visibility| run.judge.rmse_of_constant(visibility));
     let (rows, images) = run.rows.into_iter().unzip();
@@ -95,7 +98,7 @@ pub(super) fn run(
     Ok((result, images))
 }
 
-/// Returns truth: what is kept of it, or else traced now and kept.
+/// Returns stored truth, or traces and stores it.
 fn truth(
     view: &SceneView<'_>,
     options: &TruthOptions,
@@ -120,7 +123,7 @@ fn truth(
     if let Some(kept) = &backends.kept_truth
         && let Err(why) = kept.write(view, options, &truth)
     {
-        // It is known now, and the next run can trace it again.
+        // Truth is available, and the next run can trace it again.
         let notice = format!("Truth is not kept for the next run: {why}.");
         backends.notices.push(notice);
         backends.kept_truth = None;
@@ -128,7 +131,7 @@ fn truth(
     Ok(truth)
 }
 
-/// Returns the scene for color pictures, seen by this camera, with a marker at the light.
+/// Returns the scene for colour images from this camera, with a marker at the light.
 fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Invalid> {
     let scene = umbrage_core::Scene {
         cameras: vec![*camera],
@@ -155,7 +158,7 @@ fn count(pixels: &[Pixel], kind: Pixel) -> u64 {
     pixels.iter().filter(|pixel| **pixel == kind).count() as u64
 }
 
-/// Returns why no pixel counts; none if one does.
+/// Returns why no pixel counts. `None` if one does.
 fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
     if truth.counted > 0 {
         return None;
@@ -164,12 +167,12 @@ fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
     let unlit = truth.unlit;
     let empty = pixels as u64 - ambiguous - unlit - truth.unsampled;
     let help = if ambiguous > 0 {
-        "; bring the light nearer, or make the scene larger beside its distances"
+        "; bring the light nearer, or make the scene larger compared with its distances"
     } else {
         ""
     };
     Some(format!(
-        "no pixel was compared: of {pixels}, {empty} show nothing that receives, {unlit} face away from the light or lie \
-         outside its cone, and at {ambiguous} truth hangs on rounding{help}"
+        "no pixel was compared: of {pixels}, {empty} show no receiver, {unlit} face away from the light or are \
+         outside its cone, and {ambiguous} are ambiguous within rounding{help}"
     ))
 }

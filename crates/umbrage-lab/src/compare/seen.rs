@@ -1,4 +1,4 @@
-//! Compares the triangles that a backend sees with those that truth was traced for.
+//! Compares the triangles that a backend sees with those of truth.
 
 use crate::error::LabError;
 use umbrage_core::{
@@ -7,7 +7,7 @@ use umbrage_core::{
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 
-/// The camera, the light and the triangles of a scene, without receivers.
+/// Camera, light and triangles of a scene, without receivers.
 #[derive(Clone, Copy)]
 pub(super) struct SceneView<'a> {
     pub(super) camera: &'a Camera,
@@ -16,37 +16,39 @@ pub(super) struct SceneView<'a> {
 }
 
 impl<'a> SceneView<'a> {
-    /// Returns the same as core's type.
+    /// Converts it to the type of core.
     pub(super) fn core(&self) -> View<'a> {
         View::new(self.camera, self.light, self.geometry)
     }
 }
 
-/// What a backend sees of a scene.
+/// The view of a scene by a backend.
 #[derive(Debug)]
 pub(super) struct SeenByBackend {
-    /// What it saw.
+    /// The visible receivers.
     pub(super) receivers: Receivers,
-    /// Which pixels count: truth's classes, except at pixels where the backend sees another
-    /// triangle or which its grid of sub-pixels makes ambiguous; none if there are no such pixels,
-    /// and truth's classes hold.
+    /// Classes of pixels. `None` if they equal truth's.
+    ///
+    /// They differ at pixels where the backend sees another triangle, and where its sub-pixel grid
+    /// makes truth ambiguous.
     pub(super) pixels: Option<Vec<Pixel>>,
 }
 
-/// The share of the pixels that may show another triangle than expected. Devices that don't round
-/// vertices to nearest move edges by half a step more: where triangles are as small as pixels, many
-/// pixels show a neighbor.
+/// Maximum share of pixels that show another triangle than expected.
+///
+/// Devices that don't round vertices to nearest move edges by up to half a step more. If triangles
+/// are as small as pixels, many pixels then show a neighbour.
 const MAX_OTHER_IDS: f64 = 0.05;
-/// The share of the pixels that may show another surface, at another distance: only pixels on
-/// outlines do.
+/// Maximum share of pixels that show a surface at another distance. This only happens at outlines.
 const MAX_OTHER_SURFACES: f64 = 0.001;
-/// Surfaces are the same if their distances from the eye differ by less than this share.
+/// Relative difference of distances from the eye below which surfaces are the same.
 const MAX_DISTANCE_DIFFERENCE: f32 = 0.01;
 
 impl SeenByBackend {
-    /// Checks what a backend saw. It may have seen other triangles than truth, but only where the
-    /// rounding of its device's vertices explains them: the CPU must see them, too, when it rounds
-    /// the same way.
+    /// Checks the triangles that a backend saw.
+    ///
+    /// They may differ from truth's only as its vertex rounding explains: the CPU must see the same
+    /// triangles with this rounding.
     pub(super) fn new(
         scene: &str,
         view: &SceneView<'_>,
@@ -63,7 +65,7 @@ impl SeenByBackend {
             ));
         }
         let Some(seen) = &shadows.receivers else {
-            let what = format!("backend {kind} doesn't tell which receivers it saw");
+            let what = format!("backend {kind} doesn't report its receivers");
             return Err(not_comparable(scene, what));
         };
         if seen.size != truth.size {
@@ -88,7 +90,7 @@ impl SeenByBackend {
         if has_other_ids || has_other_surfaces {
             let rule = backend.snapping();
             let what = format!(
-                "truth and backend {kind} see other triangles at {ids} of {of} pixels, {surfaces} far off, even with {rule}"
+                "truth and backend {kind} see different triangles at {ids} of {of} pixels, {surfaces} of them at other distances, even with {rule}"
             );
             return Err(not_comparable(scene, what));
         }
@@ -115,8 +117,8 @@ fn not_comparable(scene: &str, what: impl Into<String>) -> LabError {
     }
 }
 
-/// Returns truth's classes of pixels, changed where other triangles are seen and where `ambiguous`
-/// says so. None if both are missing.
+/// Returns truth's classes of pixels, changed where the backend sees other triangles and where
+/// `ambiguous` is set. `None` if nothing changes.
 fn classes(truth: &Truth, seen: &Receivers, ambiguous: Option<&[bool]>) -> Option<Vec<Pixel>> {
     let expected = &truth.receivers;
     if ambiguous.is_none() && expected.triangle == seen.triangle {
@@ -135,11 +137,12 @@ fn classes(truth: &Truth, seen: &Receivers, ambiguous: Option<&[bool]>) -> Optio
     Some(out)
 }
 
-/// At how many pixels two images of the same view differ.
+/// Number of different pixels in two images of the same view.
 struct Differences {
     /// Pixels that show different triangles.
     ids: usize,
-    /// Those of them whose distances differ, too: the triangles are not neighbors on one surface.
+    /// Those of them with different distances, too: their triangles are not neighbours on a
+    /// surface.
     surfaces: usize,
 }
 

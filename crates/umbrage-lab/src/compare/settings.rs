@@ -1,22 +1,22 @@
-//! The settings that are compared on a scene, with names for people and for files.
+//! The settings to compare on a scene, with names for readers and files.
 
 use super::options::{CompareOptions, NamedPreset, SceneInput};
 use crate::{error::LabError, output::slug};
 use umbrage_core::{Fit, Invalid, ShadowTechnique as _};
 use umbrage_techniques::TechniquePreset;
 
-/// A technique setting with a file name's stem of its own.
+/// A technique setting with a unique stem of file names.
 #[derive(Clone, Debug)]
 pub(super) struct NamedSetting {
     pub(super) technique: TechniquePreset,
     /// The technique's name, or the preset's.
     pub(super) name: String,
-    /// The settings; of a preset the technique, then its settings.
+    /// The settings. For a preset, the technique comes first.
     pub(super) settings: String,
     pub(super) slug: String,
 }
 
-/// Returns all settings that are compared on a scene.
+/// Returns all settings to compare on a scene.
 pub(super) fn settings_of(
     input: &SceneInput,
     options: &CompareOptions,
@@ -27,8 +27,7 @@ pub(super) fn settings_of(
     Ok(with_slugs(&options.presets, &all))
 }
 
-/// Returns the settings, then those under the scene's own fit. Settings without a map are the same
-/// under both and stay single.
+/// Returns the settings, then those with the scene's own fit. Settings without a map occur once.
 pub(super) fn with_fit(
     tight: &[TechniquePreset],
     fit: Option<Fit>,
@@ -47,7 +46,7 @@ pub(super) fn with_fit(
 }
 
 impl CompareOptions {
-    /// Returns the technique settings to be compared, their maps under this fit.
+    /// Returns the technique settings to compare, with this fit of their maps.
     ///
     /// # Errors
     /// Errors if a name is unknown or a map size is missing.
@@ -79,9 +78,10 @@ impl CompareOptions {
     }
 }
 
-/// Gives every setting a stem: the technique's name, with the settings where the technique has
-/// several; presets, which come first, their own names. Where two stems are the same, later ones
-/// get a number.
+/// Adds a stem to every setting.
+///
+/// It is the technique's name, with the settings if the technique has several. Presets come first
+/// and use their own names. Duplicate stems get a number.
 fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
     for preset in presets {
@@ -110,8 +110,7 @@ fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<Name
     out
 }
 
-/// Returns the stem, with the first number from 2 on that makes it different from all others if it
-/// isn't.
+/// Returns the stem, or if it exists, the stem with the first unused number from 2 on.
 fn unused(stem: &str, others: &[NamedSetting]) -> String {
     let mut out = stem.to_owned();
     let mut number = 2;

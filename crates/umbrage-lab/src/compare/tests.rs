@@ -102,13 +102,13 @@ fn rows_tell_errors_times_and_agreement() {
     assert!(comparison.faults().is_empty());
 }
 
-/// The figures of rows are those of the measure asked by hand, on every backend; where nothing is
-/// looked up, there are none.
+/// Rows report the map use that `measure` returns, on every backend. Techniques without lookups
+/// report none.
 #[test]
 fn rows_tell_how_maps_are_used() {
-    /// Technique, what its settings begin with, and how many texels its lookups go beyond the
-    /// point; none without a map. A kernel that is as wide as its penumbra has the least here, and
-    /// says each receiver's itself.
+    /// Technique, start of its settings, and reach of its lookups beyond the point, texels. `None`
+    /// without a map. A kernel as wide as its penumbra has its minimum here, and reports the reach
+    /// of each receiver itself.
     const REACHES: [(&str, &str, Option<f32>); 7] = [
         ("hard", "", Some(0.0)),
         ("pcf", "3x3", Some(1.0)),
@@ -119,7 +119,7 @@ fn rows_tell_how_maps_are_used() {
         ("volumes", "", None),
     ];
     let options = quick(&["hard", "pcf", "pcss", "traced", "volumes"]);
-    // On maps by hand, kernels of any reach share one light space.
+    // With a manual fit, kernels of any reach share one light space.
     let input = SceneInput {
         fit: Some(umbrage_scenes::TEXTBOOK_FIT),
         ..input("cubes")
@@ -212,7 +212,7 @@ fn a_fit_by_hand_adds_rows_for_maps_alone() {
     };
     let (none, hard, all) = count(None);
     assert_eq!(none, 0);
-    // Cascades follow the camera: one row has no fit by hand.
+    // Cascades follow the camera: one row has no manual fit.
     let fitted = hard - 1;
     assert_eq!(
         count(Some(umbrage_scenes::TEXTBOOK_FIT)),
@@ -235,7 +235,7 @@ fn one_wrong_pixel_is_a_fault() {
     );
 }
 
-/// Rounding changes the last bits of a penumbra's pixel: it excuses no more.
+/// Rounding changes the last bits of a penumbra's pixel, and excuses nothing else.
 #[test]
 fn one_wrong_penumbra_pixel_is_a_fault() {
     let faulty = &mut with_faulty_backend(lighten_one);
@@ -254,8 +254,8 @@ fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends
     ])
 }
 
-/// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all
-/// of that is right, and told.
+/// On a coarse grid other pixels are dark and other triangles are visible than on the CPU's. All of
+/// that is correct, and reported.
 #[test]
 fn a_backend_is_compared_by_its_own_rounding() {
     let options = quick(&["volumes", "traced", "planar"]);
@@ -282,7 +282,7 @@ fn a_backend_is_compared_by_its_own_rounding() {
     assert!(comparison.faults().is_empty(), "{:?}", comparison.faults());
     let told = comparison.environment.snapping.expect("told");
     assert!(told.starts_with("4 sub-pixel bits"), "{told}");
-    // One wrong pixel is as wrong as on the CPU's grid.
+    // A wrong pixel is detected as on the CPU's grid.
     let faults = run("cubes", &options, &mut rounding(coarse, coarse, darken_one))
         .expect("comparable")
         .faults();
@@ -290,7 +290,7 @@ fn a_backend_is_compared_by_its_own_rounding() {
         faults.iter().any(|f| f.contains("decided pixels differ")),
         "{faults:?}"
     );
-    // Those who round otherwise than they say are found out.
+    // Backends that round differently than they report are detected.
     let lies = run(
         "cubes",
         &options,
@@ -304,8 +304,8 @@ fn a_backend_is_compared_by_its_own_rounding() {
     );
 }
 
-/// Rounding changes many pixels of maps without bias: that is reported, and no fault. With a bias,
-/// or at nearly all pixels, it is one.
+/// Rounding changes many pixels of maps without bias. This is reported and is not a fault, except
+/// with a bias or at nearly all pixels.
 #[test]
 fn only_maps_without_bias_may_be_sensitive_to_rounding() {
     let mut comparison =
@@ -341,8 +341,8 @@ fn only_maps_without_bias_may_be_sensitive_to_rounding() {
     assert_eq!(comparison.faults().len(), comparison.scenes[0].rows.len());
 }
 
-/// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it
-/// makes surfaces dark.
+/// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for this
+/// grid makes surfaces dark.
 #[test]
 fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
     let measured = |excess: f64| {
@@ -386,7 +386,7 @@ fn a_mask_that_ignores_casters_fails_the_control() {
 
 #[test]
 fn other_triangles_cannot_be_compared() {
-    // Timed runs are given the first one's receivers and make none.
+    // Timed runs reuse the receivers of the first run.
     let shifted = |s: &mut Shadows| {
         s.receivers
             .iter_mut()
@@ -442,7 +442,7 @@ fn what_is_not_supported_is_told_with_its_reason() {
             assert!(reason.len() > 10, "{reason}");
         }
     }
-    // Nothing to render must not stop anything either.
+    // Scenes with nothing to render must not stop the comparison, either.
     for scene in ["no-casters", "no-receivers", "only-sky"] {
         let comparison = run(scene, &quick(&[]), &mut cpu).expect("empty scenes are fine");
         let rows: Vec<_> = comparison.scenes[0]
@@ -456,18 +456,18 @@ fn what_is_not_supported_is_told_with_its_reason() {
             "{scene}"
         );
         for (technique, measured) in rows {
-            // An empty map holds the far plane's moments alone, and the bias mixes in 3e-6 of a
-            // distribution of which 13/16 are nearer. The least shadow is no more than what that
-            // distribution has, which the bleeding reduction stretches by 1 / (1 - 0.1): 2.7e-6.
-            // The rest is for rounding, by up to 6e-8 a sum of numbers near 1.
+            // An empty map has only the far plane's moments, and the bias mixes in 3e-6 of a
+            // distribution of which 13/16 are nearer. The shadow is at most the share of that
+            // distribution, which the bleeding reduction stretches by 1 / (1 - 0.1): 2.7e-6. The
+            // rest allows for rounding, up to 6e-8 per sum of numbers near 1.
             let allowed = if technique == "msm" { 4e-6 } else { 0.0 };
             match measured.rmse() {
-                // All that is compared is right.
+                // Everything that is compared is correct.
                 Some(rmse) => {
                     assert!(nothing.is_none(), "{scene}, {technique}");
                     assert!(rmse <= allowed, "{scene}, {technique}: {rmse}");
                 }
-                // Where nothing is compared, that is told, and not as an error of 0.
+                // If nothing is compared, this is reported, and not as an error of 0.
                 None => assert!(nothing.is_some(), "{scene}, {technique}"),
             }
         }
@@ -475,7 +475,7 @@ fn what_is_not_supported_is_told_with_its_reason() {
     }
 }
 
-/// Previews leave moment maps out, but not for who asks for one.
+/// Previews skip moment maps unless one is named.
 #[test]
 fn dear_techniques_are_previewed_by_name_alone() {
     let names = |options: &CompareOptions| {
@@ -539,7 +539,7 @@ fn another_size_keeps_the_vertical_field_of_view() {
     let wider = quick(&[]).camera(&camera);
     assert_eq!(wider.size, UVec2::new(96, 64));
     assert_eq!(wider.clip_from_view.y_axis, camera.clip_from_view.y_axis);
-    // Pixels are square: a pixel's step right is as long as its step down.
+    // Pixels are square: a step to the right has the same length as a step down.
     let rays = wider.rays();
     let right = rays.dir_dx.length();
     let down = rays.dir_dy.length();
@@ -553,7 +553,7 @@ fn images_come_with_every_row() {
     let sink = &mut |r: &SceneResult, images: &SceneImages| {
         assert_eq!(r.rows.len(), images.rows.len());
         for (row, images) in r.rows.iter().zip(&images.rows) {
-            // Cascades stand side by side, three in a row.
+            // Cascades are next to each other, three in a row.
             let is_one_map = !row.settings.contains("cascades");
             let heat = images.lookups.as_ref();
             assert!(heat.is_none_or(|heat| (heat.size == [256; 2]) == is_one_map));
@@ -575,7 +575,7 @@ fn images_come_with_every_row() {
     assert_eq!(seen, 2);
 }
 
-/// Pictures that no report shows are not kept.
+/// Images that no report shows are not kept.
 #[test]
 fn only_few_scenes_keep_where_maps_are_looked_up() {
     let kept = |scenes: usize| {

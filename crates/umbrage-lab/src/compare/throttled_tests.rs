@@ -1,4 +1,4 @@
-//! Rows on a device whose clock falls when it is idle, and at random moments.
+//! Rows on a device whose clock falls when it is idle, and at random times.
 
 use super::*;
 use std::{any::Any, sync::Arc, time::Duration};
@@ -14,16 +14,17 @@ use umbrage_plan::{
 };
 use umbrage_yardstick::YardstickKernel;
 
-/// How much longer everything takes while the clock is low.
+/// Slowdown while the clock is low.
 const SLOWDOWN: f64 = 4.0;
-/// A device that was idle is at its full clock again after so many renders.
+/// Number of renders after which an idle device reaches its full clock.
 const RENDERS_TO_WARM: u32 = 10;
-/// Renders of a spell at a low clock, or between two.
+/// Number of renders of a spell at a low clock, or between two spells.
 const SPELL: std::ops::Range<u32> = 2..150;
 
-/// The CPU backend under wgpu's name. Its times are counted costs, times [`SLOWDOWN`] while its
-/// clock is low. It is idle before each new row, while the CPU prepares it: so no wall time decides
-/// its clock.
+/// The CPU backend under wgpu's name.
+///
+/// Its times are predicted costs, multiplied by [`SLOWDOWN`] while its clock is low. It is idle
+/// before each new row, so that no wall time decides its clock.
 struct ThrottledBackend {
     cpu: Cpu,
     prices: PriceList,
@@ -31,7 +32,7 @@ struct ThrottledBackend {
     spells: u32,
     /// The row rendered last.
     row: Option<Arc<dyn ReceiveKernel>>,
-    /// Renders until it has its full clock after it was idle.
+    /// Renders until it reaches its full clock.
     cold: u32,
     /// Renders until the spell ends.
     spell: u32,
@@ -51,7 +52,7 @@ impl ThrottledBackend {
         }
     }
 
-    /// Returns what the time of the next render is multiplied by.
+    /// Returns the factor of the next render's time.
     fn slowdown(&mut self, kernel: &Arc<dyn ReceiveKernel>) -> f64 {
         let is_yardstick = as_yardstick(&**kernel).is_some();
         let is_same_row = self
@@ -103,15 +104,15 @@ impl Backend for ThrottledBackend {
     }
 }
 
-/// Returns a kernel as that of the yardstick, if it is.
+/// Returns a kernel as that of the yardstick. `None` if it is another one.
 fn as_yardstick(kernel: &dyn ReceiveKernel) -> Option<&YardstickKernel> {
     let kernel: &dyn Any = kernel;
     kernel.downcast_ref()
 }
 
-/// Returns Kendall's tau of pairs: the share of pairs of them in the same order less that in the
-/// opposite one. Equal first figures are left out (Kendall 1938, "A new measure of rank
-/// correlation").
+/// Returns Kendall's tau of some pairs: the share of pairs of pairs in the same order minus that in
+/// the opposite order. Pairs with equal first figures are skipped (Kendall 1938, "A new measure of
+/// rank correlation").
 fn kendall_tau(pairs: &[[f64; 2]]) -> f64 {
     let mut sum = 0.0;
     let mut count = 0.0;
@@ -175,9 +176,9 @@ fn ranks_at_full_clock_are_those_without_throttling() {
         at_full_clock.push([truth, times.milliseconds(&times.total)]);
     }
     assert!(plain.len() >= 40, "only {} rows", plain.len());
-    // Spells may begin or end in all runs of a row, which then has no steady yardstick. In 14 runs
-    // of this test, 8 of them beside six busy programs, no row had such luck: one in twenty is
-    // allowed.
+    // A spell may begin or end in all runs of a row, which then has no steady yardstick. This
+    // happened in none of 14 runs of this test, 8 of them with six busy programs. One row in twenty
+    // is allowed.
     assert_eq!(scene.rows_at_unknown_clock(), without_yardstick.len());
     assert!(
         without_yardstick.len() <= 2,
@@ -186,7 +187,7 @@ fn ranks_at_full_clock_are_those_without_throttling() {
     let [plain, at_full_clock] = [plain, at_full_clock].map(|pairs| kendall_tau(&pairs));
     println!("tau: {plain:.3} as measured, {at_full_clock:.3} at full clock");
     // Tau was 1.000 in these runs, and 0.32 to 0.89 as measured. A spell that begins and ends
-    // within a run goes unnoticed: 0.95 allows one pair of rows in forty in the wrong order.
+    // within a run is not detected: 0.95 allows one pair of rows in forty in the wrong order.
     assert!(
         at_full_clock >= 0.95,
         "tau {at_full_clock:.3} at full clock"

@@ -1,9 +1,9 @@
 //! Times rows in turn with a yardstick, and the making of their recipes.
 //!
-//! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row
-//! it renders the yardstick until that takes as little time as ever. What counts is the row's time
-//! over the yardstick's: times the yardstick's least time on this device, that is the row's time at
-//! full clock.
+//! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row,
+//! the device renders the yardstick until its time reaches the least one so far. Rows are compared
+//! by the ratio of their time to the yardstick's. This ratio times the yardstick's least time on
+//! the device is the row's time at full clock.
 
 use super::{
     backends::Backends,
@@ -20,9 +20,10 @@ use umbrage_core::{
 use umbrage_plan::cost::Work;
 use umbrage_yardstick::{MAX_UNITS, MIN_UNITS, Yardstick};
 
-/// Renders a recipe: once for the mask, which compiles, uploads and finds receivers, then until its
-/// time is known. The timed runs are given the receivers of the first, so that finding and reading
-/// them back costs no time again.
+/// Renders a recipe once for the mask, and then until its time is known.
+///
+/// The first run compiles, uploads and finds receivers. The timed runs reuse its receivers, which
+/// excludes the cost of finding them and reading them back.
 pub(super) fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -36,7 +37,8 @@ pub(super) fn measure(
         return Ok((first, None));
     };
     if runs.one_is_enough(first.timings.total()) {
-        // The CPU compiles nothing in its first play, and others in a part of a second.
+        // Discard the first run if it compiled: the CPU compiles nothing, others in less than a
+        // second.
         let compiles = backend.kind() != "cpu";
         let timings = if compiles && !runs.dwarfs_compilation(first.timings.total()) {
             backend.render(view, recipe)?.timings
@@ -56,12 +58,12 @@ pub(super) fn measure(
     Ok((first, Some(times)))
 }
 
-/// How often a recipe is made to be timed.
+/// Maximum number of timed recipes.
 const RECIPES: u32 = 3;
-/// Seconds after which no further recipe is made to be timed.
+/// Time after which no further recipe is made, seconds.
 const MAX_SECONDS: f64 = 0.5;
 
-/// Makes a recipe and times that.
+/// Makes a recipe and measures the time.
 ///
 /// # Errors
 /// Errors if the technique can't make it.
@@ -84,8 +86,8 @@ pub(super) fn time_recipe(
     Ok((recipe, TimingStats::of(times).unwrap_or_default()))
 }
 
-/// Returns by how many milliseconds a first recipe for the triangles of a scene takes longer than
-/// `later_ms`; 0 if the technique doesn't serve it.
+/// Returns the additional time of a first recipe for the triangles of a scene over `later_ms`,
+/// milliseconds. 0 if the technique doesn't support the scene.
 pub(super) fn time_of_scene(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
@@ -105,29 +107,28 @@ pub(super) fn time_of_scene(
     (first_ms - later_ms).max(0.0)
 }
 
-/// The clock of a graphics device over the rows of a scene, which are timed with the same
-/// yardstick.
+/// Clock of a graphics device over the rows of a scene, which share one yardstick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeviceClock {
     /// The yardstick's work, units. `None` until it is chosen.
     units: Option<f64>,
-    /// The yardstick's least time above 0 so far, milliseconds a unit; infinite at first.
+    /// Least time of the yardstick above 0 so far, milliseconds per unit. Infinite at first.
     least: f64,
 }
 
-/// The yardstick of a device takes at least so long at full clock, milliseconds: far longer than
-/// the steps of its timestamps.
+/// Minimum time of a device's yardstick at full clock, milliseconds: far longer than the steps of
+/// its timestamps.
 const DEVICE_YARDSTICK_MS: f64 = 0.5;
-/// How long a device renders yardsticks before one is chosen, so that it reaches its full clock.
+/// Time of rendering yardsticks before one is chosen, so that the device reaches its full clock.
 const FIRST_WARM_UP: Duration = Duration::from_millis(300);
-/// How long it may take to reach it again before a row.
+/// Maximum time to reach the full clock again before a row.
 const MAX_WARM_UP: Duration = Duration::from_millis(100);
-/// A device is at full clock after so many yardsticks in turn near the least time.
+/// Number of consecutive yardsticks near the least time at which a device is at full clock.
 const STEADY_YARDSTICKS: u32 = 3;
 
 impl DeviceClock {
-    /// Returns a clock that is not known yet. `units` are those of the yardstick, if it has to be
-    /// as long as an earlier one; `None` to choose them.
+    /// Returns an unknown clock. `units` are those of an earlier yardstick of the same length.
+    /// `None` to choose them.
     pub(super) fn new(units: Option<f64>) -> Self {
         Self {
             units,
@@ -135,13 +136,14 @@ impl DeviceClock {
         }
     }
 
-    /// Returns the yardstick's least time, milliseconds a unit. `None` if no row was timed with it.
+    /// Returns the yardstick's least time, milliseconds per unit. `None` if no row was timed with
+    /// it.
     pub(super) fn least_yardstick(&self) -> Option<f64> {
         self.least.is_finite().then_some(self.least)
     }
 
-    /// Returns the yardstick for a row, after rendering it until the device is at full clock.
-    /// `None` if nothing receives, or the backend can't time it.
+    /// Renders the yardstick until the device is at full clock, and returns it for the row. `None`
+    /// if nothing receives, or the backend can't time it.
     fn warm_up(
         &mut self,
         backend: &mut dyn Backend,
@@ -181,8 +183,10 @@ impl DeviceClock {
     }
 
     /// Renders yardsticks for [`FIRST_WARM_UP`], then chooses the units if there are none: a low
-    /// clock would make the yardstick too short. Returns whether yardsticks can be timed. `time`
-    /// renders one of so many units and returns its time, milliseconds.
+    /// clock would make the yardstick too short.
+    ///
+    /// Returns whether yardsticks can be timed. `time` renders a yardstick with this number of
+    /// units and returns its time, milliseconds.
     fn reach_full_clock(
         &mut self,
         time: &mut dyn FnMut(f64) -> Result<Option<f64>, BackendError>,
@@ -193,7 +197,7 @@ impl DeviceClock {
             let Some(ms) = time(units)? else {
                 return Ok(false);
             };
-            // The longer yardsticks are, the less the device is idle between them.
+            // Longer yardsticks leave the device idle for less time between them.
             if ms < DEVICE_YARDSTICK_MS {
                 units = MAX_UNITS.min(2.0 * units);
             }
@@ -217,9 +221,10 @@ impl DeviceClock {
 }
 
 /// Times a recipe that has been rendered before: yardstick, row, yardstick, row, .., yardstick.
-/// `cost_ms` is the row's predicted time, milliseconds, which the yardstick's amount of work
-/// follows on the CPU. There are no yardsticks there if the row gets too few runs to be judged by
-/// them. Devices have the same yardstick in all rows, and are warm before the first run.
+///
+/// `cost_ms` is the row's predicted time, milliseconds, which sets the yardstick's amount of work
+/// on the CPU. If the row gets too few runs to be judged, there are no yardsticks on the CPU.
+/// Devices have the same yardstick in all rows, and are warm before the first run.
 fn time(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -229,6 +234,7 @@ fn time(
     cost_ms: f64,
     clock: &mut DeviceClock,
 ) -> Result<Timed, BackendError> {
+    // Choose the yardstick.
     let view = receivers.map_or(*view, |r| view.with_receivers(r));
     let yardstick = match receivers {
         Some(receivers) if has_device_clock(backend.kind()) => {
@@ -239,7 +245,7 @@ fn time(
         }
         _ => None,
     };
-    // The first one compiles and uploads.
+    // Discard the first yardstick, which compiles and uploads.
     time_yardstick(backend, &view, yardstick.as_ref())?;
     let before = time_yardstick(backend, &view, yardstick.as_ref())?;
     let is_on_device = has_device_clock(backend.kind());
@@ -248,6 +254,7 @@ fn time(
         timings: Vec::new(),
         yardsticks: vec![before],
     };
+    // Alternate runs and yardsticks.
     let mut spent = Duration::ZERO;
     loop {
         let count = out.timings.len();
@@ -267,7 +274,7 @@ fn time(
     }
 }
 
-/// Returns the time of a yardstick, milliseconds a unit. `None` without a yardstick, or if the
+/// Returns the time of a yardstick, milliseconds per unit. `None` without a yardstick, or if the
 /// backend can't time it.
 fn time_yardstick(
     backend: &mut dyn Backend,
@@ -283,8 +290,8 @@ fn time_yardstick(
         .map(|elapsed| milliseconds(elapsed) / yardstick.units))
 }
 
-/// Yardsticks next to a run that took more than this times the quickest of them show that others
-/// held up the machine, or that a device changed its clock: such runs say nothing about the row.
+/// Maximum ratio of an adjacent yardstick to the fastest one. Beyond it, other programs delayed the
+/// machine or the device changed its clock, and the run is ignored.
 pub const CALM: f64 = 1.3;
 
 /// A run between two yardsticks.
@@ -292,30 +299,32 @@ pub const CALM: f64 = 1.3;
 pub(crate) struct TimedRun {
     /// The run's time, milliseconds.
     run: f64,
-    /// The time of the yardstick before it, milliseconds a unit.
+    /// Time of the yardstick before it, milliseconds per unit.
     before: f64,
-    /// The time of the yardstick after it, milliseconds a unit.
+    /// Time of the yardstick after it, milliseconds per unit.
     after: f64,
 }
 
 impl TimedRun {
-    /// Whether neither yardstick took more than [`CALM`] times the other, or `min_yardstick`, and
-    /// both took a measurable time.
+    /// Reports whether neither yardstick took more than [`CALM`] times the other or
+    /// `min_yardstick`, and both took a measurable time.
     fn is_calm(&self, min_yardstick: f64) -> bool {
         let slower = self.before.max(self.after);
         let quicker = self.before.min(self.after);
         slower <= CALM * quicker.min(min_yardstick) && quicker > 0.0
     }
 
-    /// The run's time over the mean of the two yardsticks'.
+    /// Returns the run's time divided by the mean of the two yardsticks.
     fn ratio(&self) -> f64 {
         2.0 * self.run / (self.before + self.after)
     }
 }
 
-/// Returns the ratios of a row's calm runs. On the CPU these are the runs next to which no
-/// yardstick took more than [`CALM`] times `min_yardstick`, the quickest. A device may have a low
-/// clock all along: its yardsticks need not be near the quickest one, but only near each other.
+/// Returns the ratios of a row's calm runs.
+///
+/// On the CPU no adjacent yardstick of a calm run took more than [`CALM`] times `min_yardstick`,
+/// the fastest. A device may have a low clock all the time: its two yardsticks only need to be near
+/// each other.
 fn calm(runs: &[TimedRun], min_yardstick: f64, device_units: Option<f64>) -> Vec<f64> {
     let limit = device_units.map_or(min_yardstick, |_| f64::INFINITY);
     runs.iter()
@@ -326,10 +335,10 @@ fn calm(runs: &[TimedRun], min_yardstick: f64, device_units: Option<f64>) -> Vec
 
 /// Runs of a row in turn with a yardstick.
 struct Timed {
-    /// Units of the yardstick on a device with a clock of its own. `None` on the CPU.
+    /// Units of the yardstick on a device with its own clock. `None` on the CPU.
     device_units: Option<f64>,
     timings: Vec<Timings>,
-    /// The yardstick's times before the first run and after each, milliseconds a unit.
+    /// Times of the yardstick before the first run and after each run, milliseconds per unit.
     yardsticks: Vec<Option<f64>>,
 }
 
@@ -347,13 +356,13 @@ impl Timed {
         }
     }
 
-    /// Returns the times of one stage over all runs; none where it was not timed.
+    /// Returns the times of one stage over all runs. `None` if it was not timed.
     fn stage(&self, time_of: fn(&Timings) -> Option<Duration>) -> Option<TimingStats> {
         let times = self.timings.iter().filter_map(time_of);
         TimingStats::of(times.map(milliseconds).collect())
     }
 
-    /// Returns the runs between two yardsticks that could be timed.
+    /// Returns the runs between two timed yardsticks.
     fn runs(&self) -> Vec<TimedRun> {
         let mut runs = Vec::new();
         for (timings, yardsticks) in self.timings.iter().zip(self.yardsticks.windows(2)) {
@@ -365,8 +374,7 @@ impl Timed {
         runs
     }
 
-    /// Returns the time of the quickest yardstick of a measurable time, milliseconds a unit;
-    /// infinite without one.
+    /// Returns the fastest measurable yardstick, milliseconds per unit. Infinite without one.
     fn min_yardstick(&self) -> f64 {
         self.yardsticks
             .iter()
@@ -381,20 +389,20 @@ impl Timed {
         calm(&self.runs(), self.min_yardstick(), self.device_units)
     }
 
-    /// Whether at least `runs.min` runs were calm, or the yardstick can't be timed.
+    /// Reports whether at least `runs.min` runs were calm, or the yardstick can't be timed.
     fn is_calm(&self, runs: &Runs) -> bool {
         self.runs().is_empty() || self.calm_ratios().len() >= runs.min as usize
     }
 }
 
-/// What timing a row again finds.
+/// Results of timing a row again.
 #[derive(Clone, Debug)]
 pub(crate) struct Again {
-    /// Its runs.
+    /// Runs of the row.
     pub(crate) runs: Vec<TimedRun>,
-    /// The quickest run, milliseconds.
+    /// Fastest run, milliseconds.
     pub(crate) least_ms: f64,
-    /// The quickest yardstick, milliseconds a unit.
+    /// Fastest yardstick, milliseconds per unit.
     pub(crate) yardstick: f64,
     /// The yardstick's units on a device. `None` on the CPU.
     pub(crate) device_units: Option<f64>,
@@ -412,7 +420,7 @@ impl Default for Again {
 }
 
 impl Again {
-    /// Takes in another round.
+    /// Adds another round.
     pub(crate) fn add(&mut self, more: Self) {
         self.runs.extend(more.runs);
         self.least_ms = self.least_ms.min(more.least_ms);
@@ -426,8 +434,8 @@ impl Again {
     }
 }
 
-/// Times rows of a scene once more, by their [stems](super::CompareRow::stem). On a device the
-/// yardstick has `device_units`. `None` where a row can't be rendered any more.
+/// Times rows of a scene again, by their [stems](super::CompareRow::stem). On a device the
+/// yardstick has `device_units`. `None` for rows that can no longer be rendered.
 pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
@@ -436,6 +444,7 @@ pub(crate) fn again(
     runs: &Runs,
     backends: &mut Backends,
 ) -> Result<Vec<Option<Again>>, LabError> {
+    // Find the receivers and views of the scene.
     let (camera, light) = input.camera_and_light()?;
     let settings = settings_of(input, options)?;
     let options = input.options_or(options);
@@ -450,6 +459,7 @@ pub(crate) fn again(
         unknown
     };
     backends.device_clock = DeviceClock::new(device_units);
+    // Time each row.
     let mut out = Vec::new();
     for stem in stems {
         let mut found = None;
@@ -463,7 +473,7 @@ pub(crate) fn again(
                 .prices
                 .of(kind)
                 .milliseconds(&Work::of(&view, &recipe, &options.catalogue).played());
-            // Once before, since the first run compiles and uploads.
+            // Render once before timing: the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(
                 &mut **backend,
@@ -510,7 +520,7 @@ mod tests {
         .times()
     }
 
-    /// A machine that gets slower, and a row that takes three yardsticks all the time.
+    /// A machine that slows down, and a row that always takes three yardsticks.
     #[test]
     fn what_slows_both_down_leaves_the_ratio() {
         let yards = [1.0, 1.04, 1.08, 1.12];
@@ -535,7 +545,7 @@ mod tests {
         assert_eq!(found.yardstick.map(|y| (y.median, y.runs)), Some((1.06, 4)));
     }
 
-    /// The third yardstick was held up, and so may have been the runs beside it.
+    /// The third yardstick was delayed, and the adjacent runs may have been, too.
     #[test]
     fn runs_beside_a_yardstick_that_was_held_up_do_not_count() {
         let found = timed(
@@ -546,7 +556,7 @@ mod tests {
         assert_eq!(
             (found.total.max, found.total.runs),
             (600.0, 4),
-            "plain times tell all"
+            "plain times include all"
         );
         assert_eq!(
             timed(vec![run(6)], &[2.0, 9.0].map(Some)).ratio,
@@ -555,8 +565,8 @@ mod tests {
         );
     }
 
-    /// A card that was quick once and has had a low clock since; and one whose clock changes during
-    /// a run.
+    /// A card that was fast once and has had a low clock since, and a card whose clock changes
+    /// during a run.
     #[test]
     fn steady_yardsticks_at_a_low_clock_count_on_devices() {
         let ratio = |timings: Vec<Timings>, yardsticks: &[f64]| {
@@ -585,7 +595,8 @@ mod tests {
         assert!(again(None).calm_ratios().is_empty(), "the CPU was held up");
     }
 
-    /// A device takes 0.1 ms a unit at full clock, and four times as long in its first renders.
+    /// A device that takes 0.1 ms per unit at full clock, and four times as long in its first
+    /// renders.
     #[test]
     fn the_yardstick_is_as_long_after_a_cold_start() {
         let units = |cold: u32| {

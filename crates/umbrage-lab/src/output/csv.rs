@@ -3,8 +3,8 @@
 use crate::error::LabError;
 use serde::Serialize;
 
-/// Returns a table of records: a header of the field names, then one line a record. `file` names it
-/// in errors.
+/// Returns a table of records: a header with the field names, then one line per record. Errors
+/// mention `file`.
 ///
 /// # Errors
 /// Errors if a record isn't flat.
@@ -23,10 +23,10 @@ pub(crate) fn of_records<T: Serialize>(
         .map_err(|e| LabError::write(file, e.into_error()))
 }
 
-/// Returns a table of texts under a header. `file` names it in errors.
+/// Returns a table of texts with a header. Errors mention `file`.
 ///
 /// # Errors
-/// Errors if a line is not as long as the header.
+/// Errors if a line and the header have different lengths.
 pub(crate) fn of_lines<L, T>(
     file: &str,
     header: &[&str],

@@ -19,75 +19,74 @@ use std::sync::Arc;
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it shows.
+    /// The title.
     pub title: String,
-    /// A smaller line below the title, maybe empty.
+    /// A smaller line below the title. May be empty.
     pub subtitle: String,
-    /// Names of the axes, with units: across, and up.
+    /// Labels of the x and y axis, with units.
     pub labels: [String; 2],
-    /// Which axes are logarithmic: across, and up.
+    /// Whether the x and y axis are logarithmic.
     pub log: [bool; 2],
     /// Width and height without the legend, pixels.
     pub size: [f64; 2],
-    /// What is drawn, in this order.
+    /// The series, in drawing order.
     pub series: Vec<Series>,
-    /// Markers that the legend explains beside those of the series, where the series' colours say
-    /// something else.
+    /// Additional markers of the legend, for series whose colours have another meaning.
     pub keys: Vec<Key>,
-    /// Texts beside places, moved apart where they would overlap.
+    /// Text labels, moved apart if they would overlap.
     pub notes: Vec<Point>,
-    /// Values that the eye is to compare with.
+    /// Reference lines for comparison.
     pub references: Vec<Reference>,
 }
 
-/// A dashed line through the whole chart, with a text; left out where no axis can show its value.
+/// A dashed line across the whole chart with a label. Omitted if its axis can't show the value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reference {
-    /// Upright, at a value across.
+    /// A vertical line at an x value.
     Across(f64, String),
-    /// Level, at a value up.
+    /// A horizontal line at a y value.
     Up(f64, String),
 }
 
-/// A marker that the legend explains.
+/// A marker of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// What it stands for.
+    /// Meaning of the marker.
     pub name: String,
-    /// Its shape.
+    /// Shape of the marker.
     pub marker: Marker,
-    /// Its color as CSS; no series needs to have it.
+    /// Colour as CSS, independent of the series.
     pub color: String,
 }
 
-/// Points that are drawn alike.
+/// Points with the same style.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// For the legend; empty: not in it.
+    /// Name in the legend. Empty to omit it.
     pub name: String,
-    /// As CSS, such as `#3b82e0`.
+    /// Colour as CSS, such as `#3b82e0`.
     pub color: String,
-    /// How the points are drawn.
+    /// The style of its points.
     pub style: Style,
-    /// The points; those that no axis can show (not finite, or not above 0 on a logarithmic one)
-    /// are left out.
+    /// The points. Those that an axis can't show (not finite, or not above 0 on a logarithmic axis)
+    /// are omitted.
     pub points: Vec<Point>,
 }
 
-/// How a series is drawn.
+/// The style of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Style {
-    /// Markers of a shape, radius in pixels and opacity 0..=1.
+    /// Markers: shape, radius in pixels and opacity 0..=1.
     Points(Marker, f64, f64),
-    /// A line through the points, its width in pixels.
+    /// A line through the points: width in pixels.
     Line(f64),
-    /// A dashed line through the points, its width in pixels.
+    /// A dashed line through the points: width in pixels.
     Dashed(f64),
 }
 
-/// Shapes of markers, told apart in black and white, too.
+/// Shapes of markers, distinguishable in black and white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "their names say it all")]
+#[expect(missing_docs, reason = "the names are self-explanatory")]
 pub enum Marker {
     Circle,
     Square,
@@ -102,7 +101,7 @@ pub enum Marker {
 }
 
 impl Marker {
-    /// All, in an order in which neighbours differ most.
+    /// All shapes. Neighbours in this order differ most.
     pub const ALL: [Self; 10] = [
         Self::Circle,
         Self::Diamond,
@@ -135,20 +134,20 @@ impl Marker {
 /// One point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Across.
+    /// X value.
     pub x: f64,
-    /// Up.
+    /// Y value.
     pub y: f64,
-    /// Ends of the horizontal error bar; none without one.
+    /// Ends of the horizontal error bar. `None` without one.
     pub x_range: Option<[f64; 2]>,
-    /// Ends of the vertical error bar; none without one.
+    /// Ends of the vertical error bar. `None` without one.
     pub y_range: Option<[f64; 2]>,
-    /// Text beside it, maybe empty.
+    /// Label next to it. May be empty.
     pub label: String,
 }
 
 impl Point {
-    /// Returns a point without error bars and text.
+    /// Returns a point without error bars and label.
     pub fn at(x: f64, y: f64) -> Self {
         Self {
             x,
@@ -159,7 +158,7 @@ impl Point {
 }
 
 impl Series {
-    /// Returns a series of markers of the usual size.
+    /// Returns a series of markers with the default size.
     pub fn points(
         name: impl Into<String>,
         color: &str,
@@ -174,7 +173,7 @@ impl Series {
         }
     }
 
-    /// Returns a series that is a line of the usual width.
+    /// Returns a series that is a line with the default width.
     pub fn line(name: impl Into<String>, color: &str, points: Vec<Point>) -> Self {
         Self {
             name: name.into(),
@@ -185,19 +184,19 @@ impl Series {
     }
 }
 
-/// Colours for series, which all kinds of colour vision tell apart (Okabe, Ito 2008, "Color
+/// Colours for series, distinguishable with all kinds of colour vision (Okabe, Ito 2008, "Color
 /// Universal Design").
 pub const COLORS: [&str; 7] = [
     "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555",
 ];
 
-/// Lines of reference, darker than all series.
+/// Colour of reference lines, darker than all series.
 const REFERENCE: &str = "#7a1f1a";
 
-/// Texts.
+/// Colour of texts.
 const INK: &str = "#4a5563";
 
-/// Pixels of a PNG for each of the SVG's: sharp on today's screens.
+/// PNG pixels per SVG pixel, for high-resolution screens.
 const PNG_SCALE: f32 = 2.0;
 
 impl Figure {
@@ -232,14 +231,14 @@ impl Figure {
         self
     }
 
-    /// Returns the chart as an SVG that needs no other file.
+    /// Returns the chart as a self-contained SVG.
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
         self.scaled(&kuva::render_to_svg(plots, layout))
     }
 
-    /// Gives a rendered picture a view box: without one it would be cropped, not scaled, where a
-    /// page shows it at another size.
+    /// Adds a view box to a rendered image: without it, pages that show it at another size would
+    /// crop it.
     fn scaled(&self, svg: &str) -> String {
         let [width, height] = self.size;
         unnumbered(svg).replacen(
@@ -261,15 +260,14 @@ impl Figure {
     fn plots(&self) -> (Vec<Plot>, Layout) {
         let mut plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
         if plots.is_empty() {
-            // The renderer needs something to lay its axes out for.
+            // The renderer needs data for the layout of its axes.
             let corners = vec![Point::at(1.0, 1.0), Point::at(10.0, 10.0)];
             plots.extend(self.plot(&unseen("", "#ffffff", Marker::Circle, corners)));
         }
-        // Texts are the labels of markers that are too small to see.
+        // Draw texts as labels of invisibly small markers.
         let notes = unseen("", INK, Marker::Circle, self.notes.clone());
         plots.extend(self.plot(&notes));
-        // A key is the legend's entry of a marker that is too small to see, placed where something
-        // is drawn anyway.
+        // Draw a key as an invisibly small marker with a legend entry, at an existing point.
         let anywhere = self
             .series
             .iter()
@@ -309,7 +307,7 @@ impl Figure {
         fits(p.x, self.log[0]) && fits(p.y, self.log[1])
     }
 
-    /// Returns the line of a reference; none if its axis can't show it.
+    /// Returns the line of a reference. `None` if its axis can't show it.
     fn reference(&self, reference: &Reference) -> Option<ReferenceLine> {
         let (line, label) = match reference {
             Reference::Across(v, label) if fits(*v, self.log[0]) => {
@@ -323,7 +321,7 @@ impl Figure {
         Some(line.with_color(REFERENCE).with_label(label.clone()))
     }
 
-    /// Returns a series for the renderer; none if no point can be shown.
+    /// Returns a series for the renderer. `None` if no point can be shown.
     fn plot(&self, series: &Series) -> Option<Plot> {
         let points: Vec<&Point> = series.points.iter().filter(|p| self.shows(p)).collect();
         if points.is_empty() {
@@ -362,7 +360,7 @@ impl Figure {
     }
 }
 
-/// Returns a series of markers that are too small to see.
+/// Returns a series of invisibly small markers.
 fn unseen(name: &str, color: &str, marker: Marker, points: Vec<Point>) -> Series {
     Series {
         style: Style::Points(marker, 0.1, 1.0),
@@ -370,18 +368,18 @@ fn unseen(name: &str, color: &str, marker: Marker, points: Vec<Point>) -> Series
     }
 }
 
-/// Whether an axis can show a value.
+/// Reports whether an axis can show a value.
 fn fits(v: f64, log: bool) -> bool {
     v.is_finite() && (v > 0.0 || !log)
 }
 
-/// Returns the lengths of an error bar's arms below and above a value; 0 without an error bar.
+/// Returns the lengths of an error bar below and above a value. 0 without an error bar.
 fn arms(value: f64, range: Option<[f64; 2]>) -> (f64, f64) {
     let [from, to] = range.unwrap_or([value; 2]);
     ((value - from).max(0.0), (to - value).max(0.0))
 }
 
-/// Adds error bars and texts.
+/// Adds error bars and labels.
 fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
     if points.iter().any(|p| p.x_range.is_some()) {
         scatter = scatter.with_x_err_asymmetric(points.iter().map(|p| arms(p.x, p.x_range)));
@@ -397,8 +395,8 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
     scatter
 }
 
-/// Removes the numbers of clip paths. The renderer counts them through the whole run of the
-/// program, and a chart must not depend on how many were drawn before it.
+/// Removes the numbers of clip paths. The renderer numbers them throughout a run of the program,
+/// and a chart must not depend on earlier ones.
 fn unnumbered(svg: &str) -> String {
     let mut parts = svg.split("kuva-clip-");
     let mut out = parts.next().unwrap_or_default().to_owned();

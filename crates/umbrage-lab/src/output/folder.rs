@@ -1,4 +1,4 @@
-//! Writing files whole or not at all.
+//! Atomic writing of files.
 
 use crate::error::LabError;
 use std::{
@@ -6,13 +6,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder into which files are written under temporary names; each takes its own name once it is
-/// complete.
+/// A folder whose files are written under temporary names and renamed when they are complete.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    /// Makes the folder and those above it.
+    /// Creates the folder and its parents.
     pub(crate) fn create(path: &Path) -> Result<Self, LabError> {
         fs::create_dir_all(path).map_err(|source| LabError::Write {
             path: path.to_owned(),
@@ -21,14 +20,14 @@ impl Folder {
         Ok(Self(path.to_owned()))
     }
 
-    /// An empty folder inside that is to take this name once it is [finished](Self::finish).
+    /// Creates an empty subfolder under a temporary name, until it is [finished](Self::finish).
     pub(crate) fn unfinished(&self, name: &str) -> Result<Self, LabError> {
         let path = self.0.join(format!(".{name}.unfinished"));
         remove(&path)?;
         Self::create(&path)
     }
 
-    /// Gives a folder inside its name; one that had it before is removed.
+    /// Renames a finished subfolder. Removes an older one with that name.
     pub(crate) fn finish(&self, name: &str) -> Result<(), LabError> {
         let unfinished = self.0.join(format!(".{name}.unfinished"));
         let path = self.0.join(name);
@@ -36,7 +35,7 @@ impl Folder {
         fs::rename(&unfinished, &path).map_err(|source| LabError::Write { path, source })
     }
 
-    /// Removes a file, if it is there.
+    /// Removes a file if it exists.
     pub(crate) fn remove(&self, name: &str) -> Result<(), LabError> {
         let path = self.0.join(name);
         match fs::remove_file(&path) {
@@ -47,7 +46,7 @@ impl Folder {
         }
     }
 
-    /// Writes a file.
+    /// Writes a file atomically.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
         let path = self.0.join(name);
         let unfinished = self
@@ -55,14 +54,14 @@ impl Folder {
             .join(format!(".{name}.{}.unfinished", std::process::id()));
         let written = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, &path));
         written.map_err(|source: io::Error| {
-            // Nothing is lost if the leftover can't be removed either: the error is told anyway.
+            // Ignore a failure to remove the leftover: the error is returned anyway.
             let _ = fs::remove_file(&unfinished);
             LabError::Write { path, source }
         })
     }
 }
 
-/// Removes a folder, if it is there.
+/// Removes a folder if it exists.
 fn remove(path: &Path) -> Result<(), LabError> {
     match fs::remove_dir_all(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => Err(LabError::Write {

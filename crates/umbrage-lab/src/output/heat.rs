@@ -5,11 +5,11 @@ use crate::error::LabError;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_plan::footprint::Heat;
 
-/// Texels that no lookup touches: dark gray.
+/// Colour of texels without lookups: dark grey.
 const UNTOUCHED: Vec3 = Vec3::splat(0.12);
-/// The gaps between maps: light gray.
+/// Colour of the gaps between maps: light grey.
 const BETWEEN: Vec3 = Vec3::splat(0.6);
-/// Texels from few lookups to many: blue, green, yellow, white.
+/// Colours of texels from few to many lookups: blue, green, yellow, white.
 const RAMP: [Vec3; 4] = [
     Vec3::new(0.13, 0.25, 0.65),
     Vec3::new(0.1, 0.6, 0.45),
@@ -17,8 +17,8 @@ const RAMP: [Vec3; 4] = [
     Vec3::new(1.0, 1.0, 1.0),
 ];
 
-/// Returns a picture of maps' lookups as a PNG: texels that no lookup touches are dark gray, the
-/// others blue to white by the logarithm of how many touch them.
+/// Returns an image of the maps' lookups as a PNG. Texels without lookups are dark grey, the others
+/// blue to white by the logarithm of the number of lookups.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -49,7 +49,7 @@ fn color(lookups: u32, log_most: f64) -> [u8; 3] {
     c.to_array().map(|v| (v * 255.0).round() as u8)
 }
 
-/// Returns the color at `t`, 0..=1, of [`RAMP`].
+/// Returns the colour of [`RAMP`] at `t`, 0..=1.
 fn ramp(t: f32) -> Vec3 {
     let position = t.clamp(0.0, 1.0) * (RAMP.len() - 1) as f32;
     let i = (position as usize).min(RAMP.len() - 2);
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn pictures_show_what_is_unused() {
-        // Of four texels two are touched, one of them most often.
+        // Two of four texels have lookups, one of them the most.
         let heat = Heat {
             size: [2, 2],
             lookups: vec![0, 1, 9, 0],

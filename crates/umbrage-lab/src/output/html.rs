@@ -1,30 +1,30 @@
-//! Self-contained pages: one file with its style, its data, its scripts and its pictures inside.
+//! Self-contained pages: one file with its style, data, scripts and images.
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 
-/// The style that all pages begin with: colours, light and dark, and the body.
+/// Style of all pages: light and dark colours, and the body.
 pub(crate) const STYLE: &str = include_str!("page.css");
-/// The script that all pages begin with: elements, tables, controls.
+/// Script of all pages: elements, tables, controls.
 pub(crate) const SCRIPT: &str = include_str!("elements.js");
 
 /// A page that scripts fill.
 pub(crate) struct Page<'a> {
     pub(crate) title: &'a str,
-    /// What it has beside [`STYLE`].
+    /// Style in addition to [`STYLE`].
     pub(crate) style: &'a str,
-    /// The elements that scripts fill.
+    /// Elements that scripts fill.
     pub(crate) body: &'a str,
-    /// In the order in which they run, after [`SCRIPT`], which reads the data from the element
+    /// Scripts in the order of execution, after [`SCRIPT`], which reads the data from the element
     /// `data`.
     pub(crate) scripts: &'a [&'a str],
 }
 
 impl Page<'_> {
-    /// Returns the whole page with its data inside.
+    /// Returns the whole page with its data.
     ///
     /// # Errors
-    /// Errors if the data can't be written as JSON.
+    /// Errors if the data can't be serialised as JSON.
     pub(crate) fn html(&self, data: &impl Serialize) -> serde_json::Result<String> {
         let data = for_script(&serde_json::to_string(data)?);
         let all = std::iter::once(&SCRIPT).chain(self.scripts);
@@ -40,8 +40,8 @@ impl Page<'_> {
     }
 }
 
-/// Returns a page of a title (plain text), a style sheet and a body (markup that ends with a line's
-/// end).
+/// Returns a page with a title (plain text), a style sheet and a body (markup that ends with a line
+/// break).
 pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
     let title = escape(title);
     format!(
@@ -60,7 +60,7 @@ pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Returns plain text as markup, for elements and quoted attributes of HTML and SVG.
+/// Escapes plain text for elements and quoted attributes of HTML and SVG.
 pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
@@ -68,12 +68,12 @@ pub(crate) fn escape(text: &str) -> String {
         .replace('"', "&#34;")
 }
 
-/// Returns a file as the address of itself. `media_type`: `image/png`, say.
+/// Returns a file as a data URI. `media_type` is for example `image/png`.
 pub(crate) fn data_uri(media_type: &str, bytes: &[u8]) -> String {
     format!("data:{media_type};base64,{}", STANDARD.encode(bytes))
 }
 
-/// JSON that no script element ends within: `<` is written as an escape.
+/// Escapes `<` and line separators in JSON, so that it can't end a script element.
 fn for_script(json: &str) -> String {
     json.replace('<', "\\u003c")
         .replace('\u{2028}', "\\u2028")

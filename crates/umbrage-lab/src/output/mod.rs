@@ -1,5 +1,5 @@
-//! Output that all parts of the lab share: folders, pictures, charts, pages and tables. It depends
-//! on none of them.
+//! Output shared by all parts of the lab: folders, images, charts, pages and tables. Depends on
+//! none of them.
 
 mod checksum;
 pub(crate) mod csv;

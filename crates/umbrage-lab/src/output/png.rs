@@ -1,4 +1,4 @@
-//! Masks and errors as pictures, encoded as PNG.
+//! Masks and errors as PNG images.
 
 use crate::error::LabError;
 use glam::{UVec2, Vec3};
@@ -6,22 +6,23 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png};
 use umbrage_core::metrics::{Cause, Pixel};
 use umbrage_plan::truth::Truth;
 
-/// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour
-/// vision tell apart best (Okabe, Ito 2008, "Color Universal Design").
+/// Colour of false shadow (darker than truth): blue. With orange it is the pair of hues that is
+/// most distinguishable with all kinds of colour vision (Okabe, Ito 2008, "Color Universal
+/// Design").
 const FALSE_SHADOW: Vec3 = Vec3::new(0.0, 0.35, 0.80);
-/// False light, lighter than truth: orange.
+/// Colour of false light (lighter than truth): orange.
 pub(crate) const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
-/// Pixels left out as ambiguous.
+/// Colour of pixels excluded as ambiguous.
 const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
-/// Pixels that show nothing, or nothing that receives.
+/// Colour of pixels without geometry or without a receiver.
 const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
-/// Pixels that face away from the light.
+/// Colour of pixels that face away from the light.
 const UNLIT: Vec3 = Vec3::splat(0.70);
 
-/// Pixels from which on pictures are written quickly rather than small.
+/// Number of pixels from which on images are compressed fast rather than well.
 const REAL_SIZE: u32 = 640 * 480;
 
-/// Returns a mask as a picture: white where lit, bluish where nothing receives.
+/// Returns a mask as an image: white where lit, bluish where nothing receives.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -29,7 +30,7 @@ pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> Result<Vec<u8>, LabE
     encode(size, mask_colors(mask, pixels).into_iter())
 }
 
-/// Returns the colors of [`mask`].
+/// Returns the colours of [`mask`].
 pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     let mut colors = Vec::with_capacity(mask.len());
     for (visibility, pixel) in mask.iter().zip(pixels) {
@@ -41,8 +42,8 @@ pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     colors
 }
 
-/// Returns a picture of where a mask is wrong: blue for false shadow, orange for false light, over
-/// a faint picture of truth.
+/// Returns an image of a mask's errors: blue for false shadow, orange for false light, over a faint
+/// image of truth.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -55,7 +56,7 @@ pub fn error(
     encode(size, error_colors(mask, truth, pixels).into_iter())
 }
 
-/// Returns the colors of [`error`].
+/// Returns the colours of [`error`].
 pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     let mut colors = Vec::with_capacity(mask.len());
     for (i, pixel) in pixels.iter().enumerate() {
@@ -63,7 +64,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
             Pixel::Empty => EMPTY,
             Pixel::Unlit => UNLIT,
             Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
-            // Beside the sample truth is a preview, which is good enough to look at.
+            // Truth is a preview at unsampled pixels, which is good enough for images.
             Pixel::Counted | Pixel::Unsampled => error_color(mask[i], truth[i]),
         });
     }
@@ -77,17 +78,17 @@ fn error_color(visibility: f32, truth: f32) -> Vec3 {
     } else {
         FALSE_LIGHT
     };
-    // The square root makes small errors visible.
+    // Use the square root to make small errors visible.
     faint(truth).lerp(hue, difference.abs().sqrt())
 }
 
-/// Returns the gray of truth in pictures of errors: light, so that hues stand out.
+/// Returns the grey of truth in images of errors: light, so that hues stand out.
 fn faint(truth: f32) -> Vec3 {
     Vec3::splat(0.80 + 0.18 * truth)
 }
 
-/// Returns a picture of the error's causes: acne blue, gaps orange, leaks yellow, edges black,
-/// penumbrae green, over a faint picture of truth (hues of Okabe and Ito).
+/// Returns an image of the error's causes: acne blue, gaps orange, leaks yellow, edges black,
+/// penumbrae green, over a faint image of truth (hues of Okabe and Ito).
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -114,11 +115,11 @@ fn hue(cause: Cause) -> Vec3 {
     }
 }
 
-/// Encodes colors of components in 0..=1, rows from the top, as a PNG.
+/// Encodes colours with components in 0..=1, rows from the top, as a PNG.
 pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, LabError> {
     let pixels = size.x as usize * size.y as usize;
-    // A plain loop: this package is not optimised, and chains of closures would take longer than
-    // the encoder.
+    // Use a plain loop: this package is not optimised, and chains of closures would take longer
+    // than the encoder.
     let mut texels = vec![0; 3 * pixels];
     let mut at = 0;
     for color in colors.take(pixels) {
@@ -130,15 +131,15 @@ pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<
     encode_rgb(size, &texels)
 }
 
-/// Returns the nearest of 256 steps; casts saturate below and above.
+/// Returns the nearest of 256 steps. Casts saturate at both ends.
 fn to_byte(component: f32) -> u8 {
     (component * 255.0 + 0.5) as u8
 }
 
-/// Encodes three bytes a pixel, rows from the top, as a PNG.
+/// Encodes three bytes per pixel, rows from the top, as a PNG.
 pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError> {
-    // A report has hundreds of pictures of real size, which took a twentieth of all its time to
-    // compress well.
+    // Compress large images fast: a report has hundreds of them, and good compression took a
+    // twentieth of its total time.
     let compression = if size.x * size.y >= REAL_SIZE {
         png::CompressionType::Fast
     } else {
@@ -149,7 +150,7 @@ pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError
         png::PngEncoder::new_with_quality(&mut bytes, compression, png::FilterType::Adaptive);
     encoder
         .write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)
-        .map_err(|e| LabError::write("picture", e))?;
+        .map_err(|e| LabError::write("image", e))?;
     Ok(bytes)
 }
 

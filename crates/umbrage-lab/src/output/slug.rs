@@ -1,7 +1,7 @@
-//! Names that fit into file names.
+//! Names for files.
 
-/// Returns a text as a file name of lowercase letters, digits, dots, underscores and single dashes;
-/// never empty, never hidden. Lowercase only, as some file systems don't tell uppercase apart.
+/// Returns a text as a file name of lowercase letters, digits, dots, underscores and single dashes.
+/// Never empty, never hidden. Lowercase, as some file systems ignore case.
 pub(crate) fn slug(text: &str) -> String {
     let lowercase = text.to_lowercase();
     let words: Vec<&str> = lowercase
@@ -9,14 +9,14 @@ pub(crate) fn slug(text: &str) -> String {
         .filter(|word| !word.is_empty())
         .collect();
     let joined = words.join("-");
-    // Windows drops dots at the end.
+    // Trim dots at the end, which Windows drops.
     let visible = joined
         .trim_start_matches(['.', '-'])
         .trim_end_matches(['.', '-']);
     if visible.is_empty() {
         return "unnamed".to_owned();
     }
-    // Windows has devices of these names, whatever comes after a dot.
+    // Avoid the names of Windows devices, which are reserved with any suffix.
     let stem = visible.split('.').next().unwrap_or_default();
     if is_device(stem) {
         format!("_{visible}")
@@ -25,8 +25,8 @@ pub(crate) fn slug(text: &str) -> String {
     }
 }
 
-/// Whether a name is reserved for a device on Windows: CON, PRN, AUX, NUL, COM0 to COM9, LPT0 to
-/// LPT9.
+/// Reports whether a name is reserved for a device on Windows: CON, PRN, AUX, NUL, COM0 to COM9,
+/// LPT0 to LPT9.
 fn is_device(stem: &str) -> bool {
     let number = stem
         .strip_prefix("com")

@@ -3,16 +3,18 @@
 use crate::output::figure::{Figure, Marker, Point, Series, Style};
 use umbrage_plan::{BiasKind, CurvePoint, Estimate, Plan};
 
-/// The kinds of bias that have amounts, each with a color; the colors differ in lightness, too.
+/// Kinds of bias with an amount, each with a colour. The colours also differ in lightness.
 const KINDS: [(BiasKind, &str); 3] = [
     (BiasKind::NormalOffset, "#3b82e0"),
     (BiasKind::Adaptive, "#ea7317"),
     (BiasKind::PolygonOffset, "#5b6472"),
 ];
 
-/// Returns the chart of error against bias for the chosen setting: what is too dark (acne) falls,
-/// what is too light (the gap) grows, and the marked amount has the least error of both. None for
-/// techniques without a bias to find, and where nothing was chosen.
+/// Returns the chart of error against bias for the chosen setting.
+///
+/// With increasing bias, the error of too dark pixels (acne) falls and that of too light pixels
+/// (gap) rises. The marked amount minimises the sum of both. `None` if nothing was chosen, or if
+/// the technique has no bias to optimise.
 pub fn curve_figure(plan: &Plan) -> Option<Figure> {
     let chosen = plan.chosen.as_ref().filter(|_| !plan.curve.is_empty())?;
     let title = format!("The best bias of {}: {}", plan.scene, chosen.technique);
@@ -49,7 +51,7 @@ pub fn curve_figure(plan: &Plan) -> Option<Figure> {
     Some(figure.with(Series::points("chosen", "#c0392b", Marker::Star, best)))
 }
 
-/// Returns points of the curve: the bias across, and one part of the error up.
+/// Returns points of the curve: x is the bias, y is one part of the error.
 fn points(curve: &[&CurvePoint], error: fn(&Estimate) -> f64) -> Vec<Point> {
     curve
         .iter()

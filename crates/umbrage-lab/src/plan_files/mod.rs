@@ -1,5 +1,5 @@
-//! Writes plans to disk: the preset to use, the plan with its reasons, and the curve from which the
-//! bias was chosen.
+//! Writes plans to disk: the preset, the plan with its reasons, and the curve from which the bias
+//! was chosen.
 
 mod bias_curve;
 mod regret_table;
@@ -17,25 +17,31 @@ use std::path::{Path, PathBuf};
 use umbrage_core::Scene;
 use umbrage_plan::{Bounds, CurvePoint, LightsPlan, Plan, PlanOptions, Setting, look};
 
-/// A file that was written, and what it holds.
+/// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// `preset`, `plan`, `bias curve`, `bias chart`, `pictures` or `plan of all lights`.
+    /// Content of the file: `preset`, `plan`, `bias curve`, `bias chart`, `images` or
+    /// `plan of all lights`.
     pub what: &'static str,
-    /// Where it lies.
+    /// Path of the file.
     pub path: PathBuf,
 }
 
-/// Writes a plan into a folder, which is made if need be, under the scene's name:
-/// `cubes.preset.toml` (the [`LightPreset`](umbrage_techniques::LightPreset), where one was found;
-/// a scene file `cubes.toml` stays as it is), `cubes.plan.json` (the [`Plan`]), for biases that are
-/// found by trying `cubes.bias.csv` and `cubes.bias.svg`, and, with the scene and the options that
-/// it was planned with, `cubes.strip.png`: truth, what was chosen and the cheaper ones that fail,
-/// with their errors; for another light than the first `cubes.light-2.preset.toml`, and so on. Each
-/// is there whole or not at all; those that an older plan had and this one lacks are removed.
+/// Writes a plan into a folder, which is created if necessary. File names begin with the scene's
+/// name:
+///
+/// * `cubes.preset.toml`: the [`LightPreset`](umbrage_techniques::LightPreset), if a setting was
+///   found. A scene file `cubes.toml` is kept.
+/// * `cubes.plan.json`: the [`Plan`].
+/// * `cubes.bias.csv` and `cubes.bias.svg`: the bias curve, if the bias was found by a search.
+/// * `cubes.strip.png`: truth, the chosen setting and cheaper failing ones with their errors. Needs
+///   the scene and its options.
+///
+/// For lights other than the first, names are `cubes.light-2.preset.toml` and so on. Files are
+/// written atomically. Files of an older plan that this one doesn't have are removed.
 ///
 /// # Errors
-/// Errors if a file cannot be written, or a setting of the plan can't be played.
+/// Errors if a file can't be written, or a setting of the plan can't be executed.
 pub fn write(
     plan: &Plan,
     planned: Option<(&Scene, &PlanOptions)>,
@@ -58,16 +64,17 @@ pub fn write(
 }
 
 /// Writes the plan of all lights of a scene into a folder: `night-room.lights.json` (the
-/// [`LightsPlan`]), and of each light its preset and its strip of pictures, as [`write()`] does.
+/// [`LightsPlan`]), and for each light its preset and its strip of images, as [`write()`] does.
 ///
 /// # Errors
-/// Errors if a file cannot be written, or a setting of the plan can't be played.
+/// Errors if a file can't be written, or a setting of the plan can't be executed.
 pub fn write_lights(
     plan: &LightsPlan,
     scene: &Scene,
     options: &PlanOptions,
     folder: &Path,
 ) -> Result<Vec<Written>, LabError> {
+    // Write the plan of all lights.
     let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
     let whole = PlanFile {
         what: "plan of all lights",
@@ -75,6 +82,7 @@ pub fn write_lights(
         bytes: Some(json.into_bytes()),
     };
     let mut written = write_files(&stem(&plan.scene, 1), vec![whole], folder)?;
+    // Write the preset and the images of each light.
     for light in &plan.lights {
         let preset = match plan.light_preset(light) {
             Some(preset) => Some(preset.to_toml()?.into_bytes()),
@@ -83,7 +91,7 @@ pub fn write_lights(
         let mut strip = None;
         if let Some(chosen) = &light.chosen {
             let place = light.front.iter().position(|s| s.preset == chosen.preset);
-            // The next cheaper ones, the nearest first.
+            // Show the next cheaper settings, most expensive first.
             let cheaper: Vec<&Setting> = light.front[..place.unwrap_or(0)]
                 .iter()
                 .rev()
@@ -109,7 +117,7 @@ pub fn write_lights(
                 bytes: preset,
             },
             PlanFile {
-                what: "pictures",
+                what: "images",
                 ending: ".strip.png",
                 bytes: strip,
             },
@@ -123,7 +131,7 @@ pub fn write_lights(
     Ok(written)
 }
 
-/// Returns how the names of a light's files begin.
+/// Returns the start of a light's file names.
 fn stem(scene: &str, light_number: usize) -> String {
     match light_number {
         1 => slug(scene),
@@ -150,8 +158,7 @@ fn write_files(stem: &str, files: Vec<PlanFile>, folder: &Path) -> Result<Vec<Wr
     Ok(written)
 }
 
-/// Returns the strip of pictures of a setting and of others, which come after the word for what
-/// they are.
+/// Returns the strip of images of a setting and of others. `role` labels the others.
 fn picture(
     scene: &Scene,
     options: &PlanOptions,
@@ -173,13 +180,13 @@ fn picture(
     strip::strip(&look, chosen, role, others)
 }
 
-/// One of a plan's files.
+/// A file of a plan.
 struct PlanFile {
     /// [`Written::what`].
     what: &'static str,
-    /// How its name ends.
+    /// End of its name.
     ending: &'static str,
-    /// What it holds; none where the plan has no such thing.
+    /// Content of the file. `None` if the plan doesn't have it.
     bytes: Option<Vec<u8>>,
 }
 
@@ -218,7 +225,7 @@ fn files(plan: &Plan, picture: Option<Vec<u8>>) -> Result<Vec<PlanFile>, LabErro
             bytes: chart,
         },
         PlanFile {
-            what: "pictures",
+            what: "images",
             ending: ".strip.png",
             bytes: picture,
         },
@@ -347,7 +354,7 @@ mod tests {
         );
     }
 
-    /// One light's plan must not take another's place.
+    /// The plan of a light must not overwrite another's.
     #[test]
     fn lights_have_files_of_their_own() {
         let dir = tempfile::tempdir().expect("a temporary folder");
@@ -362,7 +369,7 @@ mod tests {
         assert!(dir.path().join("cubes.light-2.preset.toml").exists());
     }
 
-    /// A preset that no longer holds must not be taken for one that does.
+    /// An obsolete preset must not remain.
     #[test]
     fn what_an_older_plan_left_is_removed_and_a_scene_file_is_not() {
         let dir = tempfile::tempdir().expect("a temporary folder");

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use umbrage_plan::Regret;
 
-/// A line of `regret.csv`. Errors are root mean squares of visibility less truth, times
-/// milliseconds by the price list; empty fields are what was not found.
+/// A line of `regret.csv`. Errors are root mean square differences of visibility from truth. Times
+/// are milliseconds by the price list. Fields are empty for missing results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RegretLine {
     /// [`Regret::scene`].
@@ -20,29 +20,29 @@ pub struct RegretLine {
     pub light_number: usize,
     /// [`Regret::bound`].
     pub bound: f64,
-    /// The technique planned; empty if nothing was found.
+    /// The planned technique. Empty if nothing was found.
     pub technique: String,
-    /// Its settings.
+    /// Settings of the technique.
     pub settings: String,
-    /// The error predicted from the sample.
+    /// Error predicted from the sample.
     pub predicted: Option<f64>,
-    /// One in twenty errors lies above this.
+    /// Upper bound of the predicted error: one in twenty errors exceeds it.
     pub predicted_most: Option<f64>,
-    /// The error over the whole image.
+    /// Error over the whole image.
     pub error: Option<f64>,
-    /// What the plan costs.
+    /// Predicted cost of the plan, milliseconds.
     pub ms: Option<f64>,
-    /// The cheapest by the sweep, with its settings; empty if nothing was found.
+    /// The cheapest setting of the sweep. Empty if nothing was found.
     pub cheapest: String,
-    /// What that costs.
+    /// Predicted cost of the cheapest setting, milliseconds.
     pub least_ms: Option<f64>,
     /// [`Regret::ratio`].
     pub ratio: Option<f64>,
-    /// What the plan takes by the clock, milliseconds.
+    /// Measured time of the plan, milliseconds.
     pub clock_ms: Option<f64>,
-    /// The quickest candidate by the clock, with its settings; empty if nothing was timed.
+    /// The fastest measured candidate, with its settings. Empty if nothing was timed.
     pub quickest: String,
-    /// What that takes, milliseconds.
+    /// Measured time of the fastest candidate, milliseconds.
     pub least_clock_ms: Option<f64>,
     /// [`ClockRegret::ratio`](umbrage_plan::ClockRegret::ratio).
     pub clock_ratio: Option<f64>,
@@ -85,11 +85,11 @@ impl From<&Regret> for RegretLine {
     }
 }
 
-/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light
-/// and bound. Returns its path.
+/// Writes `regret.csv` into a folder, which is created if necessary: one [`RegretLine`] for each
+/// scene, light and bound. Returns its path.
 ///
 /// # Errors
-/// Errors if it cannot be written.
+/// Errors if it can't be written.
 pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
     let table = csv::of_records(FILE, all.iter().map(RegretLine::from))?;
     Folder::create(folder)?.write(FILE, &table)?;
@@ -184,7 +184,7 @@ mod tests {
         );
         assert!(
             lines[0].keeps && lines[0].misses,
-            "within its bound, but dear"
+            "within its bound, but expensive"
         );
     }
 }

@@ -1,5 +1,5 @@
-//! A strip of pictures beside a plan: truth, what was chosen, and cheaper ones, with the error
-//! below each.
+//! A strip of images for a plan: truth, the chosen setting and cheaper ones, with their errors
+//! below.
 
 use crate::{error::LabError, output::png};
 use glam::{UVec2, Vec3};
@@ -9,29 +9,29 @@ use kuva::{
 };
 use umbrage_plan::{Look, Setting};
 
-/// Most pixels of a picture's width.
+/// Maximum width of an image, pixels.
 pub(super) const WIDTH: u32 = 426;
-/// Pixels between two pictures.
+/// Gap between images, pixels.
 const GAP: u32 = 6;
-/// Pixels of a line of text.
+/// Height of a line of text, pixels.
 const LINE: u32 = 18;
-/// Size of the letters, pixels.
+/// Font size, pixels.
 const LETTERS: u32 = 13;
-/// Pixels that a letter takes at most on average.
+/// Average width of a character, pixels.
 const LETTER_WIDTH: u32 = 7;
 
 /// A column of the strip.
 struct Column<'a> {
-    /// Two lines above it.
+    /// Two lines of text above it.
     title: [String; 2],
-    /// None where the setting can't be played.
+    /// The mask. `None` if the setting can't be executed.
     mask: Option<&'a [f32]>,
     /// Whether its error is shown below.
     has_error: bool,
 }
 
-/// Returns the strip as a PNG. `look` holds the masks of `chosen` and then of `others`, in their
-/// order; `role` says what the others are.
+/// Returns the strip as a PNG. `look` has the masks of `chosen` and of `others` in this order.
+/// `role` labels the others.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -41,6 +41,7 @@ pub(super) fn strip(
     role: &str,
     others: &[&Setting],
 ) -> Result<Vec<u8>, LabError> {
+    // Collect the columns.
     let mut columns = vec![Column {
         title: ["truth".to_owned(), "ray-traced".to_owned()],
         mask: Some(&look.truth),
@@ -49,7 +50,7 @@ pub(super) fn strip(
     let settings: Vec<&Setting> = std::iter::once(chosen)
         .chain(others.iter().copied())
         .collect();
-    // Times by the clock and by count can't be compared with each other.
+    // Show measured times only if all settings have them: predicted times are not comparable.
     let all_timed = settings.iter().all(|s| s.measured_ms.is_some());
     for (k, (setting, mask)) in settings.iter().zip(&look.masks).enumerate() {
         let role = if k == 0 { "chosen" } else { role };
@@ -64,6 +65,7 @@ pub(super) fn strip(
             has_error: true,
         });
     }
+    // Draw the texts, and paste the images.
     let size = UVec2::new(
         columns.len() as u32 * (look.size.x + GAP) - GAP,
         2 * LINE + 2 * look.size.y + GAP,
@@ -89,8 +91,8 @@ pub(super) fn strip(
     png::encode(size, colors.into_iter())
 }
 
-/// Returns a white picture with the columns' titles and, below truth, what the colours of the
-/// errors mean.
+/// Returns a white image with the columns' titles and, below truth, the legend of the error
+/// colours.
 fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, LabError> {
     let mut drawing = Drawing::new(f64::from(size.x), f64::from(size.y));
     drawing.background_color = Some("white".to_owned());
@@ -116,7 +118,7 @@ fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, L
     let legend = [
         "Errors, each below its mask:",
         "blue: false shadow; orange: false light",
-        "violet: left out, hangs on rounding",
+        "violet: excluded as ambiguous",
         "grey: faces away from the light",
     ];
     for (line, words) in (1..).zip(legend) {
@@ -124,8 +126,8 @@ fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, L
     }
     let bytes = PngBackend { scale: 1.0 }
         .render_scene(&drawing)
-        .map_err(|e| LabError::write("picture", e))?;
-    let picture = image::load_from_memory(&bytes).map_err(|e| LabError::write("picture", e))?;
+        .map_err(|e| LabError::write("image", e))?;
+    let picture = image::load_from_memory(&bytes).map_err(|e| LabError::write("image", e))?;
     let picture = picture.to_rgb8();
     let mut colors = vec![Vec3::ONE; (size.x * size.y) as usize];
     for (x, y, pixel) in picture.enumerate_pixels() {
@@ -137,7 +139,7 @@ fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, L
     Ok(colors)
 }
 
-/// Returns the first so many letters of a text, with two dots where some are left out.
+/// Returns a text shortened to this number of characters, with two dots at the end if it was cut.
 fn shortened(words: &str, most: usize) -> String {
     if words.chars().count() <= most {
         return words.to_owned();
@@ -146,7 +148,7 @@ fn shortened(words: &str, most: usize) -> String {
     format!("{kept}..")
 }
 
-/// Copies a picture into a larger one.
+/// Copies an image into a larger one.
 fn paste(into: &mut [Vec3], size: UVec2, picture: &[Vec3], part: UVec2, at: UVec2) {
     for y in 0..part.y {
         let start = ((at.y + y) * size.x + at.x) as usize;
@@ -207,7 +209,7 @@ mod tests {
         );
         let right = at(1, 1);
         assert!(right[0] > 240 && right[0] == right[2], "{right:?}");
-        assert_eq!(at(3, 0), [255; 3], "what can't be played is left white");
+        assert_eq!(at(3, 0), [255; 3], "what can't be executed is white");
         let title_has_ink = picture
             .enumerate_pixels()
             .any(|(_, y, p)| y < 36 && p.0[0] < 128);

@@ -1,4 +1,4 @@
-//! NumPy files: float32, H x W, row 0 on top, -1 where the camera hits nothing.
+//! NumPy files: float32, H x W, top row first, -1 where the camera hits nothing.
 //!
 //! The format is version 1.0 of NumPy Enhancement Proposal 1, "A Simple File Format for NumPy
 //! Arrays" (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
@@ -12,17 +12,17 @@ use glam::UVec2;
 use std::io;
 use umbrage_core::{NO_TRIANGLE, Receivers};
 
-/// The first bytes of every NumPy file.
+/// First bytes of every NumPy file.
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Major and minor version of the format.
 const VERSION: [u8; 2] = [1, 0];
-/// Bytes before the header's text: magic, version, and the text's length as 16 bits.
+/// Number of bytes before the header's text: magic, version, and the text's length as 16 bits.
 const PREFIX_BYTES: usize = MAGIC.len() + VERSION.len() + 2;
-/// The data begin at a multiple of this many bytes.
+/// Alignment of the data, bytes.
 const ALIGNMENT: usize = 64;
 
-/// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array a measured
-/// row.
+/// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array per
+/// measured row.
 pub(super) fn write(
     folder: &Folder,
     result: &SceneResult,
@@ -64,17 +64,17 @@ fn write_array(
     folder.write(name, &bytes)
 }
 
-/// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values`: `size.y`
-/// rows of `size.x`, row by row.
+/// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values` are
+/// `size.y` rows of `size.x`, row by row.
 ///
 /// # Errors
-/// Errors if there are more or fewer values than `size` has places.
+/// Errors if the number of values is not that of `size`.
 pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
     let expected = u64::from(size.x) * u64::from(size.y);
     if values.len() as u64 != expected {
         let found = values.len();
         return Err(io::Error::other(format!(
-            "an array of {expected} values was given {found}"
+            "an array of {expected} values cannot have {found}"
         )));
     }
     let header = header(size);
@@ -88,8 +88,8 @@ pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Returns the header's text: a literal of a Python dictionary, padded with blanks up to the line's
-/// end that closes it.
+/// Returns the header's text: a Python dictionary literal, padded with blanks up to the final line
+/// break.
 fn header(size: UVec2) -> String {
     let rows = size.y;
     let columns = size.x;
@@ -100,7 +100,7 @@ fn header(size: UVec2) -> String {
     format!("{dictionary}{}\n", " ".repeat(padding))
 }
 
-/// Returns rows, columns and values of a file that [`npy`] wrote, read by the rules of the format.
+/// Parses a file that [`npy`] wrote, by the rules of the format. Returns rows, columns and values.
 #[cfg(test)]
 pub(super) fn read_npy(bytes: &[u8]) -> (usize, usize, Vec<f32>) {
     assert_eq!(&bytes[..6], b"\x93NUMPY");
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(read_npy(&bytes), (2, 3, values));
     }
 
-    /// Whatever the number of digits of the shape.
+    /// The padding is right for any number of digits of the shape.
     #[test]
     fn headers_fill_up_to_the_alignment() {
         for width in [1, 10, 100, 1000, 10_000, 100_000] {

@@ -1,5 +1,5 @@
-//! Writes the report of all scenes from their folders: the same for one run, one that was stopped
-//! and continued, and shards.
+//! Writes the report of all scenes from their folders. It is the same for one run, for a resumed
+//! run, and for merged shards.
 
 use super::{
     chart, chosen,
@@ -24,10 +24,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Pictures in a strip, besides truth.
+/// Number of images in a strip besides truth.
 const STRIP: usize = 3;
 
-/// Writes everything but the scenes' own folders, which lie in `path`.
+/// Writes everything but the scenes' own folders, which are in `path`.
 pub(super) fn write(
     path: &Path,
     folder: &Folder,
@@ -50,7 +50,7 @@ pub(super) fn write(
     Ok((comparison, path.join("index.html")))
 }
 
-/// Returns the name of a group's chart files by a clock, without what comes after the dot.
+/// Returns the name of a group's chart files by a clock, without extension.
 fn stem(group: &SettingGroup, clock: CostBasis) -> String {
     let clock = match clock {
         CostBasis::Wall => "time",
@@ -59,7 +59,7 @@ fn stem(group: &SettingGroup, clock: CostBasis) -> String {
     format!("chart-{clock}-{}-{}", group.light, group.backend)
 }
 
-/// Returns the words of a group's chart.
+/// Returns the texts of a group's chart.
 fn words(group: &SettingGroup, clock: CostBasis) -> Words<'static> {
     still::of_group(&GroupWords {
         scenes: group.scenes.len(),
@@ -71,7 +71,7 @@ fn words(group: &SettingGroup, clock: CostBasis) -> Words<'static> {
     })
 }
 
-/// Returns all that the page shows.
+/// Returns the contents of the page.
 fn contents<'a>(
     path: &Path,
     stored: &[Stored],
@@ -103,7 +103,7 @@ fn is_timed(scene: &SceneResult) -> bool {
     measured.any(|m| m.times.is_some())
 }
 
-/// Returns a group as the page shows it, with the pictures of its first scene.
+/// Returns a group for the page, with the images of its first scene.
 pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageGroup {
     let scene = group.scenes[0];
     let rows = &comparison.scenes[scene].rows;
@@ -137,15 +137,14 @@ pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageG
     }
 }
 
-/// Whether a row is one scene's of a setting.
+/// Reports whether a row is a scene's row of a setting.
 fn is_of(row: &CompareRow, setting: &Relative) -> bool {
     row.technique == setting.technique
         && row.settings == setting.settings
         && row.backend == setting.backend
 }
 
-/// Writes the groups' charts, and removes those of an older run, which would not belong to these
-/// data.
+/// Writes the groups' charts, and removes those of an older run.
 fn write_charts(path: &Path, folder: &Folder, groups: &[SettingGroup]) -> Result<(), LabError> {
     let entries = fs::read_dir(path).map_err(|e| LabError::write(path, e))?;
     for entry in entries.flatten() {
@@ -169,7 +168,7 @@ fn write_charts(path: &Path, folder: &Folder, groups: &[SettingGroup]) -> Result
     Ok(())
 }
 
-/// Joins the scenes, in their order. Each notice is kept once.
+/// Joins the scenes in order. Each notice is kept once.
 fn comparison(scenes: &[Stored]) -> Comparison {
     let mut notices: Vec<String> = Vec::new();
     for notice in scenes.iter().flat_map(|s| &s.notices) {
@@ -186,8 +185,8 @@ fn comparison(scenes: &[Stored]) -> Comparison {
     }
 }
 
-/// Joins environments: the earliest date and the fewest threads; of everything else all values,
-/// joined where they differ.
+/// Joins environments: the earliest date, the fewest threads, and all distinct values of the other
+/// fields.
 fn common(all: &[&Environment]) -> Environment {
     let Some(first) = all.first() else {
         return Environment::default();
@@ -205,7 +204,8 @@ fn common(all: &[&Environment]) -> Environment {
     }
 }
 
-/// Returns the distinct values of a field, separated by semicolons; none if no environment has one.
+/// Returns the distinct values of a field, separated by semicolons; `None` if no environment has
+/// one.
 fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Option<String> {
     let mut values: Vec<&str> = Vec::new();
     for value in all.iter().filter_map(|environment| field(environment)) {
@@ -216,7 +216,7 @@ fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Opti
     (!values.is_empty()).then(|| values.join("; "))
 }
 
-/// Returns a scene as the page shows it.
+/// Returns a scene for the page.
 fn page_scene(path: &Path, scene: &Stored, stability: Option<&StabilitySource>) -> PageScene {
     let result = &scene.result;
     let folder = path.join(scene.name());
@@ -254,7 +254,7 @@ fn cost_ranks(result: &SceneResult) -> Vec<CostRanks> {
     out
 }
 
-/// Returns a scene's rows as the page shows them.
+/// Returns a scene's rows for the page.
 fn page_rows(
     folder: &Path,
     result: &SceneResult,
@@ -271,14 +271,14 @@ fn page_rows(
     out
 }
 
-/// Returns the pictures of a row, or those of a row with the same mask; none if there are none.
+/// Returns the images of a row, or of a row with the same mask; `None` without any.
 fn pictures(folder: &Path, result: &SceneResult, row: &CompareRow) -> Option<RowPictures> {
     let with_same_mask = result.rows.iter().filter(|other| has_same_mask(row, other));
     let mut all = std::iter::once(row).chain(with_same_mask);
     all.find_map(|row| own_pictures(folder, row))
 }
 
-/// Whether another row's mask is bit-equal to a row's.
+/// Reports whether another row's mask is bit-equal to a row's.
 fn has_same_mask(row: &CompareRow, other: &CompareRow) -> bool {
     let is_as_cpu = |r: &CompareRow| {
         let agreement = r.measured().and_then(|m| m.agreement);
@@ -292,7 +292,7 @@ fn has_same_mask(row: &CompareRow, other: &CompareRow) -> bool {
     is_origin && row.measured().is_some() && (is_same_backend || is_as_cpu(row) && is_as_cpu(other))
 }
 
-/// Returns the pictures that are in a scene's folder under a row's name.
+/// Returns the images in a scene's folder under a row's name.
 fn own_pictures(folder: &Path, row: &CompareRow) -> Option<RowPictures> {
     let stem = row.stem();
     let is_there = |end: &str| folder.join(format!("{stem}{end}.png")).is_file();
@@ -317,7 +317,7 @@ const OVERALL_HEADER: [&str; 11] = [
     "scenes",
 ];
 
-/// Returns the table over all scenes, a line for each setting and backend.
+/// Returns the table over all scenes, a line per setting and backend.
 fn overall_csv(groups: &[SettingGroup]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for group in groups {

@@ -1,20 +1,20 @@
-//! The points of the still charts: the settings of a group, error against time.
+//! Points of the still charts: the settings of a group, error against time.
 
 use crate::compare::{CostBasis, MIN_ERROR, Relative, SettingGroup};
 
-/// A setting as a point.
+/// A point of a chart: a setting.
 #[derive(Clone, Debug)]
 pub(super) struct Dot {
     pub(super) technique: String,
     pub(super) backend: String,
     pub(super) settings: String,
     pub(super) xy: [f64; 2],
-    /// Quickest and slowest run.
+    /// Fastest and slowest run.
     pub(super) range: Option<[f64; 2]>,
     pub(super) on_front: bool,
 }
 
-/// Returns a group's settings by one clock, without those that weren't timed by it and without
+/// Returns a group's settings by one clock. Omits settings without a time by that clock, and
 /// `none`, which takes no time.
 pub(super) fn dots(group: &SettingGroup, clock: CostBasis) -> Vec<Dot> {
     let front = group.front(clock);
@@ -31,7 +31,7 @@ pub(super) fn dots(group: &SettingGroup, clock: CostBasis) -> Vec<Dot> {
     out
 }
 
-/// Returns a setting as a dot that is on no front; none if it has no time.
+/// Returns a setting as a dot that is on no front; `None` if it has no time.
 fn dot(setting: &Relative, clock: CostBasis) -> Option<Dot> {
     let x = setting.take(clock)?;
     let range = match (clock, setting.time) {

@@ -1,13 +1,12 @@
-//! Chooses the rows that get pictures: pictures of thousands of rows would take too long to write
-//! and to open.
+//! Selects the rows with images: images of thousands of rows take too long to write and to open.
 
 use crate::compare::{CompareRow, CostBasis, Measured, SceneResult, Section};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_plan::pareto;
 
-/// Returns the rows on a backend's Pareto front of either clock, each technique's row of least
-/// error, the rows whose mask differs from the CPU's, and all of the first backend on frames of
-/// real size: the page's charts show these.
+/// Returns the rows with images. They are the rows on a backend's Pareto front of either clock,
+/// each technique's row of least error, and the rows whose mask differs from the CPU's. On frames
+/// of real size they also include all rows of the first backend, for the page's charts.
 pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut best: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
     let mut chosen = BTreeSet::new();
@@ -28,8 +27,8 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     chosen
 }
 
-/// Returns the rows of the first backend on a frame of real size, without those that repeat others;
-/// none on other scenes.
+/// Returns the rows of the first backend on a frame of real size, without repetitions; empty on
+/// other scenes.
 fn of_content(result: &SceneResult) -> Vec<usize> {
     let Some(first) = result.rows.first() else {
         return Vec::new();
@@ -59,14 +58,14 @@ pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
     out
 }
 
-/// The rows of one backend: their indices, and for each its time and error.
+/// Rows of one backend: their indices, and the time and error of each.
 #[derive(Default)]
 struct BackendPoints {
     rows: Vec<usize>,
     points: Vec<[f64; 2]>,
 }
 
-/// Returns the rows that were measured, each with its index and its figures.
+/// Returns the measured rows, each with its index and its figures.
 fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &CompareRow, &Measured)> {
     result
         .rows

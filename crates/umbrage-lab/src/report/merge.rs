@@ -1,5 +1,5 @@
-//! Merges the reports of a comparison's shards into one: byte by byte what a single run would have
-//! written of the same figures.
+//! Merges the reports of a comparison's shards into one. The result is equal byte by byte to that
+//! of a single run with the same figures.
 
 use super::{
     assemble,
@@ -16,17 +16,18 @@ use umbrage_core::Invalid;
 
 /// Joins the scenes of several folders. Returns the whole comparison and the page's path.
 ///
-/// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
-/// `stability`: verdicts that the page shows beside each setting.
+/// Only the last run of each folder counts: scenes of earlier runs are ignored. `stability` has the
+/// verdicts that the page shows for each setting.
 ///
 /// # Errors
-/// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that
-/// were changed, or not all scenes, or if a file cannot be read or written.
+/// Errors if folders contain no scenes, scenes of different comparisons, one scene twice or changed
+/// figures, if scenes are missing, or if a file cannot be read or written.
 pub fn merge(
     folders: &[PathBuf],
     out: &Path,
     stability: Option<&StabilitySource>,
 ) -> Result<(Comparison, PathBuf), LabError> {
+    // Read the runs and their scenes, and check that they are complete.
     let mut runs = Vec::new();
     for folder in folders {
         runs.push((folder.as_path(), Run::read(folder, "compare --shard")?));
@@ -38,6 +39,7 @@ pub fn merge(
     }
     found.sort_by_key(|(_, s)| s.place);
     check(&plan, &found)?;
+    // Copy the scenes' folders.
     let folder = Folder::create(out)?;
     for (from, scene) in &found {
         let to = folder.unfinished(scene.name())?;
@@ -51,6 +53,7 @@ pub fn merge(
         }
         folder.finish(scene.name())?;
     }
+    // Write the run, and the report of all scenes.
     let run = Run {
         places: (0..plan.scenes.len()).collect(),
         plan,
@@ -85,15 +88,14 @@ fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid>
         return Err(Invalid::new(
             "shards",
             "are missing",
-            "give at least one folder",
+            "pass at least one folder",
         ));
     };
     match runs.iter().find(|(_, other)| other.plan != run.plan) {
         None => Ok(&run.plan),
         Some((folder, _)) => {
-            let why = format!("was made for another comparison than `{}`", first.display());
-            let help =
-                "give shards of one list of scenes with the same options, and no other folders";
+            let why = format!("belongs to another comparison than `{}`", first.display());
+            let help = "pass only shards of one list of scenes with the same options";
             Err(Invalid::new(
                 format!("folder `{}`", folder.display()),
                 why,
@@ -103,7 +105,7 @@ fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid>
     }
 }
 
-/// Errors unless all scenes of the plan were found, each once, measured by the same code.
+/// Checks that all scenes of the plan were found once, measured by the same code.
 fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
     for (path, scene) in found {
         let (first_path, first) = &found[0];
@@ -112,7 +114,7 @@ fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Inval
             && scene.environment.backends.len() == first.environment.backends.len();
         if !same_code {
             let why = format!(
-                "was measured by other code, or on other backends, than `{}`",
+                "was measured by another version or on other backends than `{}`",
                 first_path.display()
             );
             let help = "run all shards with one commit, then merge again";
@@ -121,7 +123,7 @@ fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Inval
     }
     if let Some(pair) = found.windows(2).find(|p| p[0].1.place == p[1].1.place) {
         let why = format!("is the same scene as `{}`", pair[0].0.display());
-        let help = "give each shard once, all of one number of shards";
+        let help = "pass each shard once, all with the same number of shards";
         return Err(Invalid::new(
             format!("`{}`", pair[1].0.display()),
             why,
@@ -146,6 +148,6 @@ fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Inval
     Err(Invalid::new(
         "shards",
         why,
-        "run the missing shards, or those that were stopped, then merge again",
+        "run the missing or stopped shards, then merge again",
     ))
 }

@@ -1,26 +1,25 @@
-//! The report of a comparison: a folder with a page, charts, tables, data and pictures.
+//! The report of a comparison: a folder with a page, charts, tables, data and images.
 //!
-//! * `index.html`: what to use, pictures, charts of time against error with their Pareto fronts, a
-//!   table of all rows, and each scene's rows. It works from a file; its pictures are the scenes'
-//!   files beside it, so the folder is to be kept together.
+//! * `index.html`: recommendations, images, charts of time against error with their Pareto fronts,
+//!   a table of all rows, and each scene's rows. It works from a file, and refers to the scenes'
+//!   image files, so keep the folder together.
 //! * `chart-time-<light>-<backend>.svg`, `chart-cost-...` and PNG: the charts over all scenes of
-//!   hard and of soft shadows, to be shown elsewhere.
-//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `work.csv`:
-//!   the counted work and the time of each row. `results.json`: the [`Comparison`] as it is.
+//!   hard and of soft shadows, for use elsewhere.
+//! * `rows.csv`: one [`Line`] per row. `overall.csv`: one line per setting over all scenes.
+//!   `work.csv`: the counted work and the time of each row. `results.json`: the [`Comparison`].
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours
-//!   `.color.png`, of the Pareto fronts, each technique's best, and faults, and of one backend's
-//!   rows on frames of real size; of comparisons of three scenes or fewer, of all rows, and there
-//!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0
-//!   on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the
-//!   unit camera ray), `ambiguous.npy`, `<technique>.<backend>.npy`. Where a technique has several
-//!   settings, they are part of the name.
-//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped,
-//!   and for [`merge`]; its first entry is a checksum of the rest, so that figures which were
-//!   changed by hand or cut off are not taken up.
-//! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are
-//!   left alone and ignored.
+//!   `.color.png`: images of the Pareto fronts, each technique's best row, and faults, and of one
+//!   backend's rows on frames of real size. Comparisons of up to three scenes have images of all
+//!   rows, and `.lookups.png`: the number of lookups of each map texel. If a technique has several
+//!   settings, the names contain them.
+//! * `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
+//!   `<technique>.<backend>.npy`, on request: NumPy arrays, float32, H x W, top row first, -1 where
+//!   the camera hits nothing.
+//! * `<scene>/scene.json`: the scene's figures, for a resumed run and for [`merge`]. Its first
+//!   entry is a checksum of the rest, so that changed or truncated figures are rejected.
+//! * `run.json`: the scenes of the folder's last run. Folders of other runs' scenes are ignored.
 //!
-//! Every file and every scene's folder is written whole under another name and then renamed.
+//! Every file and every scene's folder is written completely under another name and then renamed.
 
 mod arrays;
 mod assemble;
@@ -55,7 +54,7 @@ use std::path::{Path, PathBuf};
 use store::Stored;
 use umbrage_core::Invalid;
 
-/// A report that is being written: add scenes as they come, then finish it.
+/// A report in progress: add scenes one by one, then finish it.
 #[derive(Debug)]
 pub struct Report {
     path: PathBuf,
@@ -66,8 +65,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Begins a report of these places of the plan in a folder, which is made if need be; files of
-    /// an older report are overwritten.
+    /// Begins a report of these places of the plan in a folder. Creates the folder if needed, and
+    /// overwrites files of an older report.
     ///
     /// # Errors
     /// Errors if the folder cannot be made or written.
@@ -82,7 +81,7 @@ impl Report {
             plan,
             places: places.to_vec(),
         };
-        // Now, not in the end: a run that is stopped must not pass for the one before it.
+        // Write it first, so that a stopped run is not mistaken for the one before it.
         run.write(&folder)?;
         Ok(Self {
             path: path.to_owned(),
@@ -93,12 +92,12 @@ impl Report {
         })
     }
 
-    /// Whether the folder has this place's scene already, measured by this program, for the same
-    /// plan, with the same backends and adapter, on the same kind of machine.
+    /// Reports whether the folder already has this place's scene. It must have been measured by
+    /// this program, for the same plan, with the same backends and adapter, on the same kind of
+    /// machine.
     ///
     /// # Errors
-    /// Errors if it has figures that are not whole or were changed since: they are to be measured
-    /// anew.
+    /// Errors if the figures are truncated or changed: the scene must be measured again.
     pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
         let Some(name) = self.run.plan.scenes.get(place) else {
             return Ok(false);
@@ -114,7 +113,7 @@ impl Report {
         Ok(has_arrays && is_same_program && is_same_machine && is_same_scene)
     }
 
-    /// Writes a scene's figures, its pictures and, if asked for, its arrays.
+    /// Writes a scene's figures, its images and, on request, its arrays.
     ///
     /// # Errors
     /// Errors if a file cannot be written.
@@ -133,6 +132,7 @@ impl Report {
         if self.arrays {
             arrays::write(&folder, result, images)?;
         }
+        // Write the images of truth and of the selected rows.
         let truth = &images.truth;
         folder.write(
             "truth.png",
@@ -149,6 +149,7 @@ impl Report {
                 .into_par_iter()
                 .try_for_each(|i| heat_picture(&folder, result, images, i))?;
         }
+        // Write the figures last, and rename the folder.
         let stored = Stored {
             plan: self.run.plan.clone(),
             place,
@@ -162,7 +163,7 @@ impl Report {
     }
 
     /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the
-    /// page's path. `stability`: verdicts that the page shows beside each setting.
+    /// page's path. `stability` has the verdicts that the page shows for each setting.
     ///
     /// # Errors
     /// Errors if a scene is missing, or a file cannot be written.
@@ -188,8 +189,7 @@ impl Report {
     }
 }
 
-/// Returns the environment without the date: what must be the same for figures to be taken up
-/// again.
+/// Returns the environment without the date, to compare with that of stored figures.
 fn undated(environment: &Environment) -> Environment {
     Environment {
         date: None,
@@ -197,7 +197,7 @@ fn undated(environment: &Environment) -> Environment {
     }
 }
 
-/// Writes the pictures of a row, if it was measured.
+/// Writes the images of a row, if it was measured.
 fn row_pictures(
     folder: &Folder,
     result: &SceneResult,
@@ -222,7 +222,7 @@ fn row_pictures(
     Ok(())
 }
 
-/// Writes where a row's maps are looked up, if it has any.
+/// Writes an image of the lookups in a row's maps, if it has any.
 fn heat_picture(
     folder: &Folder,
     result: &SceneResult,

@@ -1,5 +1,4 @@
-//! The page itself: elements, a style sheet, scripts, and one block of data. Pictures are files
-//! beside it.
+//! The page: elements, a style sheet, scripts, and one block of data. It refers to images as files.
 
 use super::{
     page_rows::{PageRow, Texts, table_of},
@@ -16,7 +15,7 @@ use std::collections::BTreeMap;
 
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
-/// In the order in which they run: later ones use what earlier ones declare.
+/// Scripts in execution order: later ones use declarations of earlier ones.
 const SCRIPTS: [&str; 7] = [
     include_str!("page/base.js"),
     include_str!("page/verdicts.js"),
@@ -27,19 +26,19 @@ const SCRIPTS: [&str; 7] = [
     include_str!("page/start.js"),
 ];
 
-/// Colours of the error pictures, for people.
+/// Colours of the error images, and their labels.
 const LEGEND: [(&str, &str); 5] = [
     ("#0059cc", "false shadow: darker than truth"),
     ("#ed6600", "false light: lighter than truth"),
-    ("#b3b3b3", "left out: faces away from the light"),
-    ("#a840b3", "left out: truth is ambiguous"),
-    ("#ccd6e3", "nothing receives"),
+    ("#b3b3b3", "excluded: faces away from the light"),
+    ("#a840b3", "excluded: truth is ambiguous"),
+    ("#ccd6e3", "no receiver"),
 ];
 
-/// A scene as the page shows it.
+/// A scene for the page.
 #[derive(Debug, Serialize)]
 pub(super) struct PageScene {
-    /// The folder of its pictures, beside the page.
+    /// Folder of its images, next to the page.
     pub(super) folder: String,
     pub(super) name: String,
     pub(super) summary: String,
@@ -50,26 +49,26 @@ pub(super) struct PageScene {
     pub(super) light: String,
     pub(super) size: [u32; 2],
     pub(super) triangles: u64,
-    /// What moves, in words.
+    /// Label of the motion.
     pub(super) motion: &'static str,
     pub(super) truth: TruthSummary,
     pub(super) nothing_compared: Option<String>,
     /// RMSE of no shadow.
     pub(super) rmse_of_none: f64,
-    /// Negative controls that hold, and all.
+    /// Numbers of negative controls that hold, and of all.
     pub(super) controls: [usize; 2],
-    /// Of each backend that was timed the rank correlation of counted costs with times.
+    /// Rank correlation of counted costs with times, for each timed backend.
     pub(super) cost_ranks: Vec<CostRanks>,
-    /// In the order of the comparison's rows.
+    /// Rows in the order of the comparison.
     #[serde(skip)]
     pub(super) rows: Vec<PageRow>,
 }
 
-/// How well counted costs rank a scene's rows as the clock does.
+/// Rank correlation of a scene's counted costs with its times.
 #[derive(Debug, Serialize)]
 pub(super) struct CostRanks {
     pub(super) backend: String,
-    /// -1 to 1.
+    /// Correlation, -1 to 1.
     pub(super) correlation: f64,
 }
 
@@ -80,11 +79,11 @@ pub(super) struct PageSetting {
     pub(super) settings: String,
     pub(super) error: f64,
     pub(super) time: Option<f64>,
-    /// Of the quickest and of the slowest runs.
+    /// Times of the fastest and of the slowest runs.
     pub(super) range: Option<[f64; 2]>,
     pub(super) cost: f64,
     pub(super) served: usize,
-    /// Its row of the group's scene that is shown.
+    /// Index of its row in the group's shown scene.
     pub(super) row: Option<usize>,
     /// Whether it is on the Pareto front of times, and on that of costs.
     pub(super) front: [bool; 2],
@@ -96,27 +95,27 @@ pub(super) struct PageGroup {
     pub(super) light: &'static str,
     pub(super) backend: String,
     pub(super) subtitle: String,
-    /// What to use, in one sentence.
+    /// Recommendation, one sentence.
     pub(super) advice: Option<String>,
-    /// The scene whose pictures are shown.
+    /// Index of the scene whose images are shown.
     pub(super) scene: usize,
     pub(super) scenes: usize,
     pub(super) settings: Vec<PageSetting>,
-    /// Settings shown as pictures, by rising time.
+    /// Settings with images, by increasing time.
     pub(super) strip: Vec<usize>,
-    /// Settings that the sentence names, in its order.
+    /// Settings that the recommendation names, in its order.
     pub(super) advised: Vec<usize>,
 }
 
-/// How a technique looks in charts.
+/// Marker and colours of a technique in charts.
 #[derive(Debug, Serialize)]
 struct PageStyle {
     marker: String,
-    /// A colour for each backend.
+    /// Colour for each backend.
     colors: [&'static str; 3],
 }
 
-/// All that the page shows.
+/// Contents of the page.
 #[derive(Debug)]
 pub(super) struct Contents<'a> {
     pub(super) environment: &'a Environment,
@@ -124,9 +123,9 @@ pub(super) struct Contents<'a> {
     pub(super) faults: Vec<String>,
     pub(super) scenes: Vec<PageScene>,
     pub(super) groups: Vec<PageGroup>,
-    /// Verdicts to be shown beside each setting.
+    /// Verdicts to show for each setting.
     pub(super) stability: Option<PageStability>,
-    /// What the page is to show first.
+    /// Clock that the page shows first.
     pub(super) clock: CostBasis,
 }
 
@@ -142,11 +141,11 @@ struct Data<'a> {
     backends: Vec<&'a str>,
     styles: BTreeMap<&'a str, PageStyle>,
     legend: [(&'static str, &'static str); 5],
-    /// The names of the columns of `rows`.
+    /// Names of the columns of `rows`.
     columns: Vec<String>,
-    /// For each scene its rows: arrays, which take a third of the space of objects.
+    /// Rows of each scene as arrays, which take a third of the space of objects.
     rows: Vec<Vec<Vec<Value>>>,
-    /// Texts, to which columns of `text_columns` refer by place.
+    /// Texts that columns of `text_columns` refer to by index.
     texts: Vec<String>,
     text_columns: [&'static str; 6],
 }
@@ -184,7 +183,7 @@ pub(super) fn html(contents: &Contents<'_>) -> serde_json::Result<String> {
     page.html(&data)
 }
 
-/// Returns the distinct texts, in the order in which they first occur.
+/// Returns the distinct texts, in order of first occurrence.
 fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
     let mut out: Vec<&str> = Vec::new();
     for text in all {
@@ -195,7 +194,7 @@ fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
     out
 }
 
-/// Returns how techniques look: as in the still charts.
+/// Returns the styles of techniques, as in the still charts.
 fn styles<'a>(techniques: &[&'a str]) -> BTreeMap<&'a str, PageStyle> {
     let styles = techniques.iter().zip(styles_of(techniques));
     styles.map(|(name, style)| (*name, style.into())).collect()
@@ -210,7 +209,7 @@ impl From<SeriesStyle> for PageStyle {
     }
 }
 
-/// Returns a marker's name as the page's script has it.
+/// Returns a marker's name in the page's script.
 fn marker_name(marker: Marker) -> String {
     format!("{marker:?}")
 }

@@ -1,4 +1,4 @@
-//! The rows of all scenes as the page carries them: short, as there may be many thousands.
+//! Rows of all scenes for the page, kept short, as there may be many thousands.
 
 use crate::compare::{
     CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, RowTimes, TimingStats,
@@ -7,20 +7,20 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Digits of figures after the first.
+/// Number of digits after the first.
 const DIGITS: usize = 3;
 
-/// Which pictures of a row there are.
+/// Available images of a row.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub(super) struct RowPictures {
-    /// Names of the files without what comes after the last dots; those of another row if its
-    /// pictures are the same.
+    /// Names of the files without the last extensions. They are another row's if its images are the
+    /// same.
     pub(super) stem: String,
     pub(super) color: bool,
     pub(super) lookups: bool,
 }
 
-/// A row as the page shows it. Times are medians, milliseconds; shares are percent; none: not
+/// A row for the page. Times are medians, milliseconds; shares are percent; `None` means not
 /// measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct PageRow {
@@ -28,7 +28,7 @@ pub(super) struct PageRow {
     pub(super) settings: String,
     pub(super) backend: String,
     same_as: Option<String>,
-    /// Why it was not measured.
+    /// Reason why it was not measured.
     reason: Option<String>,
     /// [`RowPictures::stem`].
     pub(super) stem: Option<String>,
@@ -37,8 +37,8 @@ pub(super) struct PageRow {
     /// Whether it is on its backend's Pareto front of times, and of costs.
     front: bool,
     front_cost: bool,
-    /// Place of its verdicts in the page's list, and whether they are of this very setting, but for
-    /// the side of its map.
+    /// Index of its verdicts in the page's list, and whether they are of the same setting apart
+    /// from the side of its map.
     verdict: Option<usize>,
     is_own_verdict: bool,
     rmse: Option<f64>,
@@ -52,9 +52,9 @@ pub(super) struct PageRow {
     cause_leak: Option<f64>,
     cause_edge: Option<f64>,
     cause_penumbra: Option<f64>,
-    /// Pixels left out as the backend sees other triangles there than truth.
+    /// Number of pixels excluded because the backend sees other triangles there than truth.
     other_triangles: Option<u64>,
-    /// Time of a frame, and the same by the price list.
+    /// Time of a frame, and its counted cost.
     frame: Option<f64>,
     frame_cost: Option<f64>,
     cast: Option<f64>,
@@ -68,7 +68,7 @@ pub(super) struct PageRow {
     scene_once: Option<f64>,
     is_kept: bool,
     yardsticks: Option<f64>,
-    /// Whether times are those of a device at an unknown clock.
+    /// Whether times were measured at an unknown clock of the device.
     at_unknown_clock: bool,
     bytes: Option<u64>,
     unused: Option<f64>,
@@ -84,7 +84,7 @@ pub(super) struct PageRow {
 }
 
 impl PageRow {
-    /// The columns that hold texts.
+    /// Names of the columns with texts.
     pub(super) const TEXTS: [&'static str; 6] = [
         "technique",
         "settings",
@@ -121,7 +121,7 @@ impl PageRow {
         }
     }
 
-    /// Says whether the row is on its backend's Pareto front of times, and on that of costs.
+    /// Sets whether the row is on its backend's Pareto front of times, and on that of costs.
     pub(super) fn on_fronts(self, by_time: bool, by_cost: bool) -> Self {
         Self {
             front: by_time,
@@ -130,7 +130,8 @@ impl PageRow {
         }
     }
 
-    /// Says where its verdicts are in the page's list, and whether they are of this very setting.
+    /// Sets the index of its verdicts in the page's list, and whether they are of this very
+    /// setting.
     pub(super) fn with_verdict(self, verdict: Option<(usize, bool)>) -> Self {
         Self {
             verdict: verdict.map(|(place, _)| place),
@@ -199,7 +200,7 @@ impl PageRow {
     }
 }
 
-/// Texts, each once.
+/// Distinct texts and their indices.
 #[derive(Debug, Default)]
 pub(super) struct Texts {
     places: HashMap<String, usize>,
@@ -255,7 +256,7 @@ fn entries(row: &PageRow) -> serde_json::Result<Vec<(String, Value)>> {
     }
 }
 
-/// Returns a value in fewer letters: texts as their places, truth as 0 or 1, figures with few
+/// Returns a value in fewer letters: texts as their indices, booleans as 0 or 1, figures with few
 /// digits.
 fn short(value: Value, texts: &mut Texts) -> Value {
     match value {
@@ -266,7 +267,7 @@ fn short(value: Value, texts: &mut Texts) -> Value {
     }
 }
 
-/// Rounds to the digits that a reader can use; whole numbers lose their point.
+/// Rounds to the digits that a reader can use; whole numbers are written without a point.
 fn rounded(figure: f64) -> Value {
     let text = format!("{figure:.DIGITS$e}");
     let rounded: f64 = text.parse().unwrap_or(figure);

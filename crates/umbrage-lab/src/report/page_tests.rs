@@ -1,4 +1,4 @@
-//! The page of a report and the documented format: whole, small, and with pictures that are there.
+//! The page of a report and the documented format: complete, small, and with existing images.
 
 use super::{
     tests::{NASTY, plan, row, scene, write},
@@ -22,7 +22,7 @@ fn data_of(page: &str) -> Value {
     serde_json::from_str(json).expect("valid")
 }
 
-/// Returns the column of a row in a page's data; texts are looked up.
+/// Returns the column of a row in a page's data; resolves texts.
 fn cell(data: &Value, row: usize, name: &str) -> Value {
     let columns = data["columns"].as_array().expect("names");
     let column = columns.iter().position(|c| c == name).expect("there");
@@ -64,7 +64,7 @@ fn the_page_has_all_rows_and_names_pictures_that_are_there() {
     assert_eq!(cell(&data, 3, "stem"), Value::Null);
 }
 
-/// The built-in suite has 44 scenes; their pictures are files beside the page.
+/// The built-in suite has 44 scenes; their images are separate files.
 #[test]
 fn pages_of_suites_stay_below_five_megabytes() {
     let (mut result, _) = scene();
@@ -194,7 +194,7 @@ fn the_documented_format_has_every_field() {
         &mut names,
     );
     assert!(names.contains("wrong_without") && names.contains("rmse_error"));
-    // Names that stand in the examples of an outcome.
+    // Names that only appear in the examples of an outcome count, too.
     let in_example = |name: &str| document.contains(&format!("\"{name}\":"));
     let missing: Vec<&String> = names
         .iter()

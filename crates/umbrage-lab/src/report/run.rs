@@ -1,4 +1,4 @@
-//! Which scenes a folder's last run measured. Scenes of other runs may lie beside them and are
+//! The scenes of a folder's last run. The folder may also contain scenes of other runs, which are
 //! ignored.
 
 use super::store::{self, ComparisonPlan, Stored};
@@ -21,11 +21,11 @@ const FILE: &str = "run.json";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Run {
     pub(super) plan: ComparisonPlan,
-    /// Places in the plan, from 0: all of them, or a shard's.
+    /// Indices in the plan: all of them, or a shard's.
     pub(super) places: Vec<usize>,
 }
 
-/// Whether a folder holds scenes. Folders of versions that wrote no [`FILE`] do.
+/// Reports whether a folder contains scenes, also those of versions that wrote no [`FILE`].
 fn holds_scenes(folder: &Path) -> bool {
     let inside = fs::read_dir(folder).into_iter().flatten().flatten();
     inside
@@ -33,8 +33,8 @@ fn holds_scenes(folder: &Path) -> bool {
         .any(|entry| entry.path().join(store::FILE).is_file())
 }
 
-/// Whether a name is that of something directly inside a folder. Whoever merges removes and writes
-/// folders by the names that a file tells, which must not lead elsewhere.
+/// Reports whether a name is that of an entry directly inside a folder. Merging removes and writes
+/// folders by the names in a file, which must not lead elsewhere.
 fn is_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let only = match (parts.next(), parts.next()) {
@@ -50,14 +50,14 @@ impl Run {
         folder.write(FILE, &json)
     }
 
-    /// Reads what a folder's last run was for. `writer` is the command that writes such folders,
-    /// for errors.
+    /// Reads the last run of a folder. `writer` is the command that writes such folders, for
+    /// errors.
     ///
     /// # Errors
-    /// Errors if the folder holds no run, or a damaged one.
+    /// Errors if the folder has no run, or a damaged one.
     pub(super) fn read(folder: &Path, writer: &str) -> Result<Self, Invalid> {
         let what = format!("folder `{}`", folder.display());
-        let help = format!("give a folder that `{writer}` wrote");
+        let help = format!("pass a folder that `{writer}` wrote");
         let bytes = match fs::read(folder.join(FILE)) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == ErrorKind::NotFound && holds_scenes(folder) => {
@@ -66,7 +66,7 @@ impl Run {
                 return Err(Invalid::new(what, why, help));
             }
             Err(e) => {
-                let why = format!("holds no scenes ({FILE}: {e})");
+                let why = format!("contains no scenes ({FILE}: {e})");
                 return Err(Invalid::new(what, why, help));
             }
         };
@@ -82,7 +82,7 @@ impl Run {
         }
     }
 
-    /// Returns the run's scenes that are there, each with its folder.
+    /// Returns the run's existing scenes, each with its folder.
     ///
     /// # Errors
     /// Errors if one of them is damaged.
@@ -100,19 +100,19 @@ impl Run {
     }
 }
 
-/// A scene's results that a report's folder holds.
+/// A scene's results in a report's folder.
 #[derive(Clone, Debug)]
 pub(crate) struct MeasuredScene {
-    /// The folder of its pictures.
+    /// Folder of its images.
     pub(crate) folder: PathBuf,
-    /// Where it was measured.
+    /// Environment of the measurement.
     pub(crate) environment: Environment,
-    /// Hash of the program that measured.
+    /// Hash of the measuring program.
     pub(crate) program: String,
     pub(crate) result: SceneResult,
 }
 
-/// Returns the scenes that the last run measured into a report's folder.
+/// Returns the scenes of the last run in a report's folder.
 ///
 /// # Errors
 /// Errors if there are none, or one of them is damaged.
@@ -120,8 +120,8 @@ pub(crate) fn measured_scenes(report: &Path) -> Result<Vec<MeasuredScene>, Inval
     let scenes = Run::read(report, "compare")?.scenes(report)?;
     if scenes.is_empty() {
         let what = format!("folder `{}`", report.display());
-        let help = "give the folder of a finished `compare`";
-        return Err(Invalid::new(what, "holds no scenes", help));
+        let help = "pass the folder of a finished `compare`";
+        return Err(Invalid::new(what, "contains no scenes", help));
     }
     let measured = scenes.into_iter().map(|(folder, stored)| MeasuredScene {
         folder,
@@ -136,7 +136,7 @@ pub(crate) fn measured_scenes(report: &Path) -> Result<Vec<MeasuredScene>, Inval
 mod tests {
     use super::*;
 
-    /// Returns what comes of reading a folder whose run names a scene.
+    /// Returns the result of reading a folder whose run names a scene.
     fn read(scene: &str) -> Result<Run, Invalid> {
         let plan = ComparisonPlan {
             schema: 0,

@@ -1,4 +1,4 @@
-//! Results of `stability`, shown beside a comparison's settings.
+//! Results of `stability`, shown with a comparison's settings.
 
 use super::store::Stored;
 use crate::{
@@ -9,25 +9,25 @@ use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 use umbrage_core::Invalid;
 
-/// What `stability` found, to be shown beside a comparison's settings.
+/// Results of `stability`, to show with a comparison's settings.
 #[derive(Clone, Debug)]
 pub struct StabilitySource {
-    /// The folder that it wrote.
+    /// Folder that it wrote.
     folder: PathBuf,
     verdicts: Vec<SettingVerdicts>,
-    /// Of how many rows, and by what, in words.
+    /// Description of the run: number of rows, map and image size, backends.
     told: String,
     program: String,
     commit: Option<String>,
 }
 
-/// The same for the page.
+/// Results of `stability` for the page.
 #[derive(Debug, Serialize)]
 pub(super) struct PageStability {
-    /// The address of `stability`'s page from this one; none if there is no such page.
+    /// Relative address of `stability`'s page; `None` if there is no such page.
     href: Option<String>,
     told: String,
-    /// Why the verdicts may not be those of the code that was compared; none if they are.
+    /// Reason why the verdicts may be of other code than the compared one; `None` if they aren't.
     stale: Option<String>,
     pub(super) verdicts: Vec<SettingVerdicts>,
 }
@@ -47,7 +47,7 @@ impl StabilitySource {
         Ok(Self::new(&results, folder))
     }
 
-    /// Returns the verdicts in some results that lie in a folder.
+    /// Returns the verdicts of results in a folder.
     pub(super) fn new(results: &StabilityResults, folder: &Path) -> Self {
         let stability = &results.stability;
         let mut rows: Vec<u8> = stability.telling().map(|case| case.row).collect();
@@ -60,23 +60,23 @@ impl StabilitySource {
             folder: folder.to_owned(),
             verdicts: stability.setting_verdicts(),
             told: format!(
-                "{count} rows, maps of {side} texels, pictures of {w} x {h}, on {backends}"
+                "{count} rows, maps of {side} texels, images of {w} x {h}, on {backends}"
             ),
             program: results.program.clone(),
             commit: results.environment.commit.clone(),
         }
     }
 
-    /// Returns how many rows were played, and by what, in words.
+    /// Returns a description of the run: number of rows, map and image size, backends.
     pub fn told(&self) -> &str {
         &self.told
     }
 
-    /// Returns the verdicts that hold for a setting: see [`nearest`]. None if it was not played
-    /// with that bias.
+    /// Returns the verdicts that apply to a setting: see [`nearest`]. `None` if it was not run with
+    /// that bias.
     pub fn of(&self, technique: &str, settings: &str) -> Option<&SettingVerdicts> {
         let of_technique = nearest(&self.verdicts, technique, settings);
-        // A preset's row has the preset's name; its settings begin with the technique's.
+        // A preset's row has the preset's name; its settings start with the technique's name.
         let of_preset = || {
             let (technique, settings) = settings.split_once(", ")?;
             nearest(&self.verdicts, technique, settings)
@@ -84,8 +84,8 @@ impl StabilitySource {
         of_technique.or_else(of_preset)
     }
 
-    /// Returns the place of [`Self::of`] among the page's verdicts, and whether it is of the very
-    /// setting.
+    /// Returns the index of [`Self::of`] among the page's verdicts, and whether they are of the
+    /// very setting.
     pub(super) fn place_of(&self, technique: &str, settings: &str) -> Option<(usize, bool)> {
         let found = self.of(technique, settings)?;
         let place = self.verdicts.iter().position(|v| v == found)?;
@@ -95,7 +95,7 @@ impl StabilitySource {
         Some((place, is_own))
     }
 
-    /// Returns what a page in this folder shows of it.
+    /// Returns the data for a page in this folder.
     pub(super) fn for_page(&self, report: &Path, scenes: &[Stored]) -> PageStability {
         let has_page = self.folder.join("index.html").is_file();
         let href = has_page.then(|| relative(report, &self.folder)).flatten();
@@ -107,15 +107,15 @@ impl StabilitySource {
         }
     }
 
-    /// Returns why the verdicts may not be those of the code that measured the scenes; none if one
-    /// program did both.
+    /// Returns the reason why the verdicts may be of other code than the scenes; `None` if one
+    /// program measured both.
     fn stale(&self, scenes: &[Stored]) -> Option<String> {
         let mut scenes = scenes.iter();
         scenes.find_map(|scene| self.stale_beside(&scene.program, &scene.environment))
     }
 
-    /// Returns why the verdicts may not be those of the code of this program, which ran in this
-    /// environment; none if it played them.
+    /// Returns the reason why the verdicts may be of other code than this program in this
+    /// environment; `None` if it measured them.
     pub(crate) fn stale_beside(&self, program: &str, environment: &Environment) -> Option<String> {
         if program == self.program {
             return None;
@@ -126,15 +126,15 @@ impl StabilitySource {
         };
         let [played, measured] = [&self.commit, &environment.commit].map(name);
         Some(if played == measured {
-            format!("played by another build of {played} than the one that measured these rows")
+            format!("measured by another build of {played} than these rows")
         } else {
-            format!("played at {played}, these rows were measured at {measured}")
+            format!("measured at {played}, these rows at {measured}")
         })
     }
 }
 
-/// Returns the way from one folder to another with `/` between names, as addresses in pages have
-/// it; none if they lie on different drives or aren't there.
+/// Returns the relative path from one folder to another, with `/` between names as in web
+/// addresses. `None` if they are on different drives or don't exist.
 fn relative(from: &Path, to: &Path) -> Option<String> {
     let from = from.canonicalize().ok()?;
     let to = to.canonicalize().ok()?;
@@ -170,8 +170,8 @@ mod tests {
     use serde_json::Value;
     use std::fs;
 
-    /// Technique `quick` by the settings of the made-up comparison fails the second of two rows;
-    /// `good` was played with others.
+    /// Returns results in which technique `quick`, with the settings of the synthetic comparison,
+    /// fails the second of two rows; `good` was run with other settings.
     fn results() -> StabilityResults {
         let cell = |technique: &str, settings: &str, verdict| Cell {
             technique: technique.to_owned(),
@@ -235,7 +235,7 @@ mod tests {
         fs::write(dir.path().join("index.html"), "").expect("writable");
         let source = StabilitySource::new(&results(), dir.path());
         let data = page_with(Some(&source));
-        // The made-up rows are of `good`, `quick`, `beaten` and `dash`.
+        // The synthetic rows are of `good`, `quick`, `beaten` and `dash`.
         assert_eq!(value(&data, 0, "verdict"), Value::Null);
         assert_eq!(value(&data, 1, "verdict"), 1);
         assert_eq!(value(&data, 1, "is_own_verdict"), 1);
@@ -251,7 +251,10 @@ mod tests {
                 .as_str()
                 .is_some_and(|t| t.starts_with("2 rows"))
         );
-        assert!(stability["stale"].is_string(), "another program played");
+        assert!(
+            stability["stale"].is_string(),
+            "measured by another program"
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The charts over many scenes as SVG and PNG, for places that cannot run a script.
+//! Charts over many scenes as SVG and PNG, for places that cannot run a script.
 
 use super::{
     chart::{Dot, distinct},
@@ -9,7 +9,7 @@ use crate::{
     output::figure::{Figure, Key, Point, Reference, Series, Style},
 };
 
-/// Radius of points that the front beats, pixels.
+/// Radius of points behind the front, pixels.
 const FAINT_RADIUS: f64 = 3.5;
 
 /// A chart's title and the names of its axes.
@@ -20,7 +20,7 @@ pub(super) struct Words<'a> {
     pub(super) y: &'a str,
 }
 
-/// What a chart over many scenes is about.
+/// Subject of a chart over many scenes.
 pub(super) struct GroupWords<'a> {
     pub(super) scenes: usize,
     /// `hard` or `soft`.
@@ -31,7 +31,7 @@ pub(super) struct GroupWords<'a> {
     pub(super) clock: CostBasis,
 }
 
-/// Returns the words of a chart over many scenes.
+/// Returns the texts of a chart over many scenes.
 pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
     let x = match group.clock {
         CostBasis::Wall => "time of a frame, relative to hard shadows from a map of middle size",
@@ -60,7 +60,7 @@ pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
     }
 }
 
-/// Returns a chart in which each backend's front stands out and everything else is faint.
+/// Returns a chart that emphasizes each backend's front; all other points are faint.
 pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     let mut figure = Figure::new(&words.title, words.x, words.y).log(true, true);
     figure.subtitle.clone_from(&words.subtitle);
@@ -71,13 +71,14 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     let techniques = distinct(dots, |d| &d.technique);
     let styles = styles_of(&techniques);
     let backends = distinct(dots, |d| &d.backend);
-    // Points that a front beats are drawn first, so that all others lie above them.
+    // Draw the points behind the fronts first, so that all others are on top.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, style) in techniques.iter().zip(&styles) {
             let beaten = points(dots, technique, backend, false);
             figure.series.push(faint(*style, b, beaten));
         }
     }
+    // Draw each backend's front, and the points on it.
     for (b, backend) in backends.iter().enumerate() {
         figure.series.push(front_line(dots, backend, b));
         for (technique, style) in techniques.iter().zip(&styles) {
@@ -89,7 +90,7 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
             ));
         }
     }
-    // The legend explains the shapes, which are the same on all backends.
+    // Add the shapes, which are the same on all backends, to the legend.
     for (technique, style) in techniques.iter().zip(&styles) {
         figure.keys.push(Key {
             name: (*technique).to_owned(),
@@ -101,7 +102,7 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     figure
 }
 
-/// Returns a technique's points on one backend, those on its front or those beaten by it.
+/// Returns a technique's points on one backend, either those on its front or those behind it.
 fn points(dots: &[Dot], technique: &str, backend: &str, on_front: bool) -> Vec<Point> {
     let of_technique = dots
         .iter()
@@ -109,8 +110,8 @@ fn points(dots: &[Dot], technique: &str, backend: &str, on_front: bool) -> Vec<P
     of_technique.map(point).collect()
 }
 
-/// Returns the series of points that a front beats. They are paler rather than transparent, since
-/// not every viewer blends.
+/// Returns the series of points behind a front. They are paler rather than transparent, since some
+/// viewers don't blend.
 fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>) -> Series {
     Series {
         style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
@@ -118,7 +119,7 @@ fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>) -> Series {
     }
 }
 
-/// Returns the line through the points of a backend's front, the `b`th backend.
+/// Returns the line through the front of a backend, the `b`th one.
 fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
     let mut front: Vec<[f64; 2]> = dots
         .iter()
@@ -141,7 +142,7 @@ fn point(dot: &Dot) -> Point {
     }
 }
 
-/// Returns the names of the points on fronts, at their places.
+/// Returns the labels of the points on fronts, at their positions.
 fn notes(dots: &[Dot]) -> Vec<Point> {
     let mut out = Vec::new();
     for dot in dots.iter().filter(|d| d.on_front) {
@@ -153,7 +154,7 @@ fn notes(dots: &[Dot]) -> Vec<Point> {
     out
 }
 
-/// Returns a label that is short enough for a chart: the technique and its first two settings.
+/// Returns a short label for a chart: the technique and its first two settings.
 fn short(dot: &Dot) -> String {
     let settings: Vec<&str> = dot.settings.split(", ").take(2).collect();
     format!("{} {}", dot.technique, settings.join(", "))

@@ -1,4 +1,4 @@
-//! Scenes on disk: each is a folder that is written whole or not at all, so that a stopped
+//! Scenes on disk: each is a folder that is written completely or not at all, so that a stopped
 //! comparison loses nothing.
 
 use crate::output::folder::Folder;
@@ -11,24 +11,24 @@ use serde::{Deserialize, Serialize};
 use std::{fs, io::ErrorKind, path::Path};
 use umbrage_core::{Invalid, MAX_NAME_BYTES};
 
-/// The file that makes a folder a scene's.
+/// File that marks a folder as a scene's.
 pub(super) const FILE: &str = "scene.json";
 
-/// What a whole comparison compares, all shards together. Results of equal plans belong together.
+/// Plan of a whole comparison, over all shards. Results with equal plans belong together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ComparisonPlan {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// The options, in full.
+    /// Full text of the options.
     pub options: String,
-    /// Folder names of all scenes, in order; no two alike.
+    /// Distinct folder names of all scenes, in order.
     pub scenes: Vec<String>,
-    /// A hash of each scene with all that is in it.
+    /// Hash of each scene and its contents.
     pub contents: Vec<String>,
 }
 
 impl ComparisonPlan {
-    /// The plan of all `inputs`, whichever of them this run is to measure.
+    /// Returns the plan of all `inputs`, whichever of them this run measures.
     pub fn new(inputs: &[SceneInput], options: &CompareOptions) -> Self {
         let scenes = unique_names(inputs.iter().map(|i| i.scene.name.as_str()));
         let contents = inputs.iter().map(|i| hash(&format!("{i:?}"))).collect();
@@ -41,30 +41,30 @@ impl ComparisonPlan {
     }
 }
 
-/// A scene's figures with all that is needed to take them up later.
+/// A scene's figures, and the data needed to reuse them later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stored {
     pub(super) plan: ComparisonPlan,
-    /// The scene's place in the plan, from 0.
+    /// Index of the scene in the plan.
     pub(super) place: usize,
-    /// Hash of the program that measured: another program's figures are not taken up.
+    /// Hash of the measuring program: figures of another program are not reused.
     pub(super) program: String,
     pub(super) environment: Environment,
     pub(super) notices: Vec<String>,
     pub(super) result: SceneResult,
 }
 
-/// What the file begins with: the checksum of all that follows is its first entry, as sixteen
+/// Text before the checksum. The file's first entry is the checksum of the rest, as sixteen
 /// hexadecimal digits.
 const BEFORE: &str = "{\n  \"checksum\": \"";
-/// What stands between the checksum and the rest.
+/// Text between the checksum and the rest.
 const AFTER: &str = "\",\n";
 
 impl Stored {
-    /// Reads a folder; none if it holds no scene.
+    /// Reads a folder; `None` if it has no scene.
     ///
     /// # Errors
-    /// Errors if the figures are not whole, or not as they were written.
+    /// Errors if the figures are truncated or were changed.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, Invalid> {
         let path = folder.join(FILE);
         let text = match fs::read_to_string(&path) {
@@ -76,17 +76,16 @@ impl Stored {
             .strip_prefix(BEFORE)
             .and_then(|rest| rest.split_once(AFTER));
         let Some((expected, rest)) = parts else {
-            let why = "has no checksum: it is not whole, or another version wrote it";
+            let why = "has no checksum: it is truncated, or another version wrote it";
             return Err(unusable(&path, why));
         };
         let found = checksum(rest.as_bytes());
         if expected != found {
-            let why = format!(
-                "was changed since it was written, or is not whole: its checksum is {found}, it says {expected}"
-            );
+            let why =
+                format!("was changed or truncated: its checksum is {found}, expected {expected}");
             return Err(unusable(&path, why));
         }
-        // What was written by this version and is whole can be read.
+        // A complete file of this version is readable.
         serde_json::from_str(&text)
             .map(Some)
             .map_err(|e| unusable(&path, format!("is damaged: {e}")))
@@ -114,7 +113,7 @@ fn unusable(path: &Path, why: impl Into<String>) -> Invalid {
     )
 }
 
-/// The report's own files: no scene's folder may have their names.
+/// Names of the report's own files, which no scene's folder may have.
 const OWN: [&str; 6] = [
     "index.html",
     "rows.csv",
@@ -124,17 +123,17 @@ const OWN: [&str; 6] = [
     "run.json",
 ];
 
-/// Whether a file of the report with this name is a chart.
+/// Reports whether a file of the report with this name is a chart.
 pub(super) fn is_chart(name: &str) -> bool {
     let is_picture = name.ends_with(".svg") || name.ends_with(".png");
     name.starts_with("chart-") && is_picture
 }
 
-/// Returns a folder name for each scene, numbered where scenes share a name.
+/// Returns a folder name for each scene, numbered if scenes share a name.
 fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for scene in scenes {
-        // Scenes with longer names are refused; but lowercase letters may take more bytes than
+        // Scenes with longer names are rejected, but lowercase letters may have more bytes than
         // uppercase ones.
         let mut stem = slug(scene);
         stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));

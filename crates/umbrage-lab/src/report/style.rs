@@ -1,45 +1,45 @@
-//! The style of each technique in charts: a shape, and a tone of its backend's color; the same in
+//! Style of each technique in charts: a shape, and a tone of its backend's color. It is the same on
 //! the page and in still charts.
 
 use crate::output::figure::Marker;
 
-/// The style that tells a technique from all others.
+/// Style that distinguishes a technique from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SeriesStyle {
     pub(super) marker: Marker,
-    /// Which tone of a colour, below [`TONES`].
+    /// Index of the tone of a colour, below [`TONES`].
     tone: usize,
 }
 
-/// Tones of each colour. With ten shapes they make styles for twice as many techniques.
+/// Number of tones of each colour. With ten shapes they make styles for twenty techniques.
 const TONES: usize = 2;
 
-/// How many techniques look unlike each other.
+/// Number of distinct styles.
 const STYLES: usize = TONES * Marker::ALL.len();
 
-/// A colour in all its tones.
+/// All tones of a colour.
 type Tones = [&'static str; TONES];
 
-/// Backends, readable on light and dark: blue and orange; any third is grey.
+/// Colours of backends, readable on light and dark: blue and orange; further backends are grey.
 const COLORS: [Tones; 3] = [
     ["#3b82e0", "#1e4fa8"],
     ["#ea7317", "#a13f00"],
     ["#8a94a3", "#5b6472"],
 ];
 
-/// Backends' colors for points that the front beats. Paler rather than transparent, since not every
-/// viewer blends.
+/// Backends' colours for points behind the front. They are paler rather than transparent, since
+/// some viewers don't blend.
 const FAINT: [Tones; 3] = [
     ["#c5daf6", "#a3b8da"],
     ["#fad5b9", "#dfb395"],
     ["#dcdfe4", "#c3c8d0"],
 ];
 
-/// For legends, where no backend is meant.
+/// Colours of legends, independent of backends.
 const INK: Tones = ["#7d8796", "#2b3340"];
 
 impl SeriesStyle {
-    /// Returns the style of the technique at a place. From place [`STYLES`] on the styles repeat.
+    /// Returns the style of the technique at an index. From [`STYLES`] on, styles repeat.
     fn nth(place: usize) -> Self {
         let style = place % STYLES;
         let shapes = Marker::ALL.len();
@@ -54,7 +54,7 @@ impl SeriesStyle {
         COLORS[backend.min(COLORS.len() - 1)][self.tone]
     }
 
-    /// Returns the pale color on a backend, for points that the front beats.
+    /// Returns the pale color on a backend, for points behind the front.
     pub(super) fn faint(self, backend: usize) -> &'static str {
         FAINT[backend.min(FAINT.len() - 1)][self.tone]
     }
@@ -70,8 +70,8 @@ pub(super) fn color(backend: usize) -> &'static str {
     SeriesStyle::nth(0).color(backend)
 }
 
-/// Returns the styles of a chart's techniques. Those of the registry have the style of their place
-/// in it, so that they look the same in every chart; others come after them.
+/// Returns the styles of a chart's techniques. Those of the registry have the style of their index
+/// in it, so that they look the same in every chart. Others follow after them.
 pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
     let all = umbrage_techniques::all();
     let mut next = all.len();
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    /// A technique too many would look like another: give [`COLORS`] one more tone then.
+    /// With one technique too many, two would look alike: then add a tone to [`COLORS`].
     #[test]
     fn every_technique_of_the_registry_has_a_look_of_its_own() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
@@ -109,7 +109,7 @@ mod tests {
         };
         let all: HashSet<_> = styles_of(&names).iter().map(drawn).collect();
         assert_eq!(all.len(), names.len());
-        // And the test would see a collision.
+        // A collision would be detected.
         assert_eq!(SeriesStyle::nth(3), SeriesStyle::nth(3 + STYLES));
     }
 
@@ -127,7 +127,7 @@ mod tests {
         assert!(mine != yours && !all.contains(&mine) && !all.contains(&yours));
     }
 
-    /// No two backends share a colour, whatever their tones.
+    /// No two backends share a colour, in any tone.
     #[test]
     fn backends_are_told_apart_by_colour() {
         let colors: HashSet<&str> = COLORS.iter().chain(&FAINT).flatten().copied().collect();

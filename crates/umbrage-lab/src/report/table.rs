@@ -1,24 +1,24 @@
-//! `rows.csv`: a line for each row, with all figures.
+//! `rows.csv`: a line per row, with all figures.
 
 use crate::compare::{CompareRow, Comparison, RowOutcome, SceneResult, TimingStats};
 use crate::{error::LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
-/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were
-/// not measured, errors among them where no pixel counts.
+/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent. Empty fields were
+/// not measured; errors are empty if no pixel counts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Line {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
     /// Kind of light.
     pub light: String,
-    /// The technique's name.
+    /// Name of the technique.
     pub technique: String,
-    /// Its settings.
+    /// Settings of the technique.
     pub settings: String,
     /// Kind of backend.
     pub backend: String,
-    /// Why it was not measured; empty if it was.
+    /// Reason why it was not measured; empty if it was.
     pub unsupported: String,
     /// [`Errors::rmse`](umbrage_core::metrics::Errors::rmse).
     pub rmse: Option<f64>,
@@ -28,11 +28,11 @@ pub struct Line {
     pub bias: Option<f64>,
     /// Greatest |mask - truth|.
     pub largest: Option<f64>,
-    /// Percent of false shadow.
+    /// Percentage of false shadow.
     pub false_shadow: Option<f64>,
-    /// Percent of false light.
+    /// Percentage of false light.
     pub false_light: Option<f64>,
-    /// Percent of false shadow off edges.
+    /// Percentage of false shadow away from edges.
     pub acne: Option<f64>,
     /// [`Causes::acne`](umbrage_core::metrics::Causes::acne); the five causes add up to `mean`.
     pub cause_acne: Option<f64>,
@@ -48,64 +48,64 @@ pub struct Line {
     pub gap_metres: Option<f64>,
     /// [`Causes::penumbra_width`](umbrage_core::metrics::Causes::penumbra_width).
     pub penumbra_width: Option<f64>,
-    /// Pixels counted.
+    /// Number of counted pixels.
     pub counted: Option<u64>,
-    /// Pixels left out as ambiguous.
+    /// Number of pixels excluded as ambiguous.
     pub ambiguous: Option<u64>,
-    /// Pixels left out as unlit.
+    /// Number of pixels excluded as unlit.
     pub unlit: Option<u64>,
-    /// Pixels left out as the backend sees other triangles there than truth.
+    /// Number of pixels excluded because the backend sees other triangles there than truth.
     pub other_triangles: Option<u64>,
-    /// What the work costs by the price list, the same on every run.
+    /// Counted cost of the work, equal on every run.
     pub cost_ms: Option<f64>,
-    /// Casts.
+    /// Time of the casts.
     pub cast_ms: Option<f64>,
-    /// Filters.
+    /// Time of the filters.
     pub filter_ms: Option<f64>,
-    /// Lookup.
+    /// Time of the lookup.
     pub receive_ms: Option<f64>,
-    /// All three, run by run.
+    /// Total time of the three stages, run by run.
     pub total_ms: Option<f64>,
-    /// The quickest run.
+    /// Total time of the fastest run.
     pub total_least_ms: Option<f64>,
-    /// The slowest run.
+    /// Total time of the slowest run.
     pub total_greatest_ms: Option<f64>,
-    /// Median of the runs over the yardsticks before and after them.
+    /// Median ratio of the runs to the yardsticks before and after them.
     pub yardsticks: Option<f64>,
-    /// The yardstick's median time, milliseconds a unit.
+    /// Median time of the yardstick, milliseconds per unit.
     pub yardstick_ms: Option<f64>,
-    /// The total at a device's full clock, milliseconds: what is charted. Empty on the CPU, and if
-    /// no yardstick was steady.
+    /// Total time at a device's full clock, milliseconds, as shown in charts. Empty on the CPU, and
+    /// if no yardstick was steady.
     pub full_clock_ms: Option<f64>,
-    /// Bytes held.
+    /// Number of bytes used.
     pub bytes: Option<u64>,
-    /// Percent of the maps' texels that no lookup touches:
+    /// Percentage of the maps' texels that no lookup touches:
     /// [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
     pub map_unused: Option<f64>,
-    /// Fewest texels in a pixel:
+    /// Fewest texels per pixel:
     /// [`MapUse::texels_per_pixel`](umbrage_plan::footprint::MapUse::texels_per_pixel).
     pub texels_least: Option<f32>,
-    /// Their median.
+    /// Median of the texels per pixel.
     pub texels_median: Option<f32>,
-    /// The most.
+    /// Most texels per pixel.
     pub texels_greatest: Option<f32>,
-    /// What nine in ten pixels that face the light span at least:
+    /// Least number of texels that nine in ten pixels facing the light span:
     /// [`MapUse::texels`](umbrage_plan::footprint::MapUse::texels).
     pub texels_of_nine_in_ten: Option<f32>,
-    /// The side on which that is one texel:
+    /// Side of the map at which that number is one texel:
     /// [`MapUse::side`](umbrage_plan::footprint::MapUse::side).
     pub map_side_needed: Option<u32>,
-    /// Pixels unlike the CPU's.
+    /// Number of pixels that differ from the CPU's.
     pub differing: Option<u64>,
-    /// Pixels on which the CPU's mask changes once it rounds vertices as the device does.
+    /// Number of pixels on which the CPU's mask changes if it rounds vertices as the device does.
     pub by_grid: Option<u64>,
-    /// Pixels unlike the CPU's that rounding excuses.
+    /// Number of differing pixels that rounding explains.
     pub undecided: Option<u64>,
-    /// Pixels unlike the CPU's where the backends see different triangles.
+    /// Number of differing pixels where the backends see different triangles.
     pub elsewhere: Option<u64>,
     /// Greatest difference from the CPU's mask.
     pub largest_difference: Option<f64>,
-    /// Decided pixels that differ: must be 0.
+    /// Number of decided pixels that differ; must be 0.
     pub violations: Option<u64>,
 }
 
@@ -136,7 +136,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
         }
         RowOutcome::Measured(m) => m,
     };
-    // The least, the median and the greatest.
+    // The fewest, the median and the most texels per pixel.
     let texels = m.maps.and_then(|u| u.texels_per_pixel);
     Line {
         rmse: m.errors.map(|e| e.rmse),
@@ -193,7 +193,7 @@ fn median(times: Option<TimingStats>) -> Option<f64> {
 /// Returns the lines as comma-separated values with a header.
 ///
 /// # Errors
-/// Errors if the text can't be written, which doesn't happen: it is written to memory.
+/// Errors if the text can't be written; writing to memory does not fail.
 pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, LabError> {
     csv::of_records("rows.csv", lines)
 }

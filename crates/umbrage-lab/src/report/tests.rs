@@ -1,5 +1,5 @@
-//! A report of made-up results: complete, asking for nothing from elsewhere, and safe whatever the
-//! names.
+//! A report of synthetic results: it is complete, loads nothing from elsewhere, and is safe with
+//! any names.
 
 use super::*;
 use crate::{
@@ -126,7 +126,7 @@ pub(super) fn scene() -> (SceneResult, SceneImages) {
     (result, SceneImages { truth, rows })
 }
 
-/// A comparison of two scenes of one name.
+/// Returns the plan of two scenes with the same name.
 pub(super) fn plan() -> ComparisonPlan {
     let scene = || {
         let scene = umbrage_core::Scene {
@@ -168,12 +168,12 @@ fn names_cannot_smuggle_in_markup() {
     let (dir, _) = write(false);
     let page = fs::read_to_string(dir.path().join("out/index.html")).expect("there");
     assert!(!page.contains("<img src=x"), "a name became an element");
-    // The page's data and its scripts, and not one more end of a script than starts.
+    // The page's data and its scripts; no script has a second end.
     let starts = page.matches("<script").count();
     assert!(starts > 1 && page.matches("</script").count() == starts);
     assert!(
         page.contains("onerror=alert"),
-        "the name must still be told, as text"
+        "the name must be shown, as text"
     );
 }
 
@@ -239,7 +239,7 @@ fn scenes_of_one_name_get_folders_of_their_own() {
     );
 }
 
-/// In the table and as a picture.
+/// The use of maps is in the table and in an image.
 #[test]
 fn how_maps_are_used_is_told() {
     let (dir, comparison) = write(false);
@@ -289,7 +289,7 @@ fn fronts_and_failed_controls_are_told() {
     assert_eq!(comparison.faults().len(), 1, "the control doesn't hold");
 }
 
-/// All files of a folder, by name.
+/// Returns all files of a folder, by name.
 fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>> {
     let mut out = std::collections::BTreeMap::new();
     for entry in fs::read_dir(folder).expect("there") {
@@ -312,7 +312,7 @@ fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>
     out
 }
 
-/// The shard that has this place, of the whole that `write(false)` makes.
+/// Writes the shard with this index of the comparison of `write(false)`, and returns its folder.
 fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
     let report = Report::create(&dir.join(name), plan(), &[place], false).expect("writable");
     let (result, images) = scene();
@@ -364,7 +364,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     };
     assert!(
         refused(&[&a]).contains(&format!("{}-2", slug(NASTY))),
-        "what is missing is named"
+        "missing scenes are named"
     );
     assert!(refused(&[&a, &b, &shard(dir.path(), "c", 1)]).contains("same scene"));
     assert!(refused(&[&dir.path().join("none")]).contains("none"));
@@ -381,7 +381,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     let empty = dir.path().join("empty");
     fs::create_dir(&empty).expect("writable");
     assert!(refused(&[&empty]).contains("no scenes"));
-    // Folders from before `run.json` have scenes, and none of them is known to be of the last run.
+    // Folders older than `run.json` have scenes, but none is known to be of the last run.
     fs::remove_file(a.join("run.json")).expect("there");
     let old = refused(&[&a, &b]);
     assert!(
@@ -390,7 +390,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     );
 }
 
-/// Folders that were used before, for another comparison and with another number of shards.
+/// Folders may have been used before, for another comparison and with another number of shards.
 #[test]
 fn scenes_of_earlier_runs_are_ignored() {
     let (dir, _) = write(false);
@@ -409,14 +409,14 @@ fn scenes_of_earlier_runs_are_ignored() {
     let shards = [shard(dir.path(), "a", 0), shard(dir.path(), "b", 1)];
     assert!(
         a.join("stray/scene.json").is_file(),
-        "what an earlier run measured is not deleted"
+        "results of an earlier run are not deleted"
     );
     merge(&shards, &dir.path().join("merged"), None).expect("all there, nothing twice");
     assert_eq!(
         files(&dir.path().join("merged")),
         files(&dir.path().join("out"))
     );
-    // A run that was stopped before its first scene is not the one before it.
+    // A run that was stopped before its first scene is not mistaken for the one before it.
     Report::create(
         &a,
         ComparisonPlan {
@@ -495,7 +495,7 @@ fn only_whole_scenes_of_the_same_run_are_taken_up() {
     assert_eq!(
         has(plan(), &here, true),
         [false; 2],
-        "arrays are asked for and not there"
+        "requested arrays are missing"
     );
     let folder = out.join(slug(NASTY));
     let stored = Stored::read(&folder).expect("whole").expect("there");
@@ -514,7 +514,7 @@ fn only_whole_scenes_of_the_same_run_are_taken_up() {
     );
 }
 
-/// One digit more or less, half a file, and a file of before there were checksums.
+/// A changed digit, half a file, a file without a checksum and an empty file are rejected.
 #[test]
 fn figures_that_were_changed_are_not_taken_up() {
     let (dir, _) = write(false);
@@ -551,7 +551,7 @@ fn figures_that_were_changed_are_not_taken_up() {
     fs::write(&file, &text).expect("writable");
     let report = Report::create(&out, plan(), &[0, 1], false).expect("writable");
     assert_eq!(report.has(0, &here), Ok(true));
-    // The checksum is an entry like any other to whoever reads the file.
+    // The checksum is an entry like any other for JSON readers.
     let json: serde_json::Value = serde_json::from_str(&text).expect("valid");
     assert!(
         json["checksum"].as_str().is_some_and(|sum| sum.len() == 16) && json["result"].is_object()

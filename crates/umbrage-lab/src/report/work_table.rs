@@ -1,17 +1,16 @@
-//! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of
-//! their own.
+//! `work.csv`: the counted work of each row and its time, for fitting other prices.
 
 use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
 use crate::{error::LabError, output::csv};
 use serde::{Deserialize, Serialize};
 use umbrage_plan::cost::Work;
 
-/// A line of `work.csv`: a row that was timed, and is no repetition of another.
+/// A line of `work.csv`: a row that was timed and doesn't repeat another.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct WorkLine {
     scene: String,
     backend: String,
-    /// The row's technique and settings, as in the names of its pictures.
+    /// Technique and settings of the row, as in the names of its images.
     slug: String,
     passes: u64,
     triangles: u64,
@@ -27,13 +26,13 @@ struct WorkLine {
     casters: u64,
     faces: u64,
     counted: u64,
-    /// Casts and filters: the least of the runs, milliseconds.
+    /// Time of casts and filters: the least of the runs, milliseconds.
     draw_ms: f64,
-    /// The lookup: the least of the runs, milliseconds.
+    /// Time of the lookup: the least of the runs, milliseconds.
     lookup_ms: f64,
 }
 
-/// Returns the file's text.
+/// Returns the text of the file.
 ///
 /// # Errors
 /// Errors if it can't be written to memory.
@@ -47,12 +46,12 @@ pub(super) fn to_csv(comparison: &Comparison) -> Result<Vec<u8>, LabError> {
     csv::of_records("work.csv", lines)
 }
 
-/// Returns the least time of a stage; 0 where it was not timed.
+/// Returns the least time of a stage; 0 if it was not timed.
 fn least(stage: Option<TimingStats>) -> f64 {
     stage.map_or(0.0, |stats| stats.min)
 }
 
-/// Returns a row's line; none if it was not timed.
+/// Returns a row's line; `None` if it was not timed.
 fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
     let measured = row.measured()?;
     let times = measured.times?;
@@ -61,7 +60,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
         triangles,
         covered,
         cut_out,
-        // No part of what was timed.
+        // Not part of the timed work.
         listed: _,
         cleared,
         filtered,

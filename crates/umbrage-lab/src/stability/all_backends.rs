@@ -1,20 +1,20 @@
-//! Renders one recipe on every backend. Figures are the first's; the others must agree with it
-//! where they serve the recipe.
+//! Renders one recipe on every backend. Figures are the first backend's; the others must agree
+//! with it if they support the recipe.
 
 use super::guard::{self, NoMask};
 use crate::compare::agreement::agree;
 use umbrage_core::{Backend, Recipe, Shadows, Snapping, View};
 
-/// The first backend's mask, and on how many pixels the other backends differ from it.
+/// The first backend's mask, and the number of pixels on which other backends differ from it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RenderedOnAll {
     pub(super) mask: Vec<f32>,
-    /// On how many decided pixels the others differ from it; none if no other serves the recipe.
+    /// Number of decided pixels on which others differ; `None` if no other supports the recipe.
     pub(super) disagreeing: Option<u64>,
 }
 
-/// Renders a recipe on each of these backends. Without the first there is no figure; others that
-/// don't serve the recipe are left out.
+/// Renders a recipe on each of these backends. The first one must support it; others that don't are
+/// skipped.
 pub(super) fn render(
     playing: &mut [Box<dyn Backend + Send>],
     view: &View<'_>,
@@ -43,7 +43,7 @@ pub(super) fn render(
     })
 }
 
-/// Returns all backends, or the first alone.
+/// Returns all backends, or only the first.
 pub(super) fn select(
     playing: &mut [Box<dyn Backend + Send>],
     all: bool,
@@ -56,7 +56,7 @@ pub(super) fn select(
     &mut playing[..count]
 }
 
-/// Adds up [`RenderedOnAll::disagreeing`] of two renderings; none if neither was compared.
+/// Adds [`RenderedOnAll::disagreeing`] of two renderings; `None` if neither was compared.
 pub(super) fn sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
     a.into_iter().chain(b).reduce(|a, b| a + b)
 }
@@ -79,8 +79,8 @@ fn disagreeing_pixels(
     Ok(agreement.violations)
 }
 
-/// Returns the number of pixels on which masks differ where the first backend is not the CPU: none
-/// or all. Only the CPU backend tells which pixels rounding decides.
+/// Returns the number of pixels on which masks differ if the first backend is not the CPU: none or
+/// all. Only the CPU backend reports which pixels are decided by rounding.
 fn differing_masks(of_first: &Shadows, of_other: &Shadows) -> u64 {
     if have_equal_masks(of_first, of_other) {
         0
@@ -89,7 +89,7 @@ fn differing_masks(of_first: &Shadows, of_other: &Shadows) -> u64 {
     }
 }
 
-/// Whether two masks are equal bit by bit.
+/// Reports whether two masks are equal bit by bit.
 fn have_equal_masks(a: &Shadows, b: &Shadows) -> bool {
     a.mask
         .iter()

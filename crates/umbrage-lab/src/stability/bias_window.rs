@@ -2,34 +2,34 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The greatest normal offset that is tried, texels: more than the widest kernel reaches.
+/// Greatest tested normal offset, texels: more than the reach of the widest kernel.
 pub(super) const GREATEST: f64 = 20.0;
 
-/// What the offset is added to.
+/// Bias that the offset is added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Base {
     /// The technique's default bias.
     Own,
-    /// No other bias. Faces that the default leaves out stay out.
+    /// No other bias. Faces that the default culls stay culled.
     Bare,
 }
 
-/// The amounts of bias at which a technique, by its default settings, passes acne and gap.
+/// Amounts of bias at which a technique with default settings passes acne and gap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BiasWindow {
     /// The technique's name.
     pub technique: String,
-    /// Its settings without the offset.
+    /// Settings without the offset.
     pub settings: String,
-    /// What the offset is added to.
+    /// Bias that the offset is added to.
     pub base: Base,
-    /// The least and the greatest passing normal offset, texels; `None` if no amount passes.
+    /// Least and greatest passing normal offset, texels; `None` if no amount passes.
     pub passes: Option<[f64; 2]>,
-    /// Whether it passes without any offset, which may lie beside the widest window.
+    /// Whether it passes without any offset, which may be outside the widest window.
     pub passes_without: bool,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
-    /// none with a single backend.
+    /// Number of pixels on which backends differ, among those that rounding doesn't decide; `None`
+    /// with a single backend.
     pub disagreeing: Option<u64>,
 }
 
@@ -39,7 +39,7 @@ impl BiasWindow {
         self.passes.map_or(0.0, |[from, to]| to - from)
     }
 
-    /// Whether the technique passes as it is.
+    /// Reports whether the technique passes without an offset.
     pub fn needs_no_tuning(&self) -> bool {
         self.passes_without
     }

@@ -1,4 +1,4 @@
-//! What is known of a case before any technique plays it: truth, and what a perfect map would show.
+//! Reference data of a case: truth, and the mask of a perfect map.
 
 use super::texels::{Texels, point_at, to_center, within};
 use crate::error::LabError;
@@ -10,16 +10,16 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, Truth, TruthOptions};
 
-/// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest
-/// kernel that is compared (7x7) and half a texel of aliasing.
+/// Distance from true shadow edges, texels, beyond which a pixel is *open*: the reach of the widest
+/// compared kernel (7x7) and half a texel of aliasing.
 pub const OPEN_TEXELS: f64 = 4.0;
 
-/// Truth about a view, and what a perfect map of a given size would show there.
+/// Truth of a view, and the mask of a perfect map of a given size.
 #[derive(Clone, Debug)]
 pub struct CaseTruth {
     /// The scene.
     pub scene: Scene,
-    /// Its triangles.
+    /// Triangles of the scene.
     pub geometry: Geometry,
     /// The camera.
     pub camera: Camera,
@@ -27,11 +27,11 @@ pub struct CaseTruth {
     pub lights: Vec<Light>,
     /// Truth; its visibility is the mean over all lights.
     pub truth: Truth,
-    /// What a perfect map answers: truth at the centre of each receiver's texel.
+    /// Mask of a perfect map: truth at the centre of each receiver's texel.
     pub ideal: Vec<f32>,
-    /// Truth if each light were a point in its middle.
+    /// Truth with each light reduced to a point at its centre.
     pub hard: Vec<f32>,
-    /// Pixels that count and are farther than [`OPEN_TEXELS`] from any edge of a shadow.
+    /// Counted pixels farther than [`OPEN_TEXELS`] from any shadow edge.
     pub open: Vec<bool>,
     /// Side of the maps, texels.
     pub map_size: u32,
@@ -41,7 +41,7 @@ impl CaseTruth {
     /// Traces truth under each light and averages it over the lights.
     ///
     /// # Errors
-    /// Errors if the scene has no light or camera, or holds numbers that can't be used.
+    /// Errors if the scene has no light or camera, or contains unusable numbers.
     pub fn new(
         scene: Scene,
         camera: Camera,
@@ -84,24 +84,24 @@ impl CaseTruth {
         View::new(&self.camera, light, &self.geometry)
     }
 
-    /// Whether a pixel counts.
+    /// Reports whether a pixel counts.
     pub fn counts(&self, i: usize) -> bool {
         self.truth.pixels[i] == Pixel::Counted
     }
 
-    /// Returns the pixels that count.
+    /// Returns the indices of the pixels that count.
     pub fn counted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.pixels.len()).filter(|&i| self.counts(i))
     }
 }
 
-/// What [`CaseTruth`] holds under one light, or the sums of visibilities under several.
+/// Data of [`CaseTruth`] under one light, or sums of visibilities under several.
 struct LightTruth {
     truth: Truth,
     ideal: Vec<f32>,
     hard: Vec<f32>,
     open: Vec<bool>,
-    /// How many lights are summed up.
+    /// Number of summed lights.
     lights: f32,
 }
 
@@ -144,7 +144,7 @@ impl LightTruth {
         })
     }
 
-    /// Adds up visibilities; a pixel counts, and is open, only if it does so under both.
+    /// Adds visibilities. A pixel counts, or is open, only if it does under both lights.
     fn merged_with(mut self, other: Self) -> Self {
         add(&mut self.truth.visibility, &other.truth.visibility);
         add(&mut self.ideal, &other.ideal);
@@ -172,7 +172,7 @@ fn divided(sums: &[f32], count: f32) -> Vec<f32> {
     sums.iter().map(|sum| sum / count).collect()
 }
 
-/// Returns the light without an extent: as a point in its centre, or as a direction.
+/// Returns the light without an extent: a point at its centre, or a direction.
 pub fn without_extent(light: &Light) -> Light {
     match *light {
         Light::Directional { direction, .. } => Light::Directional {
@@ -203,7 +203,7 @@ pub fn without_extent(light: &Light) -> Light {
     }
 }
 
-/// Traces the visibility of a light at each of truth's receivers; 1 where nothing receives.
+/// Traces the visibility of a light at each of truth's receivers; 1 at pixels without a receiver.
 pub(super) fn visibility_at_receivers(
     geometry: &Geometry,
     light: &Light,
@@ -227,10 +227,11 @@ pub(super) fn visibility_at_receivers(
     Ok(out)
 }
 
-/// Returns truth at texel centers. A texel's center on a receiver's *plane* may lie beyond the
-/// receiver's triangle and below its neighbor; so the center is moved no farther than the triangle
-/// reaches, and its visibility counts only where, in the picture, a true edge is no farther away
-/// than the center itself.
+/// Returns truth at texel centers.
+///
+/// A texel's center on a receiver's *plane* may be beyond the receiver's triangle and below its
+/// neighbor. So the center is moved no farther than the triangle reaches. Its visibility counts
+/// only if a true edge is no farther away in the image than the center.
 fn ideal(
     texels: &Texels,
     camera: &Camera,
@@ -239,6 +240,7 @@ fn ideal(
     truth: &Truth,
     options: &TruthOptions,
 ) -> Result<Vec<f32>, Invalid> {
+    // Move receivers to texel centres within their triangles, and trace there.
     let receivers = &truth.receivers;
     let snapped = texels.seen(
         geometry,
@@ -251,6 +253,7 @@ fn ideal(
             within(receivers.position(i), place, triangle)
         },
     )?;
+    // Find the pixels near true edges, by distance.
     let edges = edges(truth.size, &truth.visibility, &truth.pixels);
     let is_near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
     let clip_from_world = camera.space().clip_from_world();
@@ -261,11 +264,11 @@ fn ideal(
         };
         let from = clip_from_world.project_point3(receivers.position(i));
         let to = clip_from_world.project_point3(place);
-        // NDC are 2 wide, and the picture is `size` pixels wide.
+        // NDC are 2 wide, and the image is `size` pixels wide.
         let from_pixel = from.truncate() * truth.size.as_vec2() * 0.5;
         let to_pixel = to.truncate() * truth.size.as_vec2() * 0.5;
         let distance = to_pixel.distance(from_pixel);
-        // A pixel more, as edges are marked on whole pixels.
+        // Add a pixel, as edges are marked on whole pixels.
         let class = REACHES
             .iter()
             .position(|&reach| distance + 1.0 <= reach as f32)
@@ -277,10 +280,10 @@ fn ideal(
     Ok(out)
 }
 
-/// Distances from edges that [`ideal`] tells apart, pixels.
+/// Distances from edges that [`ideal`] distinguishes, pixels.
 const REACHES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// The eight directions in which [`open`] probes the surroundings of a texel.
+/// The eight directions in which [`open`] probes around a texel.
 const DIRECTIONS: [DVec2; 8] = [
     DVec2::new(1.0, 0.0),
     DVec2::new(1.0, 1.0),
@@ -292,10 +295,11 @@ const DIRECTIONS: [DVec2; 8] = [
     DVec2::new(1.0, -1.0),
 ];
 
-/// Returns which pixels are open: those fully lit or fully dark whose visibility is the same all
-/// around, at eight places [`OPEN_TEXELS`] away and at eight half as far, on the receiver's plane.
-/// Where the ground rises beyond the receiver's triangle these places lie below it and are dark, so
-/// that creases count as edges: errors there show in RMSE and shimmer, not as acne.
+/// Marks the open pixels: fully lit or fully dark, with the same visibility at sixteen points
+/// around them on the receiver's plane. Eight points are [`OPEN_TEXELS`] away, eight half as far.
+///
+/// Where the ground rises beyond the receiver's triangle, these points are below it and dark. So
+/// creases count as edges: errors there show in RMSE and shimmer, not as acne.
 fn open(
     texels: Option<&Texels>,
     center: &Light,
@@ -304,6 +308,7 @@ fn open(
     hard: &[f32],
     options: &TruthOptions,
 ) -> Result<Vec<bool>, Invalid> {
+    // Start with pixels that are fully lit or dark.
     let mut open = Vec::with_capacity(hard.len());
     for (i, hard) in hard.iter().enumerate() {
         let visibility = truth.visibility[i];
@@ -314,6 +319,7 @@ fn open(
     let Some(texels) = texels else {
         return Ok(open);
     };
+    // Clear pixels with another visibility around them.
     for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
         for direction in DIRECTIONS {
             let offset = direction * reach;

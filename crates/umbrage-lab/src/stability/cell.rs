@@ -6,10 +6,10 @@ use super::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The whole matrix.
+/// Results of all cases.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Stability {
-    /// Kinds of the backends: figures are the first's.
+    /// Kinds of the backends. Figures are the first one's.
     pub backends: Vec<String>,
     /// Side of the maps, texels.
     pub map_size: u32,
@@ -17,56 +17,55 @@ pub struct Stability {
     pub size: [u32; 2],
     /// Frames of moving cases.
     pub frames: u32,
-    /// Rows' cases, in the list's order.
+    /// Cases of all rows, in the list's order.
     pub cases: Vec<CaseResult>,
-    /// How much tuning each technique needs, the least first; empty if single rows were asked for.
+    /// Tuning that each technique needs, the least first; empty if single rows were selected.
     pub windows: Vec<BiasWindow>,
-    /// Messages about what must never happen: NaN, panics, validation errors, backends that
-    /// disagree, a backend whose pictures differ after the run.
+    /// Messages about events that must never happen: NaN, panics, validation errors, backends that
+    /// disagree, a backend whose images differ after the run.
     pub faults: Vec<String>,
 }
 
-/// One case against all settings.
+/// Results of all settings on one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseResult {
     /// The row's number.
     pub row: u8,
     /// The row's title.
     pub title: String,
-    /// What fails there.
+    /// Description of the failure.
     pub weakness: String,
-    /// Techniques that the row is about and that don't exist yet.
+    /// Techniques that the row concerns and that don't exist yet.
     pub not_yet: Option<String>,
     /// The case's name.
     pub case: String,
     /// The scene's name.
     pub scene: String,
-    /// What moves.
+    /// Description of the movement.
     pub motion: String,
-    /// How maps are fitted, as settings say it; empty for the tight fit.
+    /// Map fit as settings name it; empty for the tight fit.
     pub fit: String,
-    /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no
-    /// technique from another.
+    /// Whether nothing shadows the visible geometry. Then a fully lit mask is right, and the case
+    /// doesn't separate techniques.
     pub is_sanity: bool,
-    /// What cells are judged by: the case's own measure first, then what a cure for the failure
-    /// would take away.
+    /// Criteria of the cells: the case's own measure first, then the measure that a fix may worsen.
     pub criteria: Vec<CriterionResult>,
-    /// All settings.
+    /// Cells of all settings.
     pub cells: Vec<Cell>,
 }
 
 /// A measure and its limits on one case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CriterionResult {
-    /// What is measured.
+    /// Name of the measure.
     pub measure: String,
-    /// Its unit, may be empty.
+    /// Unit of the measure; may be empty.
     pub unit: String,
-    /// Where it passes and fails.
+    /// Limits to pass and to fail.
     pub limits: VerdictLimits,
-    /// Why there.
+    /// Reason for the limits.
     pub reason: String,
-    /// The figure of a perfect map of the same size.
+    /// Figure of a perfect map of the same size.
     pub ideal: f64,
 }
 
@@ -75,12 +74,12 @@ pub struct CriterionResult {
 pub struct Cell {
     /// The technique's name.
     pub technique: String,
-    /// Its settings.
+    /// Settings of the technique.
     pub settings: String,
     /// The result.
     pub outcome: CellOutcome,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
-    /// none with a single backend.
+    /// Number of pixels on which backends differ, among those that rounding doesn't decide; `None`
+    /// with a single backend.
     pub disagreeing: Option<u64>,
     /// Truth, mask and error side by side, or a strip of frames: a PNG, for cells that don't pass.
     #[serde(skip)]
@@ -91,28 +90,27 @@ pub struct Cell {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellOutcome {
-    /// There was a mask.
+    /// The technique returned a mask.
     Measured {
-        /// One for each of the case's criteria, in their order.
+        /// One judgement per criterion of the case, in order.
         judgements: Vec<Judgement>,
         /// The worst of their verdicts.
         verdict: Verdict,
     },
-    /// The technique isn't made for this scene.
+    /// The technique doesn't support this scene.
     Unsupported {
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// What must never happen.
+    /// An event that must never happen.
     Fault {
-        /// What did: NaN, a panic, an error of the graphics API.
+        /// Description of the event: NaN, a panic, an error of the graphics API.
         what: String,
     },
 }
 
 impl CellOutcome {
-    /// Returns the outcome of a mask with these judgements, of which there is at least one: the
-    /// worst verdict counts.
+    /// Returns the outcome of a mask with at least one judgement. The worst verdict counts.
     pub fn of(judgements: Vec<Judgement>) -> Self {
         let worst = judgements.iter().map(|judgement| judgement.verdict).max();
         Self::Measured {
@@ -123,7 +121,7 @@ impl CellOutcome {
 }
 
 impl Cell {
-    /// Returns the verdict; none without a mask.
+    /// Returns the verdict; `None` without a mask.
     pub fn verdict(&self) -> Option<Verdict> {
         match self.outcome {
             CellOutcome::Measured { verdict, .. } => Some(verdict),
@@ -132,7 +130,7 @@ impl Cell {
     }
 
     /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, · not measured, –
-    /// not served, ! a fault.
+    /// unsupported, ! a fault.
     pub fn sign(&self) -> char {
         match &self.outcome {
             CellOutcome::Measured { verdict, .. } => verdict.sign(),
@@ -141,7 +139,7 @@ impl Cell {
         }
     }
 
-    /// Returns the figure of the case's own measure; none if that isn't measured.
+    /// Returns the figure of the case's own measure; `None` if it isn't measured.
     pub fn figure(&self) -> Option<f64> {
         self.judgements().first()?.figure
     }
@@ -154,7 +152,7 @@ impl Cell {
         }
     }
 
-    /// Returns the index of the criterion that decides: the first with the worst verdict. None
+    /// Returns the index of the decisive criterion: the first with the worst verdict. `None`
     /// without a mask.
     pub fn decisive(&self) -> Option<usize> {
         let verdict = self.verdict()?;
@@ -165,19 +163,19 @@ impl Cell {
 }
 
 impl Stability {
-    /// Returns the number of cells with a verdict, of the cases that tell techniques apart.
+    /// Returns the number of cells with a verdict, over the cases that separate techniques.
     pub fn count(&self, verdict: Verdict) -> usize {
         let cells = self.telling().flat_map(|case| &case.cells);
         cells.filter(|cell| cell.verdict() == Some(verdict)).count()
     }
 
-    /// Returns the cases that tell techniques apart.
+    /// Returns the cases that separate techniques.
     pub fn telling(&self) -> impl Iterator<Item = &CaseResult> {
         self.cases.iter().filter(|case| !case.is_sanity)
     }
 
-    /// Returns the sanity cases, in which nothing shadows what is seen, as one line; none if there
-    /// are none.
+    /// Returns one line about the sanity cases, in which nothing shadows the visible geometry;
+    /// `None` if there are none.
     pub fn sanity_line(&self) -> Option<String> {
         let cases: Vec<&CaseResult> = self.cases.iter().filter(|case| case.is_sanity).collect();
         let mut failing = Vec::new();
@@ -198,7 +196,7 @@ impl Stability {
             (0, _) => None,
             (_, true) => Some(format!("{count} sanity {noun}: all pass")),
             (_, false) => Some(format!(
-                "{count} sanity {noun}, of which these do not pass: {}",
+                "{count} sanity {noun}; these do not pass: {}",
                 failing.join("; ")
             )),
         }

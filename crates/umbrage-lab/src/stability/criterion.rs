@@ -1,4 +1,4 @@
-//! What a case is judged by: its own measure, and what a cure would take away.
+//! Criteria of a case: its own measure, and the measure that a fix may worsen.
 
 use super::{
     case_truth::CaseTruth,
@@ -10,15 +10,15 @@ use super::{
 /// A measure with its limits on one case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
-    /// What is measured.
+    /// The measure.
     pub measure: Measure,
-    /// Where it passes and fails.
+    /// Limits to pass and to fail.
     pub limits: VerdictLimits,
 }
 
 impl Criterion {
-    /// Returns what a case is judged by: `measure`, and its opposite ([`Measure::opposite`]) where
-    /// the picture has something to lose by it. `limits` returns a measure's limits.
+    /// Returns a case's criteria: `measure`, and its opposite ([`Measure::opposite`]) if the case
+    /// can fail it. `limits` returns a measure's limits.
     pub fn of_case(
         measure: Measure,
         case_truth: &CaseTruth,
@@ -30,12 +30,12 @@ impl Criterion {
         };
         let mut out = vec![with_limits(measure)];
         let opposite = measure.opposite().map(with_limits);
-        // In a picture that is dark all over nothing can be acne.
+        // In an image that is dark all over, nothing can be acne.
         out.extend(opposite.filter(|criterion| criterion.can_fail(case_truth)));
         out
     }
 
-    /// Whether a mask that is lit all over, or dark all over, fails.
+    /// Reports whether a fully lit or a fully dark mask fails.
     pub fn can_fail(&self, case_truth: &CaseTruth) -> bool {
         [0.0, 1.0].into_iter().any(|visibility: f32| {
             let mask = vec![visibility; case_truth.ideal.len()];

@@ -1,5 +1,5 @@
-//! Catches what must never happen in a cell: visibilities outside 0..=1, panics, errors of the
-//! graphics API, and backends whose state a rendering has changed.
+//! Catches events that must never happen in a cell: visibilities outside 0..=1, panics, errors of
+//! the graphics API, and backends whose state a rendering has changed.
 
 use crate::error::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,13 +8,13 @@ use umbrage_core::{
 };
 use umbrage_techniques::{Bias, MapFilter as _, Pcf, ShadowMap};
 
-/// Why a cell has no mask.
+/// Reason for a missing mask.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum NoMask {
-    /// The technique or the backend says beforehand that it can't do this: a result, no fault. The
-    /// text says why.
+    /// The technique or the backend rejects the scene before rendering, with this reason: a result,
+    /// not a fault.
     Unsupported(String),
-    /// What must never happen. The text says what did.
+    /// An event that must never happen, with its description.
     Fault(String),
 }
 
@@ -30,7 +30,7 @@ impl From<RecipeError> for NoMask {
 impl From<BackendError> for NoMask {
     fn from(e: BackendError) -> Self {
         match e {
-            // A backend says before it plays what is too large for it.
+            // A backend rejects what is too large for it before it renders.
             BackendError::Invalid(e) => Self::Unsupported(e.to_string()),
             e => Self::Fault(e.to_string()),
         }
@@ -72,7 +72,7 @@ pub(super) fn render(
     })
 }
 
-/// Errors on the first value that is no visibility (outside 0..=1, or NaN), with its index.
+/// Errors on the first value that is not a visibility (outside 0..=1, or NaN), with its index.
 pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     match mask.iter().position(|v| !(0.0..=1.0).contains(v)) {
         None => Ok(()),
@@ -83,8 +83,8 @@ pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     }
 }
 
-/// Whether a backend that has played other recipes renders the same mask, bit by bit, as a fresh
-/// one. The mask is that of a small built-in scene, `cubes`, under a 3x3 PCF.
+/// Reports whether a used backend renders the same mask as a fresh one, bit by bit. It renders a
+/// small built-in scene, `cubes`, with a 3x3 PCF.
 ///
 /// # Errors
 /// Errors if either backend can't render it.
@@ -146,7 +146,7 @@ mod tests {
             }
         }
         let mut fresh = umbrage_cpu::Cpu::new();
-        assert!(is_as_new(&mut umbrage_cpu::Cpu::new(), &mut fresh).expect("plays"));
-        assert!(!is_as_new(&mut Changed(umbrage_cpu::Cpu::new()), &mut fresh).expect("plays"));
+        assert!(is_as_new(&mut umbrage_cpu::Cpu::new(), &mut fresh).expect("renders"));
+        assert!(!is_as_new(&mut Changed(umbrage_cpu::Cpu::new()), &mut fresh).expect("renders"));
     }
 }

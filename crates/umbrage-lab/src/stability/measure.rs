@@ -1,4 +1,4 @@
-//! The measures that cases are judged by, their units, and where they pass and fail.
+//! Measures of the cases, their units, and their limits to pass and to fail.
 
 use super::{
     case_truth::CaseTruth,
@@ -17,8 +17,10 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 
-/// A measure of one case: smaller is better, and 0 is truth's own. Some see one kind of error
-/// alone, false shadow or false light; [`Measure::opposite`] is then the other side.
+/// A measure of one case: smaller is better, and truth has 0.
+///
+/// Some measures see only one kind of error, false shadow or false light. [`Measure::opposite`]
+/// then measures the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// [`open::acne`].
@@ -45,49 +47,47 @@ pub enum Measure {
     Seams,
     /// [`cascade_seams::excess`](super::measures::cascade_seams::excess).
     CascadeSeams,
-    /// [`band::wrong_within`] a part of the picture.
+    /// [`band::wrong_within`] a part of the image.
     WrongNear(Band),
     /// [`penumbra::rmse`].
     PenumbraRmse,
-    /// [`penumbra::ShadowPlaces::widths`]: the mean over all casters of how far the ratio is from 1.
+    /// [`penumbra::ShadowPlaces::widths`]: mean deviation of the ratio from 1 over all casters.
     PenumbraWidth,
-    /// Percent of the pixels, those facing away from the light left out, that the mask darkens at
-    /// all.
+    /// Percentage of pixels that the mask darkens at all, except those facing away from the light.
     AllLit,
-    /// How far the RMSE is from that of the same technique on the scene of this name, which is the
-    /// same at scale 1.
+    /// Difference of the RMSE from that of the same technique on the scene of this name, which is
+    /// the same scene at scale 1.
     ScaleDrift(&'static str),
-    /// Fragments that casts draw, in pictures of 1280 x 720: those of casts from the camera grow
-    /// with its pixels.
+    /// Fragments that casts draw, in images of 1280 x 720. Those of casts from the camera grow with
+    /// the number of pixels.
     Fill,
     /// [`shimmer::shimmer`](super::measures::shimmer) at points within
     /// [`OPEN_TEXELS`](super::OPEN_TEXELS) of an edge.
     Shimmer,
-    /// [`shimmer::change_error`](super::measures::shimmer) at such points, where the light moves.
+    /// [`shimmer::change_error`](super::measures::shimmer) at such points, if the light moves.
     ChangeError,
 }
 
-/// Limits for percentages of wrong pixels: one pixel in a thousand goes unseen, one in a hundred is
-/// a visible patch.
+/// Limits for percentages of wrong pixels: one in a thousand is invisible, one in a hundred is a
+/// visible patch.
 const SHARE: VerdictLimits = VerdictLimits::new(0.1, 1.0);
-/// The smallest visible step of visibility: one level of an 8-bit picture.
+/// Smallest visible step of visibility: one level of an 8-bit image.
 const STEP: f64 = 1.0 / 255.0;
-/// How far on either side of a seam pixels count, texels.
+/// Greatest distance of counted pixels from a seam, texels.
 const SEAM_TEXELS: f32 = 2.0;
-/// The number of rays a pixel whose noise passes in penumbrae; they give 17 gray levels.
+/// Number of rays per pixel whose noise passes in penumbrae; they give 17 gray levels.
 const RAYS: u32 = 16;
-/// The least percentage of all pixels that is visible.
+/// Least visible percentage of all pixels.
 const SMALL_SHARE: f64 = 0.1;
-/// The least percentage that is visible in a narrow band: of some hundred pixels, one percent is a
-/// pixel or a few.
+/// Least visible percentage in a narrow band: of some hundred pixels, one percent is a few pixels.
 const BAND_SHARE: f64 = 1.0;
-/// A displacement that is too small to be visible, pixels.
+/// Greatest invisible displacement, pixels.
 const HALF_PIXEL: f64 = 0.5;
-/// How far from the floor's height pixels still show the floor, metres.
+/// Greatest height difference of pixels that still show the floor, metres.
 const LEVEL: f32 = 0.01;
 
 impl Measure {
-    /// Returns what is measured, in a few words.
+    /// Returns a short name of the measure.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Acne => "acne",
@@ -114,9 +114,9 @@ impl Measure {
         }
     }
 
-    /// Returns what pays for a cure of the failure that is measured: lost shadow for acne, acne for
-    /// leaks and gaps, and RMSE where no shadow at all would be perfect. None for measures that
-    /// charge false shadow and false light alike.
+    /// Returns the measure that a fix of this failure may worsen: lost shadow for acne, acne for
+    /// leaks and gaps, and RMSE where no shadow at all would be perfect. `None` for measures that
+    /// count false shadow and false light alike.
     pub fn opposite(&self) -> Option<Self> {
         match self {
             Self::Acne | Self::AcneByDistance => Some(Self::LostShadow),
@@ -156,45 +156,47 @@ impl Measure {
         }
     }
 
-    /// Returns why the limits are where they are.
+    /// Returns the reason for the limits.
     pub fn reason(&self) -> &'static str {
         match self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
-                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch; both beyond twice a perfect map's"
+                "away from edges nothing may be wrong: one pixel in a thousand is invisible, one in a hundred is a patch; both in addition to twice a perfect map's figure"
             }
             Self::Rmse => {
-                "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus 1/255; fails at four times that, or near the figure of no shadow"
             }
             Self::Gap(_) => {
-                "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus a row of pixels; fails at four times that, or near the figure of no shadow"
             }
             Self::LostShadow => {
-                "twice a perfect map's of this size, and one dark pixel in a hundred; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus one dark pixel in a hundred; fails at four times that, or near the figure of no shadow"
             }
             Self::ContactLeak(..) | Self::LeakAround(..) | Self::WrongNear(_) => {
-                "twice a perfect map's of this size, and one pixel in a hundred there; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus one pixel in a hundred there; fails at four times that, or near the figure of no shadow"
             }
             Self::EdgeDisplacement => {
-                "twice a perfect map's of this size, and half a pixel; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus half a pixel; fails at four times that, or near the figure of no shadow"
             }
             Self::Seams => {
-                "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow"
+                "twice the figure of a perfect map of this size, plus one pixel in a thousand; fails at four times that, or near the figure of no shadow"
             }
             Self::CascadeSeams => {
-                "of a hundred neighbours on either side of a seam, one jumps unseen; four are a line"
+                "of a hundred pixel pairs across a seam, one jump is invisible; four are a visible line"
             }
             Self::PenumbraRmse => {
-                "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
+                "passes up to the noise of 16 independent rays per pixel; fails above half the error of a light without extent"
             }
             Self::PenumbraWidth => {
                 "passes within a quarter of the true width; fails if off by more than half of it"
             }
-            Self::AllLit => "nothing may darken: any pixel fails",
-            Self::ScaleDrift(_) => "a step of 255; fails at four",
-            Self::Fill => "passes up to four pictures' worth of fragments; fails above sixteen",
-            Self::Shimmer => "a mean change by a step of 255 a frame; fails at four",
+            Self::AllLit => "nothing may be darkened: any darkened pixel fails",
+            Self::ScaleDrift(_) => "passes up to 1/255; fails above four times that",
+            Self::Fill => "passes up to four fragments per pixel; fails above sixteen",
+            Self::Shimmer => {
+                "passes up to a mean change of 1/255 per frame; fails above four times that"
+            }
             Self::ChangeError => {
-                "in blocks of 16 x 16 pixels, a mean change by a step of 255 a frame more or less than truth's; fails at four, or near no movement"
+                "in blocks of 16 x 16 pixels, passes up to a mean change of 1/255 per frame more or less than truth's; fails above four times that, or near the figure of no movement"
             }
         }
     }
@@ -245,12 +247,12 @@ impl Measure {
         }
     }
 
-    /// Returns where the figure passes and fails on this case: see [`Measure::reason`]. Bounds from
-    /// truth's own movement are added by [`Moving::limits`](super::Moving::limits).
+    /// Returns the figure's limits on this case; [`Measure::reason`] explains them.
+    /// [`Moving::limits`](super::Moving::limits) adds bounds from truth's own movement.
     pub fn limits(&self, case_truth: &CaseTruth) -> VerdictLimits {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
-        // Computed on use only: not all measures need it.
+        // Evaluated on demand: not all measures need it.
         let without_shadow = || self.without_shadow(case_truth);
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
@@ -289,15 +291,14 @@ impl Measure {
 }
 
 impl Measure {
-    /// Returns the figure of no shadow at all: of a mask that is lit all over.
+    /// Returns the figure of a mask that is lit all over.
     pub fn without_shadow(&self, case_truth: &CaseTruth) -> f64 {
         let all_lit = vec![1.0; case_truth.ideal.len()];
         self.figure(case_truth, &all_lit)
     }
 
-    /// Returns where the figure passes and fails, taken from truth about another scene: its limits
-    /// in proportion to what no shadow at all would cost here and there. Where that costs nothing
-    /// there, the limits are the case's own.
+    /// Returns limits derived from truth of another scene. They are scaled by the figure of no
+    /// shadow here over the one there. If the one there is 0, returns the case's own limits.
     pub fn limits_from(&self, case_truth: &CaseTruth, elsewhere: &CaseTruth) -> VerdictLimits {
         let there = self.without_shadow(elsewhere);
         if there > 0.0 {
@@ -309,13 +310,13 @@ impl Measure {
     }
 }
 
-/// How far behind a contact rows of pixels are counted, metres.
+/// Distance behind a contact within which rows of pixels are counted, metres.
 const NEAR_CONTACT: f32 = 0.1;
 
-/// Pixels of the picture that fill is counted for, millions.
+/// Pixels of the image that fill refers to, millions.
 pub(super) const SCREEN: f64 = 1280.0 * 720.0 * 1e-6;
 
-/// Returns the mean of how far ratios of widths are from 1, percent; 0 without any.
+/// Returns the mean deviation of width ratios from 1, percent; 0 without any.
 fn mean_width_error(ratios: &[Option<f64>]) -> f64 {
     let errors: Vec<f64> = ratios
         .iter()
@@ -336,33 +337,33 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
     bins.into_iter().fold(0.0, f64::max)
 }
 
-/// Returns the RMSE over the pixels that count; NaN, which fails, if the mask has another size or
-/// holds anything outside 0..=1.
+/// Returns the RMSE over the pixels that count. It is NaN, which fails, if the mask has another
+/// size or contains values outside 0..=1.
 pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
     let truth = &case_truth.truth;
     Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
         .map_or(f64::NAN, |errors| errors.rmse)
 }
 
-/// Whether a pixel shows a point near a seam of the first light's cube.
+/// Reports whether a pixel shows a point near a seam of the first light's cube map.
 fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let light = case_truth.lights.first().and_then(Light::position);
     let from_light = case_truth.truth.receivers.position(i) - light.unwrap_or_default();
     cube_seams::on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
 }
 
-/// Whether a pixel shows a point of a band, under the first light.
+/// Reports whether a pixel shows a point in a band, under the first light.
 fn is_in_band(case_truth: &CaseTruth, part: Band, i: usize) -> bool {
     let position = case_truth.truth.receivers.position(i);
     let light = case_truth.lights.first();
     light.is_some_and(|light| part.holds(light, position))
 }
 
-/// Places along each caster's upright axis.
+/// Number of points along each caster's upright axis.
 const PLACES: usize = 5;
 
-/// Returns where the shadows of all instances but the first (the floor) fall, as seen from the
-/// light's centre.
+/// Returns the points on the floor that the first light's centre projects from all instances but
+/// the first (the floor).
 fn shadow_places(case_truth: &CaseTruth) -> ShadowPlaces {
     let light = case_truth
         .lights
@@ -389,7 +390,7 @@ fn places_of(case_truth: &CaseTruth, caster: &Instance, light_position: Vec3) ->
     for k in 0..PLACES {
         let y = bounds.min.y + (bounds.max.y - bounds.min.y) * k as f32 / (PLACES - 1) as f32;
         let point = bounds.center().with_y(y);
-        // Where the ray from the light through the point meets y = 0.
+        // Intersect the ray from the light through the point with y = 0.
         let t = light_position.y / (light_position.y - point.y);
         places.push(light_position + (point - light_position) * t);
     }

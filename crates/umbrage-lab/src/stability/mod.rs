@@ -1,22 +1,21 @@
-//! Where shadow methods fail: every row of the catalogue of failures as a scene, still or moving,
-//! against every technique, each judged by the row's own measure.
+//! Failure cases of shadow methods: every row of the failure catalogue as a scene, still or moving.
+//! Every technique runs on each, and the row's own measure judges it.
 //!
-//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`]
-//!   where it passes and fails.
-//! * [`run`]: plays them. [`Stability`]: what comes out.
-//! * [`Criterion`]: a measure with its limits. Most cases have two, one for the failure and one for
-//!   what its cure takes away, so that no bias is free; the worse verdict counts.
-//! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map*
-//!   of the same size would show, which limits are taken from.
-//! * [`SettingVerdicts`]: which rows a setting fails, all cases taken together.
-//! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it
-//!   needs.
-//! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a
-//!   table, data.
+//! * [`rows`]: the list of rows. [`Measure`]: measure of a row. [`VerdictLimits`]: its limits to
+//!   pass and to fail.
+//! * [`run`]: runs all cases. [`Stability`]: the results.
+//! * [`Criterion`]: a measure with its limits. Most cases have two: one for the failure, and one
+//!   for what its fix may worsen, such as lost shadow for a larger bias. The worse verdict counts.
+//! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and the mask of a
+//!   *perfect map* of the same size, from which limits are derived.
+//! * [`SettingVerdicts`]: the rows that a setting fails, over all cases.
+//! * [`windows`]: the range of biases in which each technique passes, texels: its need of tuning.
+//! * [`sweeps`]: one parameter from too little to too much. [`report`]: a page, an image, a table,
+//!   data.
 //!
-//! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map
-//! of that size, from what is visible (steps of 1/255, one pixel in a thousand), or from the noise
-//! of a stated number of rays.
+//! Limits are never tuned to results. They are derived from the error of edge aliasing on a map of
+//! that size, from what is visible (steps of 1/255, one pixel in a thousand), or from the noise of
+//! a stated number of rays.
 
 mod all_backends;
 mod bias_window;

@@ -1,20 +1,20 @@
-//! Moving cases: what changes from frame to frame at points that stay.
+//! Moving cases: changes of visibility from frame to frame at fixed points.
 //!
-//! The points are the receivers of the first frame's pixels that are near edges of shadows and seen
-//! in all frames. For each frame a technique's map is fitted to that frame's camera and drawn anew,
-//! and looked up at these same points. Techniques that cast into the camera's own picture (planar
-//! shadows, volumes) have visibilities only at that camera's pixels: they are always played with
-//! the first camera, so that their change while the camera moves alone is *not measured*. Neither
-//! is that of techniques without a map (rays) whose answer at a point never changes: it has no way
-//! to follow the camera.
+//! The points are the receivers of the first frame's pixels that are near shadow edges and visible
+//! in all frames. For each frame a technique's map is fitted to that frame's camera, redrawn, and
+//! looked up at these same points.
 //!
-//! While the camera moves, its pictures show the points at other pixels: a point that is asked at
-//! pixel (x, y) in the first frame is asked at (x + 1, y) in the second, and so on. So patterns and
-//! noise that follow the pixel (dithered or turned taps, random rays) change at a point, as they do
-//! on a screen.
+//! Two kinds of technique are *not measured* while only the camera moves. Those that cast into the
+//! camera's own image (planar shadows, volumes) have visibilities only at that camera's pixels, so
+//! they always run with the first camera. Those without a map (rays) don't depend on the camera if
+//! their visibility at a point never changes.
 //!
-//! Figures are the first backend's. The others play the first and the last frame, the two that
-//! differ most, and must agree there.
+//! While the camera moves, its images show the points at other pixels: the point at pixel (x, y) in
+//! the first frame is at (x + 1, y) in the second, and so on. So patterns and noise that follow the
+//! pixel (dithered or rotated taps, random rays) change at a point, as they do on a screen.
+//!
+//! Figures are the first backend's. The others render the first and the last frame, which differ
+//! most, and must agree there.
 
 use super::{
     all_backends,
@@ -41,7 +41,7 @@ use umbrage_plan::{
 use umbrage_scenes::motion::{Motion, MotionStep, texel_width};
 use umbrage_techniques::TechniquePreset;
 
-/// The camera, the light and the casters of one frame.
+/// Camera, light and casters of one frame.
 #[derive(Clone, Debug)]
 pub struct MotionFrame {
     /// The scene's triangles.
@@ -54,18 +54,18 @@ pub struct MotionFrame {
     pub receivers: Receivers,
 }
 
-/// A moving case, ready to be played.
+/// A moving case, ready to run.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// Truth about its first frame.
+    /// Truth of its first frame.
     pub case_truth: Arc<CaseTruth>,
-    /// All frames, the first among them.
+    /// All frames, including the first.
     pub frames: Vec<MotionFrame>,
     /// True visibility at the first frame's receivers, frame by frame.
     pub truth: Vec<Vec<f32>>,
-    /// Which of the first frame's receivers count.
+    /// Marks the first frame's receivers that count.
     pub marked: Vec<bool>,
-    /// What moves.
+    /// The motion.
     pub motion: Motion,
 }
 
@@ -73,7 +73,7 @@ impl Moving {
     /// Moves the case's camera or light through `count` frames, and traces truth.
     ///
     /// # Errors
-    /// Errors if the scene holds numbers that can't be used.
+    /// Errors if the scene contains unusable numbers.
     pub fn new(
         case_truth: &Arc<CaseTruth>,
         motion: Motion,
@@ -84,6 +84,8 @@ impl Moving {
         let texel = first_texel(case_truth)?;
         let mut frames = Vec::new();
         let mut truth = Vec::new();
+        // Place each frame's camera, light and casters, and trace truth at the first frame's
+        // receivers.
         for index in 0..count {
             let step = MotionStep {
                 index,
@@ -107,6 +109,7 @@ impl Moving {
                 receivers,
             });
         }
+        // Mark the points near shadow edges that are visible in all frames.
         let marked = (0..case_truth.open.len())
             .map(|i| is_marked(case_truth, &frames, i))
             .collect();
@@ -119,9 +122,8 @@ impl Moving {
         })
     }
 
-    /// Returns a measure's figure of the masks, one for each frame, at the first frame's receivers:
-    /// how much they change though they should not; for measures of a single mask, that of the
-    /// first frame.
+    /// Returns a measure's figure of the masks, one per frame, at the first frame's receivers. It
+    /// is the excess change, or for measures of a single mask the first frame's figure.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
         let width = self.case_truth.truth.size.x as usize;
         match measure {
@@ -131,9 +133,9 @@ impl Moving {
         }
     }
 
-    /// Returns where that figure passes and fails; `limits` are the measure's own
-    /// ([`Measure::limits`]). Where truth moves, a shadow that stands still fails, however slow the
-    /// movement: its figure is truth's own change.
+    /// Returns the limits of that figure; `limits` are the measure's own ([`Measure::limits`]). If
+    /// truth moves, a shadow that stands still fails, however slow the movement: its figure is
+    /// truth's own change.
     pub fn limits(&self, measure: Measure, limits: VerdictLimits) -> VerdictLimits {
         match measure {
             Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
@@ -141,7 +143,7 @@ impl Moving {
         }
     }
 
-    /// Plays one setting and returns its cell.
+    /// Runs one setting and returns its cell.
     pub(super) fn cell(
         &self,
         technique: &TechniquePreset,
@@ -173,7 +175,7 @@ impl Moving {
         Ok(out)
     }
 
-    /// Plays all frames.
+    /// Renders all frames.
     fn play(
         &self,
         technique: &dyn ShadowTechnique,
@@ -215,12 +217,12 @@ impl Moving {
         let frame_view = View::new(&frame.camera, &frame.light, geometry);
         let first_view = View::new(&self.case_truth.camera, &frame.light, geometry);
         let at_frame = frame_view.with_receivers(&frame.receivers);
-        // The map is fitted to what the frame's camera sees; the points are the first frame's.
+        // Fit the map to the frame's camera; the points are the first frame's.
         let recipe = guard::plan(technique, &at_frame)?;
         let casts = !recipe.casts.is_empty();
         let receivers = &self.case_truth.truth.receivers;
-        // Images that are drawn as the frame's camera sees them can't be read at the first camera's
-        // pixels.
+        // Render images from the frame's camera at the first camera's pixels: they can't be read
+        // elsewhere.
         if draws_the_picture(&recipe, &frame.camera) {
             let at_first = first_view.with_receivers(receivers);
             let recipe = guard::plan(technique, &at_first)?;
@@ -230,6 +232,7 @@ impl Moving {
                 casts,
             });
         }
+        // Look up the points at shifted pixels, and shift the mask back.
         let pixels = if self.motion.moves_pixels() { index } else { 0 };
         let asked_beside = pixel_shift::to_the_right(receivers, pixels);
         let at_pixels = first_view.with_receivers(&asked_beside);
@@ -248,25 +251,26 @@ impl Moving {
     }
 }
 
-/// What a setting gives in one frame.
+/// Result of a setting in one frame.
 struct PlayedFrame {
     /// The mask at the first frame's receivers.
     rendered: all_backends::RenderedOnAll,
-    /// Whether it casts into the camera's own picture.
+    /// Whether it casts into the camera's own image.
     draws_the_picture: bool,
     /// Whether it draws anything.
     casts: bool,
 }
 
-/// Why a technique that casts into the camera's own picture isn't measured while the camera alone
-/// moves.
-const IN_THE_PICTURE: &str = "it draws into the camera's own picture, and so is asked by the first frame's camera in every frame";
-/// Why a technique without a map isn't measured then.
-const NO_MAP: &str = "it draws no map, and its answer at a point has no way to follow the camera while the light stands still";
+/// Reason why a technique that casts into the camera's own image isn't measured while only the
+/// camera moves.
+const IN_THE_PICTURE: &str =
+    "it draws into the camera's own image, so every frame uses the first frame's camera";
+/// Reason why a technique without a map isn't measured then.
+const NO_MAP: &str = "it draws no map, so its visibility at a point cannot depend on the camera while the light stands still";
 
 impl PlayedFrames {
-    /// Returns why the change of visibility, `figure`, could not have been anything but 0 while the
-    /// camera alone moves; none if it could.
+    /// Returns the reason why the change of visibility, `figure`, is always 0 while only the camera
+    /// moves; `None` if it can change.
     fn cannot_change(&self, figure: f64) -> Option<&'static str> {
         match (self.draws_the_picture, self.casts) {
             (true, _) => Some(IN_THE_PICTURE),
@@ -276,16 +280,16 @@ impl PlayedFrames {
     }
 }
 
-/// What a setting gives over all frames.
+/// Result of a setting over all frames.
 struct PlayedFrames {
-    /// The first backend's mask of each frame, at the first frame's receivers.
+    /// Mask of each frame from the first backend, at the first frame's receivers.
     masks: Vec<Vec<f32>>,
-    /// Whether it casts into the camera's own picture.
+    /// Whether it casts into the camera's own image.
     draws_the_picture: bool,
     /// Whether it draws anything.
     casts: bool,
-    /// On how many decided pixels backends differ, all frames together; none if no other backend
-    /// serves the technique.
+    /// Number of decided pixels on which backends differ, over all frames; `None` if no other
+    /// backend supports the technique.
     disagreeing: Option<u64>,
 }
 
@@ -309,7 +313,7 @@ fn first_texel(case_truth: &CaseTruth) -> Result<f64, LabError> {
     Ok(texel_width(&view, case_truth.map_size)?)
 }
 
-/// Whether a point counts: it is near an edge of a shadow, and seen in every frame.
+/// Reports whether a point counts: it is near a shadow edge, and visible in every frame.
 fn is_marked(case_truth: &CaseTruth, frames: &[MotionFrame], i: usize) -> bool {
     case_truth.counts(i)
         && !case_truth.open[i]
@@ -318,13 +322,13 @@ fn is_marked(case_truth: &CaseTruth, frames: &[MotionFrame], i: usize) -> bool {
             .all(|frame| stands_still(case_truth, frame, i) && is_seen(case_truth, frame, i))
 }
 
-/// Whether what pixel `i` of the first frame shows has not moved in another.
+/// Reports whether the geometry at pixel `i` of the first frame has not moved in another.
 fn stands_still(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let triangle = case_truth.truth.receivers.triangle[i];
     frame.geometry.corners(triangle) == case_truth.geometry.corners(triangle)
 }
 
-/// Whether a frame's camera sees the point at pixel `i` of the first frame.
+/// Reports whether a frame's camera sees the point at pixel `i` of the first frame.
 fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let camera = &frame.camera;
     let receivers = &case_truth.truth.receivers;
@@ -332,8 +336,8 @@ fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let clip = camera.space().clip_from_world() * position.extend(1.0);
     let is_inside = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w;
     let to_eye: Vec3 = camera.eye() - position;
-    // The ray starts a thousandth of its length off the surface, so that neighboring triangles
-    // don't hide the point.
+    // Start the ray a thousandth of its length off the surface, so that neighboring triangles don't
+    // hide the point.
     let lift = receivers.normal(i) * (1e-3 * to_eye.length());
     let origin = position + lift;
     let direction = to_eye - lift;

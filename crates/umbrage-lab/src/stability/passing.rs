@@ -1,4 +1,4 @@
-//! Which techniques a stability run lets pass: for planners that ask more than a small error.
+//! Techniques that pass a stability run, for planners with demands beyond a small error.
 
 use super::{
     cell::{CaseResult, CellOutcome, Stability},
@@ -6,23 +6,24 @@ use super::{
 };
 use umbrage_core::Invalid;
 
-/// What is asked of a technique.
+/// Demand on a technique.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Demand {
-    /// To pass these rows (by number) or cases (by name).
+    /// Pass these rows (by number) or cases (by name).
     Pass(Vec<String>),
-    /// To fail no case.
+    /// Fail no case.
     FailNone,
 }
 
 impl Stability {
-    /// Whether a technique meets a demand, by the best of its settings in each case: one that
-    /// passes with the right bias passes, since planners choose the bias. What is not measured or
-    /// not served is no pass, and no failure. A technique that the run knows nothing of passes
-    /// nothing.
+    /// Reports whether a technique meets a demand, by the best of its settings in each case:
+    /// planners choose the bias, so one passing bias suffices.
+    ///
+    /// Cases that are not measured or not supported count neither as passed nor as failed. A
+    /// technique without results passes nothing.
     ///
     /// # Errors
-    /// Errors if a row or case is asked for that the run has not.
+    /// Errors if the demand names a row or case that the run doesn't have.
     pub fn meets(&self, technique: &str, demand: &Demand) -> Result<bool, Invalid> {
         match demand {
             Demand::FailNone => {
@@ -66,8 +67,8 @@ fn is_named(case: &CaseResult, name: &str) -> bool {
     case.case == name || name.parse() == Ok(case.row)
 }
 
-/// Returns the best verdict over a technique's settings in a case; none if it was not played or is
-/// not made for the scene.
+/// Returns the best verdict over a technique's settings in a case; `None` if it was not run or
+/// doesn't support the scene.
 fn best(case: &CaseResult, technique: &str) -> Option<Verdict> {
     let of_cell = |outcome: &CellOutcome| match outcome {
         CellOutcome::Measured { verdict, .. } => Some(*verdict),
@@ -150,7 +151,7 @@ mod tests {
         assert!(!meets("hard", &rows(&["shells", "2"])));
         assert!(!meets("second_depth", &Demand::FailNone));
         assert!(meets("traced", &Demand::FailNone) && !meets("traced", &rows(&["pan"])));
-        assert!(!meets("mine", &Demand::FailNone), "nothing is known of it");
+        assert!(!meets("mine", &Demand::FailNone), "it has no results");
     }
 
     #[test]

@@ -1,14 +1,14 @@
-//! Pictures of cells: truth, mask and error side by side, or a strip of frames.
+//! Images of cells: truth, mask and error side by side, or a strip of frames.
 
 use super::case_truth::CaseTruth;
 use crate::{error::LabError, output::png};
 use glam::{UVec2, Vec3};
 
-/// Pixels between two pictures.
+/// Pixels between two images.
 const GAP: usize = 4;
-/// The number of frames shown in a strip.
+/// Number of frames in a strip.
 const FRAMES: usize = 4;
-/// The mean change of visibility that is shown in full color.
+/// Mean change of visibility that has full color.
 const FULL_COLOR_CHANGE: f32 = 0.25;
 
 /// Returns truth, mask and error side by side, as a PNG.
@@ -22,8 +22,8 @@ pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, La
     row(truth.size, &parts)
 }
 
-/// Returns the first frames' masks side by side, then a picture of where they change, in orange, as
-/// a PNG.
+/// Returns the first frames' masks side by side, then an image of their changes in orange, as a
+/// PNG.
 pub(super) fn strip(
     case_truth: &CaseTruth,
     masks: &[Vec<f32>],
@@ -50,7 +50,7 @@ fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
             sum += (pair[0][i] - pair[1][i]).abs();
         }
         let mean = sum / pairs;
-        // Points that count are on a darker ground.
+        // Give points that count a darker background.
         let background = Vec3::splat(if *is_marked { 0.85 } else { 0.95 });
         let strength = (mean / FULL_COLOR_CHANGE).min(1.0);
         colors.push(background.lerp(png::FALSE_LIGHT, strength));
@@ -58,7 +58,7 @@ fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
     colors
 }
 
-/// Returns pictures of one size in a row, as a PNG.
+/// Returns images of one size in a row, as a PNG.
 fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
     let part_width = size.x as usize;
     let height = size.y as usize;

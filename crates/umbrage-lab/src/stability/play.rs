@@ -1,4 +1,4 @@
-//! Plays still cases: one setting against a case's truth, on every backend.
+//! Runs still cases: one setting against a case's truth, on every backend.
 
 use super::{
     all_backends,
@@ -17,36 +17,36 @@ use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View};
 use umbrage_plan::{catalogue::Catalogue, cost::Work, motion::draws_the_picture};
 use umbrage_techniques::TechniquePreset;
 
-/// A still case, ready to be played.
+/// A still case, ready to run.
 #[derive(Debug)]
 pub(super) struct Still<'a> {
     pub(super) case_truth: &'a CaseTruth,
-    /// The same scene at scale 1, for [`Measure::ScaleDrift`].
+    /// Truth of the same scene at scale 1, for [`Measure::ScaleDrift`].
     pub(super) reference: Option<&'a CaseTruth>,
     pub(super) criteria: &'a [Criterion],
-    /// Costs and layers of kernels.
+    /// Catalogue with the costs and layers of kernels.
     pub(super) catalogue: &'a Catalogue,
 }
 
-/// A mask, and what else is measured of its rendering.
+/// A mask, and further results of its rendering.
 struct RenderedOnAll {
     mask: Vec<f32>,
-    /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
+    /// Fragments that casts draw, millions, for an image of [`SCREEN`].
     fill: f64,
     /// Whether anything is drawn.
     casts: bool,
-    /// Of each pixel, the cascade that answers for it; none if the technique has no cascades.
+    /// Cascade of each pixel; `None` if the technique has no cascades.
     cascades: Option<Vec<u32>>,
     disagreeing: Option<u64>,
 }
 
-/// Why fill is not measured of what draws nothing.
-const CASTS_NOTHING: &str = "it draws nothing; `compare` tells what its rays cost";
-/// Why seams between cascades are not measured of other maps.
-const NO_SEAM: &str = "no two cascades meet in the picture";
+/// Reason why fill is not measured if nothing is drawn.
+const CASTS_NOTHING: &str = "it draws nothing; `compare` reports the cost of its rays";
+/// Reason why seams between cascades are not measured without any.
+const NO_SEAM: &str = "no two cascades meet in the image";
 
 impl Still<'_> {
-    /// Plays one setting and returns its cell.
+    /// Runs one setting and returns its cell.
     pub(super) fn cell(
         &self,
         technique: &TechniquePreset,
@@ -82,7 +82,7 @@ impl Still<'_> {
         Ok(out)
     }
 
-    /// Returns the figure of [`Measure::CascadeSeams`]; none if no two cascades meet.
+    /// Returns the figure of [`Measure::CascadeSeams`]; `None` if no two cascades meet.
     fn cascade_seams(&self, played: &RenderedOnAll) -> Option<f64> {
         let truth = &self.case_truth.truth;
         cascade_seams::excess(
@@ -94,8 +94,8 @@ impl Still<'_> {
         )
     }
 
-    /// Returns a measure's figure of a rendering. For a comparison with scale 1, plays the
-    /// technique there, too.
+    /// Returns a measure's figure of a rendering. For a comparison with scale 1, runs the technique
+    /// there, too.
     fn figure(
         &self,
         measure: Measure,
@@ -114,8 +114,8 @@ impl Still<'_> {
         }
     }
 
-    /// Returns the mean mask over the case's lights on the first backend, and on how many pixels
-    /// the others differ from it.
+    /// Returns the mean mask over the case's lights on the first backend, and the number of pixels
+    /// on which the others differ from it.
     fn play(
         &self,
         case_truth: &CaseTruth,
@@ -138,7 +138,7 @@ impl Still<'_> {
         Ok(all)
     }
 
-    /// Plays a technique under one light.
+    /// Renders a technique under one light.
     fn under(
         &self,
         light: &Light,
@@ -158,8 +158,8 @@ impl Still<'_> {
         })
     }
 
-    /// Returns each pixel's cascade; `None` if the recipe has no cascades. Only a sun's map has
-    /// several layers that aren't a cube's.
+    /// Returns each pixel's cascade; `None` if the recipe has no cascades. Only a directional
+    /// light's map has several layers that aren't a cube's.
     fn cascades(&self, light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
         if light.position().is_some() {
             return None;
@@ -171,8 +171,8 @@ impl Still<'_> {
             .collect()
     }
 
-    /// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels,
-    /// millions. Casts into images of the camera's size grow with its pixels.
+    /// Returns the number of fragments that casts draw for an image of [`SCREEN`] pixels, millions.
+    /// Casts into images of the camera's size grow with its pixels.
     fn fill(&self, recipe: &Recipe, view: &View<'_>) -> f64 {
         let covered = Work::of(view, recipe, self.catalogue).covered as f64 * 1e-6;
         let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
@@ -184,7 +184,7 @@ impl Still<'_> {
     }
 }
 
-/// Returns a cell without a picture.
+/// Returns a cell without an image.
 pub(super) fn cell(technique: &TechniquePreset, outcome: CellOutcome) -> Cell {
     Cell {
         technique: technique.name().to_owned(),
@@ -195,7 +195,7 @@ pub(super) fn cell(technique: &TechniquePreset, outcome: CellOutcome) -> Cell {
     }
 }
 
-/// Returns the cell of a setting that has no mask.
+/// Returns the cell of a setting without a mask.
 pub(super) fn no_mask(technique: &TechniquePreset, why: NoMask) -> Cell {
     let outcome = match why {
         NoMask::Unsupported(reason) => CellOutcome::Unsupported { reason },
@@ -205,7 +205,7 @@ pub(super) fn no_mask(technique: &TechniquePreset, why: NoMask) -> Cell {
 }
 
 impl RenderedOnAll {
-    /// Adds up two renderings; the mask is a sum, too.
+    /// Adds two renderings; the mask is a sum, too.
     fn plus(mut self, other: Self) -> Self {
         for (sum, visibility) in self.mask.iter_mut().zip(&other.mask) {
             *sum += visibility;

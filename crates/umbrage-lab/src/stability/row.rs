@@ -1,4 +1,4 @@
-//! The types of the catalogue of failures: rows and their cases.
+//! Types of the failure catalogue: rows and their cases.
 
 use super::measure::Measure;
 use umbrage_core::Fit;
@@ -8,16 +8,16 @@ use umbrage_scenes::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// A way in which shadow methods fail, and the scenes that provoke it.
+/// A failure of shadow methods, and the scenes that provoke it.
 #[derive(Clone, Copy, Debug)]
 pub struct StabilityRow {
-    /// Its number in the catalogue of failures.
+    /// Number in the failure catalogue.
     pub number: u8,
-    /// A few words.
+    /// Title of a few words.
     pub title: &'static str,
-    /// What fails, and why, in a sentence.
+    /// Failure and its cause, in one sentence.
     pub weakness: &'static str,
-    /// Techniques that the row is about and that umbrage doesn't have yet.
+    /// Techniques that the row concerns and that umbrage doesn't have yet.
     pub not_yet: Option<&'static str>,
     /// Scenes, each with its measure.
     pub cases: &'static [StabilityCase],
@@ -26,28 +26,28 @@ pub struct StabilityRow {
 /// One scene, still or moving, with the measure that shows the failure.
 #[derive(Clone, Copy, Debug)]
 pub struct StabilityCase {
-    /// For file names and the command line; the scene's name, and the motion if there is one.
+    /// Name for files and the command line: the scene's name, and the motion if there is one.
     pub name: &'static str,
-    /// The built-in scene.
+    /// Name of the built-in scene.
     pub scene: &'static str,
-    /// The scene's lights that count, from the first on; masks are means over them.
+    /// Number of the scene's lights that count, from the first on; masks are means over them.
     pub lights: usize,
-    /// What moves.
+    /// The motion.
     pub motion: Motion,
-    /// What is measured.
+    /// The measure.
     pub measure: Measure,
-    /// How maps are fitted. With another fit than the tight one, only techniques with a map are
-    /// played, by the limits of the tight one: what another costs in texels is charged as error.
+    /// Fit of the maps. With another fit than the tight one, only techniques with a map run. They
+    /// are judged by the limits of the tight fit, so coarser texels count as error.
     pub fit: Fit,
-    /// The scene that limits are taken from, if not the case's own: the same where coordinates are
-    /// fine enough for truth to be traced at texels' centres. See [`Measure::limits_from`].
+    /// Scene that limits are derived from, if not the case's own: the same scene where coordinates
+    /// are fine enough to trace truth at texel centres. See [`Measure::limits_from`].
     pub limits_from: Option<&'static str>,
-    /// Settings tried in addition to those of the catalogue, for this map size.
+    /// Settings that run in addition to those of the catalogue, for this map size.
     pub extra: Option<fn(map_size: u32) -> Vec<TechniquePreset>>,
 }
 
 impl StabilityCase {
-    /// A still scene.
+    /// Returns a case of a still scene.
     pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
         Self {
             name: scene,
@@ -61,8 +61,8 @@ impl StabilityCase {
         }
     }
 
-    /// A moving scene. While light and casters stand still nothing may change; else as much may
-    /// change as in truth.
+    /// Returns a case of a moving scene. While light and casters stand still nothing may change;
+    /// otherwise as much may change as in truth.
     pub(super) const fn moving(moving: MovingScene) -> Self {
         let measure = if moving.motion.moves_shadows() {
             Measure::ChangeError
@@ -76,13 +76,13 @@ impl StabilityCase {
         }
     }
 
-    /// The same case under another name: a scene with two measures.
+    /// Returns the same case under another name, for a scene with two measures.
     pub(super) const fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
     }
 
     /// Returns the case under another name, with maps whose fit moves by whole texels:
-    /// [`Fit::Stable`], also for `range`.
+    /// [`Fit::Stable`] with this `range`.
     pub(super) const fn stable(self, name: &'static str, range: f32) -> Self {
         Self {
             name,
@@ -99,7 +99,7 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the case with settings tried in addition to those of the catalogue:
+    /// Returns the case with settings that run in addition to those of the catalogue:
     /// [`StabilityCase::extra`].
     pub(super) const fn also(self, extra: fn(map_size: u32) -> Vec<TechniquePreset>) -> Self {
         Self {
@@ -108,15 +108,14 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the scene's entry in the catalogue of scenes; none if there is no scene of that
-    /// name, which a test rules out.
+    /// Returns the scene's entry in the scene catalogue. A test checks that it is never `None`.
     pub fn entry(&self) -> Option<&'static SceneEntry> {
         umbrage_scenes::find(self.scene)
     }
 }
 
 impl StabilityRow {
-    /// Whether `word` is this row's number, as `3` or `#3`.
+    /// Reports whether `word` is this row's number, as `3` or `#3`.
     pub fn is_called(&self, word: &str) -> bool {
         word.trim_start_matches('#').parse() == Ok(self.number)
     }

@@ -1,4 +1,4 @@
-//! The one list of rows: command, documentation, matrix and tests all come from it.
+//! The list of rows, from which command, documentation, matrix and tests are derived.
 
 use super::{
     measure::Measure,
@@ -13,20 +13,20 @@ use umbrage_techniques::{
     TechniquePreset, Vsm,
 };
 
-/// All rows, by number.
+/// Returns all rows, by number.
 pub fn rows() -> &'static [StabilityRow] {
     ROWS
 }
 
-/// All cases with their rows.
+/// Returns all cases with their rows.
 pub fn cases() -> impl Iterator<Item = (&'static StabilityRow, &'static StabilityCase)> {
     ROWS.iter()
         .flat_map(|row| row.cases.iter().map(move |case| (row, case)))
 }
 
-/// Where `thin-plate`'s plate meets the floor on the side of its shadow, which falls along +z.
+/// Contact of `thin-plate`'s plate with the floor on the side of its shadow, which falls along +z.
 ///
-/// Copied from `thin_plate` in `umbrage-scenes` (`sunlit.rs`), less 5 cm at each end of the plate;
+/// Copied from `thin_plate` in `umbrage-scenes` (`sunlit.rs`), minus 5 cm at each end of the plate;
 /// a test compares them.
 pub const PLATE: Contact = Contact {
     from: Vec3::new(-0.45, 0.0, 0.001),
@@ -34,7 +34,7 @@ pub const PLATE: Contact = Contact {
     along: Vec3::Z,
 };
 
-/// The middles of `hovering-feet`'s feet on the floor.
+/// Centres of `hovering-feet`'s feet on the floor.
 ///
 /// Copied from `hovering_feet` in `umbrage-scenes` (`fine.rs`); a test compares them.
 const FEET: [Vec3; 4] = [
@@ -44,17 +44,17 @@ const FEET: [Vec3; 4] = [
     Vec3::new(0.7, 0.0, 0.1),
 ];
 
-/// The greatest radius of a foot of `hovering-feet`, metres; copied likewise.
+/// Greatest radius of a foot of `hovering-feet`, metres; also copied.
 const FOOT_RADIUS: f32 = 0.11;
 /// Width of the ring around each foot in which leaks are measured, metres.
 const RING_WIDTH: f32 = 0.10;
-/// Distance from a foot's middle up to which leaks are measured, metres.
+/// Distance from a foot's centre up to which leaks are measured, metres.
 const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
 
-/// Width of the strips on either side of the creases of `room-corner`, metres: some ten texels.
+/// Width of the strips on either side of the creases of `room-corner`, metres: about ten texels.
 const CREASE_WIDTH: f32 = 0.08;
-/// The creases of `room-corner`'s walls, from their corner as far as they are seen; a test compares
-/// them with the scene.
+/// Visible creases of `room-corner`'s walls, from their corner; a test compares them with the
+/// scene.
 const CREASES: Band = Band::Creases {
     lines: &[
         [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0)],
@@ -90,7 +90,7 @@ const fn row(
 }
 
 impl StabilityRow {
-    /// Returns the row with techniques that it is about and that umbrage doesn't have yet.
+    /// Returns the row with techniques that it concerns and that umbrage doesn't have yet.
     const fn not_covered_yet(self, techniques: &'static str) -> Self {
         Self {
             not_yet: Some(techniques),
@@ -142,8 +142,8 @@ fn hard_leaky_bias(size: u32) -> Vec<TechniquePreset> {
     )
 }
 
-/// Returns hard and filtered shadows from four cascades that together take the memory of one map:
-/// cut by what is seen, stable, and with answers that blend.
+/// Returns hard and filtered shadows from four cascades that together have the memory of one map:
+/// split by the visible receivers, stable, and blended.
 fn cascaded(size: u32) -> Vec<TechniquePreset> {
     let map = |fit, cascades| ShadowMap {
         size: size / 2,
@@ -169,8 +169,7 @@ fn cascaded(size: u32) -> Vec<TechniquePreset> {
     ]
 }
 
-/// Returns maps of moments without what hides their light bleeding, by all ways in which they tell
-/// light from shadow.
+/// Returns moment maps without light bleeding reduction, one for each reconstruction.
 fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
     let map = ShadowMap {
         size,
@@ -206,7 +205,7 @@ fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
     out
 }
 
-/// How deep the stable fits reach whose cascades' seams are looked at: as far as is seen.
+/// Range of the stable fits for cascade seams, metres: the farthest visible distance.
 const FARTHEST_SEAM: f32 = 320.0;
 const FENCE_PAN: StabilityCase = moving(MovingScene::FENCE_PAN);
 const WIRE_FENCE_PAN: StabilityCase = moving(MovingScene::WIRE_FENCE_PAN);
@@ -225,40 +224,40 @@ const WARPS: &str = "perspective warps";
 
 #[rustfmt::skip]
 const ROWS: &[StabilityRow] = &[
-    row(1, "low sun", "a constant bias and a wide kernel are too little where light grazes: acne", &[
+    row(1, "low sun", "a constant bias and a wide kernel are too little bias at grazing light: acne", &[
         still("low-sun-2", Measure::Acne).also(hard_small_bias), still("low-sun-5", Measure::Acne).also(hard_small_bias), still("low-sun-10", Measure::Acne).also(hard_small_bias),
     ]),
     row(2, "near and far", "one bias for receivers at 5 m and at 300 m: acne in one of them", &[
         still("long-plane", Measure::AcneByDistance).also(hard_small_bias), still("long-plane-lamp", Measure::AcneByDistance).also(hard_small_bias),
     ]),
-    row(3, "thin contact", "a bias parts the shadow from a plate of 2 mm; second depth leaks at its base", &[
+    row(3, "thin contact", "a bias detaches the shadow from a plate of 2 mm; second depth leaks at its base", &[
         still("thin-plate", Measure::Gap(PLATE)).also(hard_leaky_bias),
         still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).also(hard_leaky_bias).named("thin-plate-leak"),
     ]),
     row(4, "sealed room", "walls one texel thick: front-face culling, second depth and normal offsets let light in", &[
         still("sealed-room", Measure::Leak).also(hard_leaky_bias),
     ]),
-    row(5, "open shells", "leaves, sheets and open boxes have no far side: what needs closed casters loses shadow", &[
+    row(5, "open shells", "leaves, sheets and open boxes have no far side: techniques that need closed casters lose shadow", &[
         still("open-shells", Measure::Wrong),
     ]),
-    row(6, "thin slices", "moments of many layers bleed; a bias takes a slice for the next", &[
+    row(6, "thin slices", "moments of many layers bleed; a bias confuses a slice with the next one", &[
         still("stacked-slices", Measure::Leak),
     ]),
-    row(7, "two blockers", "one penumbra is made of a pole near the lamp and a wall far from it", &[
+    row(7, "two blockers", "a pole near the light and a wall far from it share one penumbra", &[
         still("two-blockers", Measure::PenumbraRmse),
     ]),
     row(8, "near contact", "feet 1 cm above the floor: light leaks under them", &[
         still("hovering-feet", Measure::LeakAround(&FEET, LEAK_RADIUS)),
     ]),
-    row(9, "fine detail", "wires as thin as a texel come and go", &[
+    row(9, "fine detail", "wires as thin as a texel appear and vanish", &[
         still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", MovingScene::FENCE_PAN.range),
         still("wire-fence", Measure::Rmse),
         WIRE_FENCE_PAN, WIRE_FENCE_PAN.stable("wire-fence-pan-stable", MovingScene::WIRE_FENCE_PAN.range),
     ]),
-    row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
+    row(10, "landscape", "nearby texels far larger than pixels; a fit that follows the camera", &[
         still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", MovingScene::HILLS_PAN.range),
     ]),
-    row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
+    row(11, "far from the origin", "positions and fits lose precision in 32 bits at 1e5 and 1e6 m", &[
         still("hills-1e5", Measure::Rmse).limits_from("hills"),
         HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", MovingScene::HILLS_1E5_PAN.range),
         still("hills-1e6", Measure::Rmse).limits_from("hills"),
@@ -268,10 +267,10 @@ const ROWS: &[StabilityRow] = &[
         HILLS_YAW, HILLS_YAW.stable("hills-yaw-stable", MovingScene::HILLS_YAW.range),
         HILLS_FOV, HILLS_FOV.stable("hills-fov-stable", MovingScene::HILLS_FOV.range),
     ]),
-    row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow lags the light", &[
+    row(13, "turning sun", "texels turn with the light and crawl along edges, or the shadow lags behind the light", &[
         HILLS_SUN, HILLS_SUN.stable("hills-sun-stable", MovingScene::HILLS_SUN.range),
     ]),
-    row(14, "into the light", "looking into the sun: the map is coarse where the picture is fine", &[
+    row(14, "into the light", "looking into the sun: the map is coarse where the image is fine", &[
         still("into-light", Measure::Rmse),
     ]).not_covered_yet(WARPS),
     row(15, "cube seams", "kernels stop at the edges of a cube's faces", &[
@@ -283,22 +282,22 @@ const ROWS: &[StabilityRow] = &[
     row(17, "rising heights", "each box has a penumbra of its own width", &[
         still("rising-boxes", Measure::PenumbraWidth), still("rising-boxes-disc", Measure::PenumbraWidth),
     ]),
-    row(18, "canopy", "leaves and a trunk under a large lamp: one penumbra is made of many", &[
+    row(18, "canopy", "leaves and a trunk under a large area light: many penumbrae overlap", &[
         still("canopy", Measure::PenumbraRmse),
     ]),
     row(19, "two lights", "the errors of two lights add up", &[
         StabilityCase { lights: 2, ..still("two-lights", Measure::Rmse) },
     ]),
-    row(20, "caster at the light", "a bar 1 cm from the lamp is nearer than the near plane: lost", &[
+    row(20, "caster at the light", "a bar 1 cm from the light is in front of the near plane: its shadow is lost", &[
         still("bar-at-lamp", Measure::Leak),
     ]),
-    row(21, "eye in an umbra", "counts of shadow volumes start inside one, which the near plane cuts", &[
+    row(21, "eye in an umbra", "the eye is inside a shadow volume that the near plane cuts: wrong counts", &[
         still("eye-in-umbra", Measure::Wrong), still("eye-in-umbra-lamp", Measure::Wrong),
     ]),
     row(22, "broken meshes", "double faces, T-junctions and holes have no clean silhouette", &[
         still("broken-meshes", Measure::Leak), still("broken-meshes-lamp", Measure::Leak),
     ]),
-    row(23, "many casters", "the volumes of 10,000 boxes fill the picture many times over", &[
+    row(23, "many casters", "the volumes of 10,000 boxes cover the image many times", &[
         still("ten-thousand-boxes", Measure::Fill),
     ]),
     row(24, "stairs", "shadows flattened onto planes: wrong planes, casters across them, casters beyond the light", &[
@@ -308,51 +307,51 @@ const ROWS: &[StabilityRow] = &[
         still("displaced-wall", Measure::Acne), still("normal-mapped-wall", Measure::Acne),
         still("relief-without-depth-pass", Measure::Acne),
     ]),
-    row(26, "coarse depth", "16 bits over a quarter of a kilometre: depths come in steps", &[
+    row(26, "coarse depth", "16 bits over a quarter of a kilometre: depths are quantised", &[
         still("far-range", Measure::Acne).also(hard_16_bit),
     ]),
     row(27, "light along up", "a look-at whose up is the light's direction: the right vector is undefined", &[
         still("sun-above", Measure::Rmse), still("spot-above", Measure::Rmse),
     ]),
-    row(28, "scale", "biases in metres at 1e-3 and 1e4 of a scene", &[
+    row(28, "scale", "biases in metres in a scene scaled by 1e-3 and 1e4", &[
         still("cubes-tiny", Measure::ScaleDrift("cubes")), still("cubes-huge", Measure::ScaleDrift("cubes")),
     ]),
-    row(29, "nothing", "nothing casts, receives or is seen: empty fits, divisions by zero", &[
+    row(29, "nothing", "no casters, no receivers or nothing visible: empty fits, divisions by zero", &[
         still("no-casters", Measure::AllLit), still("no-receivers", Measure::AllLit), still("only-sky", Measure::AllLit),
     ]),
-    row(30, "caster out of view", "a tower beside the picture throws its shadow into it", &[
+    row(30, "caster out of view", "a tower outside the image casts its shadow into it", &[
         still("tower-out-of-view", Measure::Leak),
     ]),
     row(31, "room corners", "kernels and biases reach through the neighbouring wall: dark or bright lines along creases", &[
         still("room-corner", Measure::WrongNear(CREASES)),
     ]),
-    row(32, "rim of a cone", "a spot's map ends where its light does: kernels look beyond it", &[
+    row(32, "rim of a cone", "a spot's map ends with its cone: kernels reach beyond it", &[
         still("cone-rim", Measure::WrongNear(RIM)),
     ]),
-    row(33, "small light", "a penumbra narrower than a texel: nearly no width to search or filter in", &[
+    row(33, "small light", "a penumbra narrower than a texel: too narrow to search or filter", &[
         still("small-lamp", Measure::Rmse),
     ]),
-    row(34, "low-poly terminator", "light grazes whole facets: acne on the last that face it, leaks on the first that do not", &[
+    row(34, "low-poly terminator", "light grazes whole facets: acne on the last facets towards it, leaks on the first facets away from it", &[
         still("low-poly", Measure::Acne),
     ]),
-    row(35, "other projections", "depth is reversed and without end: near and far are taken for one another, or for infinite", &[
+    row(35, "other projections", "reversed and infinite depth: near and far planes are swapped or infinite", &[
         still("hills-endless", Measure::Rmse),
         HILLS_ENDLESS_PAN, HILLS_ENDLESS_PAN.stable("hills-endless-pan-stable", MovingScene::HILLS_ENDLESS_PAN.range),
     ]),
-    row(36, "moving casters", "a fit that goes around casters moves with them, and all other shadows crawl", &[
+    row(36, "moving casters", "a fit around the casters moves with them, so all other shadows crawl", &[
         HILLS_CASTERS, HILLS_CASTERS.stable("hills-casters-stable", MovingScene::HILLS_CASTERS.range),
     ]),
-    row(37, "jittered projection", "a fit that follows the picture changes with every jitter of temporal antialiasing", &[
+    row(37, "jittered projection", "a fit that follows the camera's projection changes with every jitter of temporal antialiasing", &[
         HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", MovingScene::HILLS_JITTER.range),
     ]),
-    row(38, "cascade seams", "where one map ends and a coarser one begins: a line across the picture, or no shadow at all", &[
+    row(38, "cascade seams", "between one map and the next coarser one: a line across the image, or no shadow at all", &[
         still("hills", Measure::CascadeSeams).also(cascaded).named("hills-seams"),
         still("far-range", Measure::CascadeSeams).also(cascaded).named("far-range-seams"),
     ]),
-    row(39, "leaf cards", "holes that an alpha texture cuts out of leaves, 5 to 500 m away: finer than a texel, than a pixel, or than both", &[
+    row(39, "leaf cards", "alpha-tested leaves 5 to 500 m away: holes finer than a texel, a pixel, or both", &[
         still("foliage", Measure::Rmse), FOLIAGE_PAN, FOLIAGE_PAN.stable("foliage-pan-stable", MovingScene::FOLIAGE_PAN.range),
     ]),
-    row(40, "light bleeding", "moments of two blockers: light along the upper one's outline, in the shadow of the lower one", &[
+    row(40, "light bleeding", "moments of two blockers: light along the upper one's outline within the shadow of the lower one", &[
         still("two-plates", Measure::Leak).also(unreduced_moments),
     ]),
 ];
@@ -374,7 +373,7 @@ mod tests {
                 .filter(|(_, case)| case.name == moving.name)
                 .collect();
             let [(row, case)] = found[..] else {
-                panic!("{} is there once", moving.name);
+                panic!("{} is not in exactly one row", moving.name);
             };
             assert_eq!((row.number, case.motion), (moving.row, moving.motion));
         }
@@ -386,7 +385,7 @@ mod tests {
         for (end, corner_x) in [(PLATE.from, -0.5_f32), (PLATE.to, 0.5)] {
             let corner = Vec3::new(corner_x, end.y, end.z);
             assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
-            assert!(end.x.abs() < corner_x.abs(), "{end} is beside the plate");
+            assert!(end.x.abs() < corner_x.abs(), "{end} is outside the plate");
         }
     }
 

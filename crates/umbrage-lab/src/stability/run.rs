@@ -1,4 +1,4 @@
-//! Plays all rows with all techniques.
+//! Runs all rows with all techniques.
 
 use super::{
     case_truth::CaseTruth,
@@ -28,12 +28,12 @@ use umbrage_plan::truth::TruthOptions;
 use umbrage_scenes::motion::Motion;
 use umbrage_techniques::TechniquePreset;
 
-/// What to play, and how carefully.
+/// Selection and effort of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StabilityOptions {
     /// Rows by number, or cases by name; all when empty.
     pub rows: Vec<String>,
-    /// The techniques that there are.
+    /// Available techniques.
     pub catalogue: Catalogue,
     /// Techniques by name; all when empty.
     pub techniques: Vec<String>,
@@ -43,7 +43,7 @@ pub struct StabilityOptions {
     pub map_size: u32,
     /// Frames of moving cases, 2 or more.
     pub frames: u32,
-    /// How truth is traced.
+    /// Settings of the truth tracer.
     pub truth: TruthOptions,
 }
 
@@ -95,13 +95,13 @@ impl StabilityOptions {
     /// Checks that all rows and techniques exist.
     ///
     /// # Errors
-    /// Errors on the first name that doesn't exist; the error says what there is.
+    /// Errors on the first name that doesn't exist; the error lists the valid names.
     pub fn validate(&self) -> Result<(), Invalid> {
         for word in &self.rows {
             if !cases().any(|(row, case)| is_named(row, case, word)) {
                 return Err(Invalid::new(
                     "row",
-                    format!("there is none called `{word}`"),
+                    format!("`{word}` is unknown"),
                     format!(
                         "use a row's number, 1 to {}, or the name of a case, such as thin-plate",
                         rows().len()
@@ -114,7 +114,7 @@ impl StabilityOptions {
     }
 }
 
-/// Whether `word` selects a case: its row's number, its own name, or its scene's.
+/// Reports whether `word` selects a case: by its row's number, its own name, or its scene's.
 fn is_named(row: &StabilityRow, case: &StabilityCase, word: &str) -> bool {
     row.is_called(word) || case.name == word || case.scene == word
 }
@@ -124,23 +124,25 @@ fn is_named(row: &StabilityRow, case: &StabilityCase, word: &str) -> bool {
 pub enum StabilityEvent<'a> {
     /// A case begins.
     Case {
-        /// Its name.
+        /// Name of the case.
         name: &'a str,
-        /// Its index among all that are played, from 0.
+        /// Index of the case in the run, from 0.
         index: usize,
-        /// The number of all that are played.
+        /// Number of cases of the run.
         of: usize,
     },
     /// A case has ended.
     Done {
-        /// Its result.
+        /// Result of the case.
         result: &'a CaseResult,
     },
 }
 
-/// Plays the chosen rows on all backends; of moving rows, all but the first backend play only the
-/// first and the last frame. A technique that fails a row is a result. What must never happen (NaN,
-/// a panic, a validation error, backends that disagree) is listed in [`Stability::faults`].
+/// Runs the selected rows on all backends. In moving rows, all but the first backend render only
+/// the first and the last frame.
+///
+/// A technique that fails a row is a result. Events that must never happen (NaN, a panic, a
+/// validation error, backends that disagree) are listed in [`Stability::faults`].
 ///
 /// # Errors
 /// Errors if a name is unknown, there is no backend, or a scene can't be used.
@@ -167,10 +169,11 @@ pub fn run(
     };
     let wanted = &wanted;
     thread::scope(|scope| {
-        // The receiver ends with this closure, after an error, too: then the other thread stops.
+        // The receiver is dropped with this closure, also after an error; then the other thread
+        // stops.
         let (sender, receiver) = sync_channel(CASES_AHEAD);
-        // Truth takes all cores for a while, and what a device renders takes one: so the next cases
-        // are prepared meanwhile.
+        // Prepare the next cases meanwhile: truth uses all cores for a while, rendering on a device
+        // only one.
         scope.spawn(move || prepare_all(wanted, options, &sender));
         for (index, (row, case)) in wanted.iter().copied().enumerate() {
             on_event(StabilityEvent::Case {
@@ -178,7 +181,7 @@ pub fn run(
                 index,
                 of: wanted.len(),
             });
-            // The other thread has ended if it panicked, which the scope then passes on.
+            // If the other thread panicked, the scope propagates the panic.
             let Ok(prepared) = receiver.recv() else {
                 break;
             };
@@ -191,21 +194,21 @@ pub fn run(
     })
 }
 
-/// Cases that are prepared ahead of the one that runs.
+/// Number of cases prepared ahead of the running one.
 const CASES_AHEAD: usize = 1;
 
-/// A case with all that is traced for it.
+/// A case with its traced data.
 struct Prepared {
     case_truth: Arc<CaseTruth>,
-    /// Where limits come from, if that is another scene.
+    /// Source of the limits, if it is another scene.
     elsewhere: Option<CaseTruth>,
-    /// The same scene at scale 1, for [`Measure::ScaleDrift`].
+    /// Truth of the same scene at scale 1, for [`Measure::ScaleDrift`].
     reference: Option<CaseTruth>,
-    /// Its frames, if anything moves.
+    /// Frames of the case, if anything moves.
     moving: Option<Moving>,
 }
 
-/// Prepares cases in their order, until one can't be or nobody waits for more.
+/// Prepares cases in order, until one fails or the receiver is dropped.
 fn prepare_all(
     cases: &[(&StabilityRow, &StabilityCase)],
     options: &StabilityOptions,
@@ -213,7 +216,7 @@ fn prepare_all(
 ) {
     let mut last: Option<(&StabilityCase, Arc<CaseTruth>)> = None;
     for &(_, case) in cases {
-        // Neighbours in the list often share a scene; its truth is traced once.
+        // Trace truth once for neighbours in the list that share a scene.
         let known = last
             .take()
             .filter(|(before, _)| has_same_truth(before, case))
@@ -262,18 +265,18 @@ fn prepare(
     })
 }
 
-/// Whether two cases begin with the same view of the same scene: only a widening motion changes the
-/// first camera ([`Motion::first_camera`]).
+/// Reports whether two cases begin with the same view of the same scene. Only a widening motion
+/// changes the first camera ([`Motion::first_camera`]).
 fn has_same_truth(a: &StabilityCase, b: &StabilityCase) -> bool {
     let a_widens = a.motion == Motion::Widening;
     let b_widens = b.motion == Motion::Widening;
     a.scene == b.scene && a.lights == b.lights && a_widens == b_widens
 }
 
-/// Traces truth about a scene, seen and lit as a case says.
+/// Traces truth of a scene with a case's camera and lights.
 ///
 /// # Errors
-/// Errors if the scene doesn't exist or can't be used.
+/// Errors if the scene doesn't exist or is invalid.
 pub fn case_truth(
     case: &StabilityCase,
     scene: &str,
@@ -282,7 +285,7 @@ pub fn case_truth(
     let entry = umbrage_scenes::find(scene).ok_or_else(|| {
         Invalid::new(
             "scene",
-            format!("there is none called `{scene}`"),
+            format!("`{scene}` is unknown"),
             "use a built-in one",
         )
     })?;
@@ -348,13 +351,13 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
         return Err(Invalid::new(
             "stability",
             "has no backend",
-            "open at least one",
+            "pass at least one",
         ));
     }
     Ok(())
 }
 
-/// Returns the settings that a case runs with: those of the catalogue, then the case's own.
+/// Returns the settings of a case: those of the catalogue, then the case's own.
 fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Vec<TechniquePreset> {
     let mut out = settings(
         &options.catalogue,
@@ -371,8 +374,7 @@ fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Vec<Techni
     out
 }
 
-/// Returns truth about the scene that a case is compared with, if its measure needs one: the same
-/// scene at scale 1.
+/// Returns truth of the same scene at scale 1, if the case's measure needs it.
 fn reference(
     case: &StabilityCase,
     options: &StabilityOptions,
@@ -383,7 +385,7 @@ fn reference(
     }
 }
 
-/// Returns a message for each cell that shows what must never happen.
+/// Returns a message for each cell with an event that must never happen.
 fn faults(result: &CaseResult) -> Vec<String> {
     let mut out = Vec::new();
     for cell in &result.cells {
@@ -400,11 +402,11 @@ fn faults(result: &CaseResult) -> Vec<String> {
     out
 }
 
-/// Compares backends that have played with fresh ones of the same kind. Returns a message for each
-/// whose picture differs.
+/// Compares used backends with fresh ones of the same kind. Returns a message for each whose image
+/// differs.
 ///
 /// # Errors
-/// Errors if the picture can't be played.
+/// Errors if a backend can't render the image.
 pub fn check_state(
     used: &mut [Box<dyn Backend + Send>],
     fresh: &mut [Box<dyn Backend + Send>],
@@ -416,7 +418,7 @@ pub fn check_state(
         };
         if !guard::is_as_new(&mut **used, &mut **fresh)? {
             out.push(format!(
-                "{}: a control picture after the run differs from a fresh backend's",
+                "{}: a control image after the run differs from a fresh backend's",
                 used.name()
             ));
         }

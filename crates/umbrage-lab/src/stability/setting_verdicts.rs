@@ -1,7 +1,7 @@
-//! What all rows say of one setting of a technique: how many it fails, and which.
+//! Verdicts of all rows on one setting of a technique: the number of failed rows, and their names.
 //!
 //! A row counts once, with the worst verdict of its cases. Cases with another fit than the tight
-//! one are apart: where a row fails under the tight fit alone, the fit that cures it is named.
+//! one are separate: if a row fails only under the tight fit, the fit that fixes it is named.
 
 use super::{
     cell::{CaseResult, Cell, Stability},
@@ -16,10 +16,10 @@ pub struct FailedRow {
     pub row: u8,
     /// The row's title.
     pub title: String,
-    /// Its cases that have this verdict.
+    /// Cases of the row with this verdict.
     pub cases: Vec<String>,
-    /// The fit under which all of the row's cases pass or are merely degraded, in words; none if
-    /// there is no such fit.
+    /// Label of the fit under which all of the row's cases pass or are only degraded; `None`
+    /// without such a fit.
     pub cured_by: Option<String>,
 }
 
@@ -28,32 +28,32 @@ pub struct FailedRow {
 pub struct SettingVerdicts {
     /// The technique's name.
     pub technique: String,
-    /// Its settings, without a fit.
+    /// Settings of the technique, without a fit.
     pub settings: String,
-    /// Rows with a verdict: passed, degraded or failed.
+    /// Number of rows with a verdict: passed, degraded or failed.
     pub measured: usize,
-    /// Rows passed.
+    /// Number of passed rows.
     pub passed: usize,
-    /// Rows in which it is degraded.
+    /// Rows in which the setting is degraded.
     pub degraded: Vec<FailedRow>,
-    /// Rows that it fails.
+    /// Rows that the setting fails.
     pub failed: Vec<FailedRow>,
-    /// Rows in which it could not have failed.
+    /// Number of rows that the setting could not have failed.
     pub not_measured: usize,
-    /// Rows that it does not serve.
+    /// Number of rows that the setting does not support.
     pub not_served: usize,
 }
 
-/// The least side of a shadow map, texels, that a number in a setting's words is taken for: kernels
-/// and counts of rays are smaller.
+/// Least number in a setting's label that is read as the side of a shadow map, texels: kernels and
+/// ray counts are smaller.
 const LEAST_MAP_SIDE: u32 = 16;
 
 impl Stability {
-    /// Returns the verdicts on every setting that was played on all rows with the tight fit, in the
-    /// order of the cells.
+    /// Returns the verdicts on every setting that ran in all rows with the tight fit, in the order
+    /// of the cells.
     pub fn setting_verdicts(&self) -> Vec<SettingVerdicts> {
         let tight: Vec<&CaseResult> = self.telling().filter(|c| c.fit.is_empty()).collect();
-        // Some cases try settings of their own; those that all cases share are the techniques'.
+        // Some cases add settings; those that all cases share are the techniques' own.
         let Some(least) = tight.iter().min_by_key(|case| case.cells.len()) else {
             return Vec::new();
         };
@@ -95,7 +95,7 @@ impl Stability {
     }
 }
 
-/// Returns a row that has this verdict on a setting; none without cases.
+/// Returns a row with its cases that have this verdict on a setting; `None` without cases.
 fn failed_row(of_row: &[&CaseResult], setting: &Cell, verdict: Verdict) -> Option<FailedRow> {
     let first = of_row.first()?;
     let tight = of_row.iter().filter(|case| case.fit.is_empty());
@@ -115,8 +115,8 @@ fn failed_row(of_row: &[&CaseResult], setting: &Cell, verdict: Verdict) -> Optio
     })
 }
 
-/// Returns the worst verdict of a row's cases with this fit on a setting; none where it serves none
-/// of them. A case in which it could not have failed counts only where there is no other.
+/// Returns the worst verdict on a setting over a row's cases with this fit; `None` if it supports
+/// none of them. A case that could not fail counts only if there is no other.
 fn worst(of_row: &[&CaseResult], fit: &str, setting: &Cell) -> Option<Verdict> {
     let cases = of_row.iter().filter(|case| case.fit == fit);
     let verdicts: Vec<Verdict> = cases.filter_map(|case| verdict_of(case, setting)).collect();
@@ -124,7 +124,8 @@ fn worst(of_row: &[&CaseResult], fit: &str, setting: &Cell) -> Option<Verdict> {
     of_measured.max().or(verdicts.first()).copied()
 }
 
-/// Returns a case's verdict on a setting; none if it doesn't serve the case, or isn't played there.
+/// Returns a case's verdict on a setting; `None` if it doesn't support the case or didn't run
+/// there.
 fn verdict_of(case: &CaseResult, setting: &Cell) -> Option<Verdict> {
     let is_setting = |cell: &&Cell| {
         cell.technique == setting.technique && case.settings_without_fit(cell) == setting.settings
@@ -133,7 +134,7 @@ fn verdict_of(case: &CaseResult, setting: &Cell) -> Option<Verdict> {
 }
 
 impl CaseResult {
-    /// Returns a cell's settings without the case's fit, which is the case's.
+    /// Returns a cell's settings without the case's fit.
     pub fn settings_without_fit(&self, cell: &Cell) -> String {
         if self.fit.is_empty() {
             cell.settings.clone()
@@ -149,13 +150,13 @@ impl SettingVerdicts {
         format!("{} ({})", self.technique, self.settings)
     }
 
-    /// Whether another setting differs from this one in nothing but the side of its map.
+    /// Reports whether another setting differs from this one only in the side of its map.
     pub fn is_of(&self, technique: &str, settings: &str) -> bool {
         self.technique == technique && without_side(&self.settings) == without_side(settings)
     }
 
-    /// Returns the verdicts in a few words: `fails 4 of 33 rows: low sun, fine casters, ..`.
-    /// `most`: titles that are named; 0: the count alone.
+    /// Returns the verdicts in a few words: `fails 4 of 33 rows: low sun, fine casters, ..`. It
+    /// lists at most `most` titles.
     pub fn words(&self, most: usize) -> String {
         if self.measured == 0 {
             return "no row measures it".to_owned();
@@ -174,7 +175,7 @@ impl SettingVerdicts {
         format!("{count}: {}", titles.join(", "))
     }
 
-    /// Returns how many rows it fails: `fails 4 of 33 rows`.
+    /// Returns the number of failed rows in words: `fails 4 of 33 rows`.
     fn count_words(&self) -> String {
         let measured = self.measured;
         match self.failed.len() {
@@ -183,22 +184,22 @@ impl SettingVerdicts {
         }
     }
 
-    /// Returns the share of the rows with a verdict that it fails, 0 to 1.
+    /// Returns the failed share of the rows with a verdict, 0 to 1.
     pub fn share(&self) -> f64 {
         self.failed.len() as f64 / self.measured.max(1) as f64
     }
 }
 
-/// Returns a setting's words without the side of its map.
+/// Returns a setting's label without the side of its map.
 fn without_side(settings: &str) -> String {
     let is_side = |word: &&str| word.parse().is_ok_and(|n: u32| n >= LEAST_MAP_SIDE);
     let words: Vec<&str> = settings.split(", ").filter(|word| !is_side(word)).collect();
     words.join(", ")
 }
 
-/// Returns the verdicts that hold for a setting: those of the same setting on another map; else
-/// those of the technique with the same bias, its smallest kernel first. None if neither was
-/// played: another bias fails other rows.
+/// Returns the verdicts that apply to a setting: those of the same setting on another map, else
+/// those of the technique with the same bias, smallest kernel first. `None` if neither ran: another
+/// bias fails other rows.
 pub fn nearest<'a>(
     all: &'a [SettingVerdicts],
     technique: &str,
@@ -261,8 +262,8 @@ mod tests {
         }
     }
 
-    /// Row 1 fails in one of two cases, and not with the stable fit; row 2 is degraded; row 3 is
-    /// not measured, row 4 not served.
+    /// Returns a sample: row 1 fails in one of two cases, but not with the stable fit; row 2 is
+    /// degraded; row 3 is not measured, row 4 not supported.
     fn sample() -> Stability {
         use Verdict::{Degraded, Fails, NotMeasured, Pass};
         let both = |verdict| [judged(verdict), judged(Pass)];
@@ -299,7 +300,7 @@ mod tests {
         assert_eq!(slope.words(4), "fails 1 of 2 rows: title 1");
         assert_eq!(slope.words(0), "fails 1 of 2 rows");
         assert_eq!(slope.share(), 0.5);
-        // Of the other setting row 3 passes, as its case is measured.
+        // The other setting passes row 3, as its case is measured.
         assert_eq!((all[1].measured, all[1].passed), (3, 3));
         assert_eq!(all[1].words(4), "fails none of 3 rows");
     }
@@ -327,7 +328,7 @@ mod tests {
         assert_eq!(found("pcf", "7x7, 2048, bias: slope"), slope);
         assert_eq!(found("pcf", "3x3, 1024, bias: none"), None);
         assert_eq!(found("hard", "2048, bias: slope"), None);
-        // Without a bias all settings are told apart.
+        // Settings without a bias are all distinct.
         assert_eq!(found("pcf", "5x5"), None);
         assert!(all[0].is_of("pcf", "3x3, 4096, bias: slope"));
         assert!(!all[0].is_of("pcf", "5x5, 1024, bias: slope"));

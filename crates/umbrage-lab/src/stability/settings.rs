@@ -1,15 +1,16 @@
-//! Chooses the settings of each technique that the matrix shows.
+//! Selects the settings of each technique for the matrix.
 
 use umbrage_core::Fit;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_techniques::TechniquePreset;
 
-/// Returns the settings of every technique of the catalogue (or of those named) that run: the one
-/// that textbooks have (the first with a slope bias or a polygon offset, else the first), and those
-/// that stand for it in a comparison of frames of real size
-/// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)), so that a
-/// comparison's rows have verdicts of their own. With another fit than the tight one, techniques
-/// without a map are left out: it changes nothing for them.
+/// Returns the settings to run for every technique of the catalogue, or only the named ones.
+///
+/// They are the textbook setting (the first with a slope bias or a polygon offset, else the first),
+/// and those that represent the technique in a comparison of frames of real size
+/// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)). So a
+/// comparison's rows have their own verdicts. With another fit than the tight one, techniques
+/// without a map are omitted: the fit doesn't affect them.
 pub fn settings(
     catalogue: &Catalogue,
     techniques: &[String],
@@ -30,7 +31,7 @@ pub fn settings(
     out
 }
 
-/// Returns the setting that textbooks have.
+/// Returns the textbook setting.
 fn textbook(all: &[TechniquePreset]) -> Option<TechniquePreset> {
     let usual = all.iter().find(|preset| {
         let words = preset.settings();
@@ -39,7 +40,7 @@ fn textbook(all: &[TechniquePreset]) -> Option<TechniquePreset> {
     usual.or(all.first()).cloned()
 }
 
-/// Returns each setting once.
+/// Returns the distinct settings.
 fn distinct(settings: impl Iterator<Item = TechniquePreset>) -> Vec<TechniquePreset> {
     let mut out: Vec<TechniquePreset> = Vec::new();
     for setting in settings {
@@ -75,7 +76,7 @@ mod tests {
             let bias = default.map().map(|map| map.bias.label());
             assert!(
                 bias.is_none_or(|bias| its.iter().any(|words| words.ends_with(&bias))),
-                "{}: its default bias is played: {its:?}",
+                "{}: its default bias is missing: {its:?}",
                 entry.technique.name
             );
         }

@@ -1,10 +1,10 @@
-//! A map's texels projected onto receivers: what a perfect map would show, and how far edges are in
+//! Texels of a map projected onto receivers: the mask of a perfect map, and distances from edges in
 //! texels.
 //!
-//! A map stores one value a texel, at its center. A *perfect map* holds there the exact visibility
-//! of the point where the light's ray through the center meets the receiver's own plane. It has no
-//! acne, no gap and no leak, and yet its shadow edges run along texels. Its error is what edge
-//! aliasing alone causes at that size, and so the reference for measures that aliasing bounds.
+//! A map stores one value per texel, at its center. In a *perfect map* it is the exact visibility
+//! of the point where the light's ray through the center meets the receiver's own plane. Such a map
+//! has no acne, no gap and no leak, but its shadow edges run along texels. Its error is the edge
+//! aliasing of that size, and so the reference for measures that aliasing bounds.
 
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use umbrage_core::{Geometry, Invalid, Light, LightSpace, LightSpaces, Receivers, light_sample};
@@ -34,15 +34,15 @@ impl ClipSpace {
         }
     }
 
-    /// Whether a point lies before the light and within the map's sides.
+    /// Reports whether a point is in front of the light and within the map's sides.
     fn shows(&self, position: DVec3) -> bool {
         let clip = self.clip_from_world * position.extend(1.0);
         clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w
     }
 }
 
-/// Planes whose sine of the angle to the light's ray is at most this have no usable footprint: a
-/// small step on the map is an endless one on the plane.
+/// Greatest sine of the angle between a plane and the light's ray at which the footprint is
+/// unusable: a small step on the map is an unbounded one on the plane.
 const GRAZING: f64 = 1e-6;
 
 impl Texels {
@@ -54,9 +54,9 @@ impl Texels {
         }
     }
 
-    /// Returns the point of the plane through `position` that lies on the map where `to` moves the
-    /// position's own place, both in texels from the top left. World space, metres. None where no
-    /// map shows the position, or its plane is seen edge-on.
+    /// Returns the point of the plane through `position` whose map coordinates are those of
+    /// `position` moved by `to`. Map coordinates are in texels from the top left; points are in
+    /// world space, metres. `None` if no map contains the position, or its plane is edge-on.
     pub fn moved(&self, position: Vec3, normal: Vec3, to: impl Fn(DVec2) -> DVec2) -> Option<Vec3> {
         let position = position.as_dvec3();
         let normal = normal.as_dvec3();
@@ -72,7 +72,7 @@ impl Texels {
         let far = space
             .world_from_clip
             .project_point3(DVec3::new(moved_x, moved_y, 1.0));
-        // Where the light's ray through the moved place meets the plane.
+        // Intersect the light's ray through the moved coordinates with the plane.
         let ray = far - near;
         let slope = normal.dot(ray);
         let t = normal.dot(position - near) / slope;
@@ -81,9 +81,10 @@ impl Texels {
         (has_footprint && moved.is_finite()).then_some(moved.as_vec3())
     }
 
-    /// Returns the traced visibility of each receiver at another point of its plane, and that
-    /// point: `to` moves its place on the map (as in [`Texels::moved`]), and `keep` may move the
-    /// point again, given the receiver's index. None where nothing receives or no map shows it.
+    /// Returns each receiver moved to another point of its plane, and the traced visibility there.
+    ///
+    /// `to` moves its map coordinates (as in [`Texels::moved`]). `keep` may move the point again,
+    /// given the receiver's index. `None` if nothing receives or no map contains the receiver.
     ///
     /// # Errors
     /// Errors if the light is not valid.
@@ -116,8 +117,8 @@ impl Texels {
     }
 }
 
-/// Returns receiver `i` as a point to be traced, moved to another position on its plane. `any` is
-/// any point of the same geometry; what is the same for all points is copied from it.
+/// Returns receiver `i` as a point to trace, moved to another position on its plane. `any` is any
+/// point of the same geometry; the fields that all points share are copied from it.
 pub(super) fn point_at(
     any: &ReceiverPoint,
     receivers: &Receivers,
@@ -135,8 +136,8 @@ pub(super) fn point_at(
     }
 }
 
-/// Returns the last point of the way from `p` to `q` that lies within a triangle, both points on
-/// its plane; `p` itself if it lies outside.
+/// Returns the last point within a triangle on the segment from `p` to `q`, both on its plane; `p`
+/// itself if it is outside.
 pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     let edge_1 = triangle[1] - triangle[0];
     let edge_2 = triangle[2] - triangle[0];
@@ -158,7 +159,7 @@ pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     p + (q - p) * share
 }
 
-/// Returns the center of the texel that a place lies in, both in texels.
+/// Returns the center of the texel that contains a point, both in texels.
 pub fn to_center(texel: DVec2) -> DVec2 {
     texel.floor() + 0.5
 }
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
     use umbrage_core::{glam::Mat4, light_space};
 
-    /// A map of 10 texels that looks straight down on 10 x 10 m.
+    /// Returns a map of 10 texels that looks straight down on 10 x 10 m.
     fn texels() -> Texels {
         let view_from_world =
             light_space::look_along(Vec3::Y * 5.0, Vec3::NEG_Y, Vec3::NEG_Z).expect("valid");
@@ -196,7 +197,7 @@ mod tests {
             .moved(Vec3::new(0.2, 1.0, 3.9), Vec3::Y, to_center)
             .expect("on the map");
         assert!(flat.distance(Vec3::new(0.5, 1.0, 3.5)) < 1e-5, "{flat}");
-        // A plane that rises by one along x: moving .3 m in x raises the point by as much.
+        // On a plane that rises by one along x, moving .3 m in x raises the point by as much.
         let n = Vec3::new(-1.0, 1.0, 0.0).normalize();
         let sloped = t
             .moved(Vec3::new(0.2, 1.0, 3.5), n, to_center)

@@ -1,4 +1,4 @@
-//! Runs one function on many inputs by several threads, where all share the backends.
+//! Runs one function on many inputs by several threads that share the backends.
 
 use crate::compare::Backends;
 use std::{
@@ -13,7 +13,7 @@ use std::{
 
 /// Backends that several threads use in turn.
 ///
-/// A thread of rayon's pool must never wait for them: the thread that holds them may itself wait
+/// A thread of rayon's pool must never wait for them. The thread that holds them may itself wait
 /// for the pool, since the CPU backend renders there. So [`map`] starts threads of its own.
 pub(super) struct SharedBackends<'a>(Mutex<&'a mut Backends>);
 
@@ -24,13 +24,13 @@ impl<'a> SharedBackends<'a> {
 
     /// Waits until no other thread uses the backends.
     pub(super) fn lock(&self) -> MutexGuard<'_, &'a mut Backends> {
-        // A rendering that panics is caught (`guard::render`), and its backend goes on.
+        // `guard::render` catches the panic of a rendering, so its backend is usable.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Returns `f` of each input, in the inputs' order. As many threads as the machine has cores take
-/// the next input whenever they have finished one.
+/// Returns `f` of each input, in the inputs' order. It runs as many threads as the machine has
+/// cores, and each takes the next input when it is free.
 pub(super) fn map<T: Sync, R: Send>(inputs: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let next = AtomicUsize::new(0);

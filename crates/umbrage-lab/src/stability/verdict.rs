@@ -2,18 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A figure judged against its limits. The order is from the best to the worst: of a cell's
-/// verdicts the greatest counts.
+/// A figure judged against its limits. The order is from the best to the worst; the greatest
+/// verdict of a cell counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// At most the first limit.
+    /// The figure is at most the first limit.
     Pass,
-    /// The figure could not have been any other, whatever the technique does wrong: no pass.
+    /// The figure does not depend on the technique's errors, so it is not a pass.
     NotMeasured,
-    /// Between the two.
+    /// The figure is between the two limits.
     Degraded,
-    /// Above the second.
+    /// The figure is above the second limit.
     Fails,
 }
 
@@ -39,17 +39,16 @@ impl Verdict {
     }
 }
 
-/// The limit of failure over the limit of a pass. On a map with a quarter of the side, edges, gaps
+/// Ratio of the failing limit to the passing one. On a map with a quarter of the side, edges, gaps
 /// and displacements are four times as wide.
 pub const FAILS_AT: f64 = 4.0;
 
-/// The figures up to which a case passes and above which it fails, in the measure's unit. Smaller
-/// figures are better.
+/// Limits of a figure to pass and to fail, in the measure's unit. Smaller figures are better.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictLimits {
-    /// At most this passes.
+    /// Greatest passing figure.
     pub pass: f64,
-    /// More than this fails.
+    /// Figure above which a case fails.
     pub fails: f64,
 }
 
@@ -59,10 +58,11 @@ impl VerdictLimits {
         Self { pass, fails }
     }
 
-    /// Returns limits for errors that edge aliasing alone causes on any map. A pass has up to twice
-    /// the figure of a perfect map of the same size, `ideal` (see
-    /// [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels,
-    /// plus the smallest visible step; more than [`FAILS_AT`] times that fails.
+    /// Returns limits for errors that edge aliasing alone causes on any map.
+    ///
+    /// A figure passes up to twice that of a perfect map of the same size, `ideal` (see
+    /// [`CaseTruth::ideal`](super::CaseTruth)), plus the smallest visible step. So a kernel may
+    /// blur edges by a few texels. More than [`FAILS_AT`] times that fails.
     pub fn over_ideal(ideal: f64, visible: f64) -> Self {
         let pass = 2.0 * ideal + visible;
         Self {
@@ -71,7 +71,7 @@ impl VerdictLimits {
         }
     }
 
-    /// Returns limits of which both are multiplied.
+    /// Returns limits with both multiplied.
     pub fn times(self, factor: f64) -> Self {
         Self {
             pass: self.pass * factor,
@@ -79,7 +79,7 @@ impl VerdictLimits {
         }
     }
 
-    /// Returns limits of which both are higher by a figure that no map can avoid.
+    /// Returns limits with both raised by a figure that no map can avoid.
     pub fn beyond(self, unavoidable: f64) -> Self {
         Self {
             pass: self.pass + unavoidable,
@@ -87,9 +87,8 @@ impl VerdictLimits {
         }
     }
 
-    /// Returns limits that are no looser than the figure of no shadow at all, `none`, allows: a
-    /// pass has at most half of that, and more than three quarters of it fail, however coarse the
-    /// map.
+    /// Returns limits capped by the figure of no shadow at all, `none`: a pass has at most half of
+    /// it, and more than three quarters of it fail, however coarse the map.
     pub fn below(self, none: f64) -> Self {
         if none > 0.0 {
             Self {
@@ -101,7 +100,7 @@ impl VerdictLimits {
         }
     }
 
-    /// Judges a figure, and keeps it beside the verdict.
+    /// Judges a figure, and returns it with the verdict.
     pub fn judgement(&self, figure: f64) -> Judgement {
         Judgement {
             figure: Some(figure),
@@ -125,16 +124,16 @@ impl VerdictLimits {
 /// A cell's figure by one criterion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
-    /// In the measure's unit; smaller is better. None if it is not measured.
+    /// Figure in the measure's unit; smaller is better. `None` if it is not measured.
     pub figure: Option<f64>,
-    /// Against the limits.
+    /// Verdict by the limits.
     pub verdict: Verdict,
-    /// Why it is not measured; none if it is.
+    /// Reason why it is not measured; `None` if it is.
     pub reason: Option<String>,
 }
 
 impl Judgement {
-    /// Returns the judgement of what could not have failed. `reason` says why.
+    /// Returns the judgement of a figure that could not have failed, with the reason.
     pub fn not_measured(reason: &str) -> Self {
         Self {
             figure: None,

@@ -1,10 +1,12 @@
-//! How much tuning a technique needs: the window of biases at which it has neither acne nor a gap.
+//! Bias windows: the range of biases at which a technique has neither acne nor a gap.
 //!
-//! A technique's bias gets a normal offset more, from nothing to far too much. Too little is acne
-//! under a low sun, too much parts a thin plate from its shadow and takes shadow away. The window
-//! is the widest run of amounts that pass both cases, by all of their criteria; its width in texels
-//! says by how much a guess may be off. Under [`Base::Own`] the technique keeps its default bias: a
-//! window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
+//! A technique's bias is increased by a normal offset, from nothing to far too much. Too little
+//! causes acne under a low sun; too much detaches the shadow of a thin plate and loses shadow. The
+//! window is the widest run of offsets that pass both cases by all of their criteria. Its width in
+//! texels is the tolerance of a guess.
+//!
+//! Under [`Base::Own`] the technique keeps its default bias: a window that starts at 0 needs no
+//! tuning. Under [`Base::Bare`] the offset is the only bias.
 
 use super::{
     all_backends,
@@ -26,26 +28,25 @@ use std::sync::{Mutex, PoisonError};
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
-/// Amounts that are tried beside 0, each 1.2 times the one before. A window that lies between two
-/// of them is not found.
+/// Number of tested offsets besides 0, each 1.2 times the one before. A window between two of them
+/// is not found.
 const STEPS: u32 = 33;
-/// How often the way from the last passing amount to the next is halved: to a hundredth of the
-/// amount.
+/// Number of bisections between the last passing offset and the next: to a hundredth of the offset.
 const HALVINGS: u32 = 4;
-/// The least of them, texels: what rounding alone may ask for.
+/// Least offset besides 0, texels: what rounding alone may need.
 const LEAST: f64 = 0.05;
-/// Clip depth: beside a normal offset, as much as depths are rounded by.
+/// Constant bias besides a normal offset, clip depth: the rounding of depths.
 const ROUNDING: f32 = 1e-5;
 
-/// The cases: the one for too little bias, and the one for too much.
+/// Cases for too much bias, and for too little.
 const CASES: [StabilityCase; 2] = [
     StabilityCase::still("thin-plate", Measure::Gap(PLATE)),
     StabilityCase::still("low-sun-5", Measure::Acne),
 ];
 
 impl Stability {
-    /// Returns what the windows of bias say, in a sentence or two: which techniques need no tuning,
-    /// which some, which can't be tuned, and which window is the widest. None without windows.
+    /// Summarizes the bias windows in one or two sentences: which techniques need no tuning, some
+    /// tuning or can't be tuned, and which window is the widest. `None` without windows.
     pub fn windows_line(&self) -> Option<String> {
         let own = || self.windows.iter().filter(|w| w.base == Base::Own);
         let named = |wanted: &dyn Fn(&BiasWindow) -> bool| {
@@ -65,7 +66,7 @@ impl Stability {
             ),
             (
                 named(&|w| !w.needs_no_tuning() && w.passes.is_none()),
-                "pass with no amount",
+                "fail with any amount",
             ),
         ] {
             if !names.is_empty() {
@@ -80,8 +81,9 @@ impl Stability {
     }
 }
 
-/// Returns the windows of all techniques with a map that are asked for, the widest under their own
-/// bias first, with both bases of each. Techniques that don't serve both cases are left out.
+/// Returns the windows of all selected techniques with a map, with both bases of each. They are
+/// sorted by width under the technique's own bias, widest first. Techniques that don't support both
+/// cases are omitted.
 ///
 /// # Errors
 /// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules
@@ -92,10 +94,12 @@ pub fn windows(
     on_technique: &mut (dyn FnMut(&str) + Send),
 ) -> Result<Vec<BiasWindow>, LabError> {
     some_backend(backends)?;
+    // Trace truth for both cases.
     let mut stages = Vec::new();
     for case in &CASES {
         stages.push(Stage::new(case, options)?);
     }
+    // Collect the selected techniques that have a map.
     let mut presets = Vec::new();
     for entry in options.catalogue.select(&options.techniques)? {
         let preset = (entry.technique.preset)();
@@ -108,6 +112,7 @@ pub fn windows(
         };
         presets.push((entry.technique.name, preset, map));
     }
+    // Find the windows in parallel, and sort them by width.
     let backends = SharedBackends::new(backends);
     let on_technique = Mutex::new(on_technique);
     let windows = threads::map(&presets, |(name, preset, map)| {
@@ -140,7 +145,7 @@ impl Stage {
         })
     }
 
-    /// Whether a mask passes by all criteria.
+    /// Reports whether a mask passes all criteria.
     fn passes(&self, mask: &[f32]) -> bool {
         self.criteria.iter().all(|criterion| {
             let figure = criterion.measure.figure(&self.case_truth, mask);
@@ -149,7 +154,7 @@ impl Stage {
     }
 }
 
-/// Returns the amounts that are tried, texels, growing from 0.
+/// Returns the tested offsets, texels, increasing from 0.
 fn amounts() -> Vec<f64> {
     let mut out = vec![0.0];
     for i in 0..STEPS {
@@ -159,7 +164,7 @@ fn amounts() -> Vec<f64> {
     out
 }
 
-/// Returns a bias with a normal offset more.
+/// Returns a bias with an additional normal offset.
 fn offset_by(own: Bias, base: Base, amount: f64) -> Bias {
     match base {
         Base::Own => Bias {
@@ -175,7 +180,7 @@ fn offset_by(own: Bias, base: Base, amount: f64) -> Bias {
     }
 }
 
-/// Returns a technique's window on such maps; none if it doesn't serve a case.
+/// Returns a technique's window on such maps; `None` if it doesn't support a case.
 fn window(
     preset: &TechniquePreset,
     map: ShadowMap,
@@ -190,6 +195,7 @@ fn window(
         stages,
         disagreeing: None,
     };
+    // Test all offsets.
     let amounts = amounts();
     let mut passing = Vec::new();
     for (i, &amount) in amounts.iter().enumerate() {
@@ -198,6 +204,7 @@ fn window(
             None => return Ok(None),
         }
     }
+    // Refine the ends of the widest passing run.
     let mut ends = widest_run(&amounts, &passing);
     if let Some([from, to]) = &mut ends {
         let before = amounts.iter().copied().rfind(|amount| amount < from);
@@ -216,25 +223,25 @@ fn window(
     }))
 }
 
-/// A technique that is tried with one amount after the other.
+/// A technique that is tested with one offset after the other.
 struct Trial<'a> {
     preset: &'a TechniquePreset,
     map: ShadowMap,
     base: Base,
     stages: &'a [Stage],
-    /// As [`BiasWindow::disagreeing`], so far.
+    /// [`BiasWindow::disagreeing`] so far.
     disagreeing: Option<u64>,
 }
 
 impl Trial<'_> {
-    /// Returns the technique with this much offset.
+    /// Returns the technique with this offset.
     fn technique(&self, amount: f64) -> TechniquePreset {
         let bias = offset_by(self.map.bias, self.base, amount);
         let map = ShadowMap { bias, ..self.map };
         self.preset.with_map(map)
     }
 
-    /// Whether amount `i` of `count` passes all cases; none if one isn't served.
+    /// Reports whether offset `i` of `count` passes all cases; `None` if one isn't supported.
     fn passes(
         &mut self,
         amount: f64,
@@ -252,7 +259,7 @@ impl Trial<'_> {
                 }
             };
             self.disagreeing = all_backends::sum(self.disagreeing, played.disagreeing);
-            // What fails one case needs no other.
+            // Skip the other case after a failure.
             if !stage.passes(&played.mask) {
                 return Ok(Some(false));
             }
@@ -260,8 +267,8 @@ impl Trial<'_> {
         Ok(Some(true))
     }
 
-    /// Returns the last amount that passes on the way from one that does to a neighbour that does
-    /// not; the first where there is no neighbour.
+    /// Returns the last passing offset between a passing one and a failing neighbour, by bisection;
+    /// the passing one if there is no neighbour.
     fn last_passing(
         &mut self,
         passing: f64,
@@ -274,7 +281,7 @@ impl Trial<'_> {
         let mut passing = passing;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (passing + failing);
-            // The second of four: the first backend alone plays it.
+            // Index 1 of 4 runs only the first backend.
             if self.passes(middle, 1, 4, backends)? == Some(true) {
                 passing = middle;
             } else {
@@ -285,8 +292,8 @@ impl Trial<'_> {
     }
 }
 
-/// Returns the first and the last amount of the widest run of neighbours that all pass, the first
-/// of equally wide ones; none without any. Amounts grow.
+/// Returns the ends of the widest run of passing neighbours, the first of equally wide ones; `None`
+/// without any. Offsets increase.
 fn widest_run(amounts: &[f64], passing: &[bool]) -> Option<[f64; 2]> {
     let mut widest: Option<[f64; 2]> = None;
     let mut run: Option<[f64; 2]> = None;
@@ -322,8 +329,8 @@ mod tests {
         assert_eq!(run([false, false, true, false, false]), Some([2.0, 2.0]));
     }
 
-    /// One comparison needs an offset of its own, but none beside its default bias; far too much
-    /// passes under neither.
+    /// One bare comparison needs an offset, but the default bias needs none. Far too much passes
+    /// under neither.
     #[test]
     fn a_bare_comparison_needs_tuning_and_the_default_does_not() {
         let options = StabilityOptions {
@@ -331,7 +338,7 @@ mod tests {
             ..StabilityOptions::quick()
         };
         let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-        let windows = windows(&options, &mut backends, &mut |_| {}).expect("plays");
+        let windows = windows(&options, &mut backends, &mut |_| {}).expect("runs");
         let [own, bare] = &windows[..] else {
             panic!("rays have no bias: {windows:?}");
         };

@@ -1,4 +1,4 @@
-//! A textbook's effect: settings that show a fault, and settings that fix it.
+//! Textbook effects: settings that show an artefact, and settings that fix it.
 
 use umbrage_core::Scene;
 use umbrage_techniques::TechniquePreset;
@@ -14,19 +14,19 @@ pub struct Preset {
     pub technique: fn() -> TechniquePreset,
 }
 
-/// A fault and its cure.
+/// An artefact and its fix.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
-    /// For file names: `peter-panning`.
+    /// Name for files: `peter-panning`.
     pub name: &'static str,
-    /// For people.
+    /// Title for readers.
     pub title: &'static str,
-    /// What is seen and why.
+    /// Description of the artefact and its cause.
     pub text: &'static str,
-    /// With the fault.
+    /// Settings that show the artefact.
     pub fault: Preset,
-    /// Without it, or with less of it.
+    /// Settings that fix or reduce it.
     pub cure: Preset,
-    /// Why the mask errs more with the cure, in a sentence for the page; none where it doesn't.
+    /// Reason, in one sentence for the page, if the fix increases the mask's error; else `None`.
     pub worse: Option<&'static str>,
 }

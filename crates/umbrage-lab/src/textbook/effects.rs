@@ -13,17 +13,17 @@ use umbrage_techniques::{
 
 type Technique = TechniquePreset;
 
-/// Of kernels that blur where truth has no penumbra.
-const IDEAL_LIGHT: &str = "Under a light without extent true edges are sharp, so every blurred pixel beside one counts as an \
-                           error: the blur trades steps, which the eye sees, for greys, which the figure does.";
+/// Reason for kernels that blur edges where truth has no penumbra.
+const IDEAL_LIGHT: &str = "Under a light without extent, true edges are sharp, so every blurred pixel along an edge counts as \
+                           an error. The blur replaces visible steps with greys, which the error counts.";
 
-/// All effects, in the order in which a reader meets them.
+/// Returns all effects in reading order.
 pub fn all() -> &'static [Effect] {
     ALL
 }
 
-/// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far
-/// 7.5.
+/// Returns the textbooks' map: 1024 texels, fitted by hand from (-2, 4, -1), 10 m to each side,
+/// near 1, far 7.5.
 fn map(bias: Bias) -> ShadowMap {
     ShadowMap {
         size: 1024,
@@ -33,13 +33,13 @@ fn map(bias: Bias) -> ShadowMap {
     }
 }
 
-/// Along the receiver's plane, with no more for rounding than 32-bit floats need.
+/// Receiver-plane bias plus a constant that covers only the rounding of 32-bit floats.
 const FOR_FLOATS: Bias = Bias {
     constant: 1e-6,
     ..Bias::RECEIVER_PLANE
 };
 
-/// Large enough texels to be seen.
+/// Returns a map whose texels are large enough to be visible.
 fn coarse(bias: Bias) -> ShadowMap {
     ShadowMap {
         size: 256,
@@ -47,7 +47,7 @@ fn coarse(bias: Bias) -> ShadowMap {
     }
 }
 
-/// A map that ends amid the picture.
+/// Returns a map that ends within the image.
 fn small_map(border: Border) -> ShadowMap {
     ShadowMap {
         fit: extents(|e| Extents {
@@ -62,7 +62,7 @@ fn small_map(border: Border) -> ShadowMap {
     }
 }
 
-/// A map whose far plane cuts the floor.
+/// Returns a map whose far plane cuts the floor.
 fn short_map(beyond_far: BeyondFar) -> ShadowMap {
     ShadowMap {
         fit: extents(|e| Extents { far: 5.0, ..e }),
@@ -81,7 +81,7 @@ fn extents(change: fn(Extents) -> Extents) -> Fit {
     }
 }
 
-/// Tight maps, for scenes that no textbook laid by hand.
+/// Returns a tightly fitted map, for scenes without a textbook's manual fit.
 fn tight(size: u32, bias: Bias) -> ShadowMap {
     ShadowMap {
         size,
@@ -90,7 +90,7 @@ fn tight(size: u32, bias: Bias) -> ShadowMap {
     }
 }
 
-/// The textbooks' cube around a point light: near 1, far 25.
+/// Returns the textbooks' cube map around a point light: near 1, far 25.
 fn room_map(size: u32, bias: Bias) -> ShadowMap {
     let fit = umbrage_scenes::find("textbook-room")
         .and_then(|e| e.fit)
@@ -116,7 +116,7 @@ fn built_in(name: &str) -> Scene {
         .unwrap_or_default()
 }
 
-/// The scene with its camera's picture at the gallery's size.
+/// Returns the scene with its cameras resized to the gallery's image size.
 fn sized(mut scene: Scene) -> Scene {
     scene
         .cameras
@@ -129,7 +129,7 @@ fn cubes() -> Scene {
     sized(built_in("cubes"))
 }
 
-/// The cubes under a lamp with perspective, at the place that the sun's map is drawn from.
+/// Returns the cubes under a spot light at the position of the textbooks' sun map.
 fn cubes_under_spot() -> Scene {
     let mut scene = cubes();
     let position = Vec3::new(-2.0, 4.0, -1.0);
@@ -163,7 +163,7 @@ fn wall() -> Scene {
     sized(built_in("textbook-wall"))
 }
 
-/// The wall without its normal map.
+/// Returns the wall without its normal map.
 fn smooth_wall() -> Scene {
     let mut scene = wall();
     scene.materials.iter_mut().for_each(|m| m.normal_map = None);
@@ -198,17 +198,17 @@ const ALL: &[Effect] = &[
     Effect {
         name: "acne",
         title: "Shadow acne, and slope-scaled bias",
-        text: "One texel of the map holds one depth for a whole patch of a sloping surface, so half of the patch lies behind \
-               its own depth: stripes. Taking max(.05 (1 - n.l), .005) off the receiver's depth clears them.",
+        text: "One texel stores one depth for a whole patch of a sloping surface, so half of the patch is behind that depth: \
+               stripes. Subtracting max(.05 (1 - n.l), .005) from the receiver's depth removes them.",
         fault: cubes_with("no bias", || hard(map(Bias::NONE))),
         cure: cubes_with("bias .05 / .005", || hard(map(Bias::SLOPE))),
         worse: None,
     },
     Effect {
         name: "peter-panning",
-        title: "Peter-panning, and drawing the far sides",
-        text: "A bias as great as .05 of the depth range moves every shadow away from what throws it: a plate 2 mm thick seems \
-               to float. With its front faces left out of the map no bias is needed, as the plate is closed.",
+        title: "Peter-panning, and culling front faces",
+        text: "A bias of .05 of the depth range detaches every shadow from its caster: a plate 2 mm thick seems to float. With \
+               front faces culled from the map, the closed plate needs no bias.",
         fault: Preset {
             label: "constant bias .05",
             scene: plate,
@@ -232,8 +232,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "polygon-offset",
         title: "Polygon offset",
-        text: "The rasteriser itself can push casters away, each triangle by its own slope: glPolygonOffset(2, 4), a factor of 2 \
-               on the slope and 4 steps of the depth format.",
+        text: "The rasteriser itself can push casters away, each triangle by its own slope: glPolygonOffset(2, 4) adds 2 times \
+               the slope and 4 steps of the depth format.",
         fault: cubes_with("no bias", || hard(map(Bias::NONE))),
         cure: cubes_with("polygon offset 2, 4", || {
             hard(map(Bias {
@@ -250,8 +250,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "border",
         title: "The dark border beyond the map",
-        text: "A lookup beside the map finds whatever the sampler is told to repeat. With the edge repeated, casters at the \
-               edge throw endless bands; with a border of depth 1 all beside the map is lit.",
+        text: "A lookup outside the map returns what the sampler's address mode repeats. With the edge repeated, casters at the \
+               edge cast endless bands; with a border of depth 1, everything outside the map is lit.",
         fault: cubes_with("edge repeated", || hard(small_map(Border::Clamp))),
         cure: cubes_with("lit border", || hard(small_map(Border::Lit))),
         worse: None,
@@ -259,8 +259,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "far-plane",
         title: "Darkness beyond the far plane",
-        text: "Receivers beyond the light's far plane have a depth above 1, which no texel reaches: all dark, unless the lookup \
-               says that they are lit.",
+        text: "Receivers beyond the light's far plane have a depth above 1, which no texel reaches: all are dark, unless the \
+               lookup treats them as lit.",
         fault: cubes_with("compared", || hard(short_map(BeyondFar::Compared))),
         cure: cubes_with("lit", || hard(short_map(BeyondFar::Lit))),
         worse: None,
@@ -268,8 +268,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "jagged",
         title: "Jagged edges, and percentage-closer filtering",
-        text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels. \
-               Its bias is three times as great: it has to free all nine texels of acne.",
+        text: "One comparison per pixel shows the map's texels. The mean of 3x3 comparisons blurs the steps over three texels. \
+               Its bias is three times as large, because it must prevent acne in all nine texels.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
         cure: cubes_with("3x3 comparisons", || {
             pcf(coarse(Bias::normal_offset(1.0)), 1)
@@ -279,7 +279,7 @@ const ALL: &[Effect] = &[
     Effect {
         name: "dithered",
         title: "Four dithered comparisons",
-        text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
+        text: "A quarter of the cost of 4x4 comparisons: each pixel uses four of the sixteen, and its neighbours use others.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
         cure: cubes_with("4 of 16, by the pixel's parity", || {
             TechniquePreset::from(PcfDithered {}.on(coarse(Bias::normal_offset(1.5))))
@@ -289,8 +289,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "perspective",
         title: "Orthographic and perspective light",
-        text: "The sun's rays are parallel, so its map is orthographic; a lamp's spread, so its map has perspective and its \
-               shadows grow. The one is laid by hand, the other fitted to what is seen.",
+        text: "The sun's rays are parallel, so its map is orthographic. A spot light's rays diverge, so its map has perspective \
+               and its shadows grow. The first map is fitted by hand, the second to the visible geometry.",
         fault: cubes_with("orthographic, by hand", || hard(map(Bias::SLOPE))),
         cure: Preset {
             label: "perspective, fitted",
@@ -298,15 +298,15 @@ const ALL: &[Effect] = &[
             technique: || hard(tight(1024, Bias::ADAPTIVE)),
         },
         worse: Some(
-            "Each light is compared with its own truth: the lamp's shadows are larger, and so more pixels lie along their \
-             edges, which is where both err.",
+            "Each light is compared with its own truth: the spot light's shadows are larger, so more pixels are on their edges, \
+             where both maps err.",
         ),
     },
     Effect {
         name: "soft",
         title: "One penumbra everywhere, and percentage-closer soft shadows",
-        text: "A lamp with an extent throws shadows that are sharp where caster and receiver touch and soften with distance. A \
-               fixed kernel has one width; PCSS first looks how far the blockers are.",
+        text: "An area light casts shadows that are sharp where caster and receiver touch and soften with distance. A fixed \
+               kernel has one width; PCSS first estimates the distance of the blockers.",
         fault: Preset {
             label: "5x5 comparisons",
             scene: teapot,
@@ -322,7 +322,7 @@ const ALL: &[Effect] = &[
     Effect {
         name: "point-light",
         title: "A point light in a room",
-        text: "Around a light amid the scene six maps form a cube. Bias is needed as ever.",
+        text: "Six maps form a cube around a light inside the scene. They need bias like any other map.",
         fault: Preset {
             label: "cube, near 1, far 25, no bias",
             scene: room,
@@ -354,8 +354,8 @@ const ALL: &[Effect] = &[
     Effect {
         name: "midpoint",
         title: "Midpoint maps",
-        text: "Between the nearest surface and the second one there is room for any rounding: compare with the middle, and \
-               closed casters need no bias at all.",
+        text: "Between the nearest surface and the second one there is a margin for rounding. Compared with the midpoint, closed \
+               casters need no bias at all.",
         fault: Preset {
             label: "no bias",
             scene: figure,
@@ -372,7 +372,7 @@ const ALL: &[Effect] = &[
         name: "sixteen-bits",
         title: "Sixteen bits of depth, and RGBA8 packing",
         text: "Over hundreds of metres 65,536 depths are few, and a bias meant for 32 bits is too small: quantised acne. Packed \
-               into four 8-bit channels all 24 bits of a float survive.",
+               into four 8-bit channels, all 24 bits of a float survive.",
         fault: Preset {
             label: "16 bit, receiver plane + 1e-6",
             scene: far_range,
@@ -415,7 +415,7 @@ const ALL: &[Effect] = &[
     Effect {
         name: "planar",
         title: "Planar shadows",
-        text: "On a flat receiver the casters can be flattened by one matrix and drawn. Cut at the light and at the plane, \
+        text: "On a flat receiver, one matrix flattens the casters, which are then drawn. Clipped at the light and at the plane, \
                they leave no anti-shadows.",
         fault: Preset {
             label: "one comparison",
@@ -432,7 +432,7 @@ const ALL: &[Effect] = &[
     Effect {
         name: "normal-mapping",
         title: "Normal mapping",
-        text: "A texture of normals bends the light on a flat wall. Shadow lookups know nothing of it: their bias follows the \
+        text: "A texture of normals changes the shading of a flat wall. Shadow lookups ignore it: their bias follows the \
                triangle's own normal, so the mask stays the same.",
         fault: Preset {
             label: "flat",
@@ -449,21 +449,21 @@ const ALL: &[Effect] = &[
     Effect {
         name: "displacement",
         title: "Displacement mapping, in both passes",
-        text: "Vertices move along their normals by a height map. If only the camera sees the relief, bricks throw no shadow \
+        text: "A height map moves vertices along their normals. If only the camera pass draws the relief, bricks cast no shadow \
                into the joints; drawn into the depth map as well, they do.",
         fault: Preset {
-            label: "for the camera alone",
+            label: "camera pass only",
             scene: relief_of_the_camera_alone,
             technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
         cure: Preset {
-            label: "for camera and light",
+            label: "camera and light passes",
             scene: relief,
             technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
         worse: Some(
-            "Each half is compared with its own truth: on the left that of bricks without shadows, on the right that of \
-             hundreds of small shadows, along whose edges the mask errs.",
+            "Each half is compared with its own truth: the left one has bricks without shadows, the right one has hundreds of \
+             small shadows, along whose edges the mask errs.",
         ),
     },
 ];

@@ -21,12 +21,12 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 
 const TITLE: &str = "The textbooks' shadow effects";
 
-/// Returns the page. `backends` are their full names.
+/// Returns the page. `backends` holds the backends' full names.
 pub fn html(rows: &[(&Effect, PlayedEffect)], backends: &[String]) -> String {
     let mut body = format!(
         "<h1>{TITLE}</h1>\n\
-         <p>Left the fault, right the cure; beside each picture its error against ray-traced truth: blue is false shadow, \
-         orange false light, grey faces away from the light. Played by {}.</p>\n",
+         <p>Left: the artefact. Right: the fix. Next to each image is its error against ray-traced truth: blue is false shadow, \
+         orange false light, grey faces away from the light. Rendered by {}.</p>\n",
         escape(&backends.join(" and "))
     );
     for (effect, played) in rows {
@@ -50,8 +50,7 @@ fn section(effect: &Effect, played: &PlayedEffect) -> String {
     format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
 
-/// Returns one half of an effect; mean errors that are less than those of `than` are marked as
-/// better.
+/// Returns one half of an effect. Mean errors below those of `than` are marked as better.
 fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
     let label = preset.label;
     let technique = (preset.technique)();
@@ -78,7 +77,7 @@ fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
         escape(label),
         technique.name(),
         escape(&technique.settings()),
-        picture(&side.picture, &format!("{label}: picture")),
+        picture(&side.picture, &format!("{label}: image")),
         picture(&side.error, &format!("{label}: error"))
     )
 }

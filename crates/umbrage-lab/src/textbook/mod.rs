@@ -1,6 +1,6 @@
-//! The textbooks' effects as presets: each a scene and settings that show a fault, and settings
-//! that cure it, with the numbers that the textbooks use. [`play()`] measures and pictures both;
-//! [`html`] makes one page of all.
+//! Textbook effects as presets: settings that show an artefact, and settings that fix it, with the
+//! textbooks' numbers. [`play()`] measures and renders both; [`html`] writes one page of all
+//! effects.
 
 mod effect;
 mod effects;
@@ -12,7 +12,7 @@ pub use effects::all;
 pub use gallery::html;
 pub use play::{PlayedEffect, Side, play};
 
-/// The effect of this name.
+/// Returns the effect of this name.
 pub fn find(name: &str) -> Option<&'static Effect> {
     all().iter().find(|e| e.name == name)
 }

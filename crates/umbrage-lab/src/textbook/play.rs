@@ -1,4 +1,4 @@
-//! Measures an effect and renders its pictures.
+//! Measures an effect and renders its images.
 
 use super::effect::{Effect, Preset};
 use crate::{color, error::LabError, output::png};
@@ -10,9 +10,9 @@ use umbrage_plan::truth::{self, TruthOptions};
 /// Both halves of an effect.
 #[derive(Clone, Debug)]
 pub struct PlayedEffect {
-    /// With the fault.
+    /// Result with the artefact.
     pub fault: Side,
-    /// With the cure.
+    /// Result with the fix.
     pub cure: Side,
 }
 
@@ -21,20 +21,20 @@ pub struct PlayedEffect {
 pub struct Side {
     /// Image size, pixels.
     pub size: UVec2,
-    /// The color picture of the first backend, a PNG.
+    /// Color image of the first backend, a PNG.
     pub picture: Vec<u8>,
-    /// The error of the first backend's mask against truth, a PNG: see [`png::error`].
+    /// Error image of the first backend's mask against truth, a PNG: see [`png::error`].
     pub error: Vec<u8>,
-    /// For each backend its kind, and its mask's errors against truth.
+    /// Kind of each backend, and its mask's errors against truth.
     pub errors: Vec<(&'static str, Errors)>,
-    /// Pixels of the mask whose value differs between backends.
+    /// Number of mask pixels whose value differs between backends.
     pub differing: u64,
 }
 
-/// Plays both halves on all backends.
+/// Renders both halves on all backends.
 ///
 /// # Errors
-/// Errors if a preset's scene is missing or its technique doesn't serve it, or a backend fails.
+/// Errors if a preset's scene is missing, its technique doesn't support it, or a backend fails.
 pub fn play(
     effect: &Effect,
     backends: &mut [Box<dyn Backend + Send>],
@@ -45,13 +45,14 @@ pub fn play(
     })
 }
 
-/// Plays one half on all backends.
+/// Renders one half on all backends.
 fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Side, LabError> {
     let scene = (preset.scene)();
     let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
     let stage = color::Stage::new(&scene, fit)?;
     let view = stage.view()?;
-    // Coarser than a comparison's truth: the gallery shows faults, not thousandths.
+    // Trace truth with fewer samples than a comparison: the gallery shows artefacts, not
+    // thousandths.
     let options = TruthOptions {
         samples: 256,
         ..TruthOptions::default()
@@ -68,6 +69,7 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Sid
         &mut |camera, geometry| finder.receivers(camera, geometry),
         &|_, _| {},
     )?;
+    // Render the recipe on every backend, and measure each mask.
     let recipe = match stage.recipe(&(preset.technique)(), &truth.receivers) {
         Err(RecipeError::Unsupported(why)) => return Err(unusable(preset, &why).into()),
         planned => planned?,
@@ -81,9 +83,10 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Sid
         played.push(shadows);
     }
     let Some(first) = played.first() else {
-        return Err(Invalid::new("gallery", "has no backend", "open at least one").into());
+        return Err(Invalid::new("gallery", "has no backend", "pass at least one").into());
     };
-    let color = color::png(truth.size, first).ok_or_else(|| unusable(preset, "gave no picture"))?;
+    let color =
+        color::png(truth.size, first).ok_or_else(|| unusable(preset, "returned no image"))?;
     Ok(Side {
         size: truth.size,
         picture: color?,
@@ -101,7 +104,7 @@ fn unusable(preset: &Preset, why: &str) -> Invalid {
     )
 }
 
-/// Returns the number of pixels on which any backend's mask differs from the first's in any bit.
+/// Returns the number of pixels on which any mask differs in any bit from the first.
 fn differing(first: &Shadows, played: &[Shadows]) -> u64 {
     let mut count = 0;
     for (i, visibility) in first.mask.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A text with tables and pictures, written as Markdown and as HTML.
+//! A document of text, tables and images, written as Markdown and as HTML.
 
 use crate::output::html::{self, document, escape};
 
@@ -8,18 +8,18 @@ pub(super) enum Inline {
     Text(String),
     Bold(String),
     Code(String),
-    /// Words, and where they lead.
+    /// Text and target.
     Link(String, String),
-    /// What is to be seen, and the file, relative to the page.
+    /// Alternative text, and the file relative to the page.
     Image(String, String),
-    /// The line goes on below.
+    /// A line break.
     Break,
 }
 
 /// A part of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Block {
-    /// A heading of a level from 1 on; the place where links lead.
+    /// A heading: its level, from 1 on, and its text, from which its anchor is derived.
     Heading(usize, String),
     Paragraph(Vec<Inline>),
     List(Vec<Vec<Inline>>),
@@ -115,7 +115,7 @@ fn line_markdown(line: &[Inline]) -> String {
     pieces.collect()
 }
 
-/// Returns words in which nothing is taken for markup; a table's cell stays one cell.
+/// Escapes text so that no character is read as markup and a table's cell stays one cell.
 fn plain(words: &str) -> String {
     let mut out = String::with_capacity(words.len());
     for c in words.chars() {

@@ -1,30 +1,29 @@
-//! The scenes of one kind of light and one size, and what does best on them within each budget.
+//! Groups scenes by kind of light and size, and selects the best setting within each budget.
 
 use crate::{
     compare::{CostBasis, FrameMotion, MIN_ERROR, Relative, SceneResult, Section, relative},
     report::MeasuredScene,
 };
 
-/// The motions that are told apart, and what they are called.
+/// Motions that the page distinguishes, and their labels.
 pub(super) const MOTIONS: [(FrameMotion, &str); 3] = [
     (FrameMotion::Still, "nothing moves"),
     (FrameMotion::CameraMoves, "the camera moves"),
     (FrameMotion::AllMoves, "all moves"),
 ];
 
-/// A frame's greatest time, as a multiple of a `hard` map's in the same scene under the same
-/// motion. The first has room for the noise of times.
+/// Frame budgets, as multiples of the time of a `hard` map in the same scene under the same motion.
+/// The first leaves a margin for timing noise.
 pub(super) const BUDGETS: [f64; 5] = [1.25, 2.0, 5.0, 20.0, f64::INFINITY];
 
-/// Of settings whose errors are so near to the least, as a multiple of it, the quickest is the
-/// answer.
+/// Greatest ratio to the least error at which a faster setting is preferred.
 pub(super) const AS_GOOD: f64 = 1.1;
 
-/// How large a scene is.
+/// Class of scene sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SizeClass {
     pub(super) words: &'static str,
-    /// Fewer triangles than this.
+    /// Exclusive upper bound of the triangle count.
     pub(super) below: u64,
 }
 
@@ -43,57 +42,57 @@ pub(super) const SIZES: [SizeClass; 3] = [
     },
 ];
 
-/// Kinds of light as results name them, and as people do.
+/// Kinds of light as results name them, and their labels.
 pub(super) const LIGHTS: [(&str, &str); 3] = [
     ("directional", "Sun"),
     ("spot", "Spot"),
-    ("point", "Point lamp"),
+    ("point", "Point light"),
 ];
 
-/// A setting that is an answer for some motion and budget.
+/// A setting that is selected for some motion and budget.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Answer {
     pub(super) technique: String,
     pub(super) settings: String,
 }
 
-/// The answers on one backend.
+/// Answers on one backend.
 #[derive(Clone, Debug)]
 pub(super) struct OfBackend {
     pub(super) backend: String,
-    /// For each budget, for each motion: the place of an answer; none where nothing within the
-    /// budget is better than no shadow.
+    /// Index of the answer for each budget and motion; `None` if no setting within the budget is
+    /// better than no shadow.
     pub(super) table: Vec<[Option<usize>; MOTIONS.len()]>,
-    /// What is known of each setting, for each motion.
+    /// Results of each setting, for each motion.
     pub(super) settings: [Vec<Relative>; MOTIONS.len()],
-    /// Whether times were measured, or costs are counted.
+    /// Basis of the budgets: measured times or counted costs.
     pub(super) clock: CostBasis,
 }
 
 /// Scenes of one kind of light and one size, with the answers.
 #[derive(Clone, Debug)]
 pub(super) struct WhichGroup {
-    /// Place in [`LIGHTS`].
+    /// Index in [`LIGHTS`].
     pub(super) light: usize,
     pub(super) is_ideal: bool,
-    /// Place in [`SIZES`].
+    /// Index in [`SIZES`].
     pub(super) size: usize,
-    /// Places of its scenes among all.
+    /// Indices of the group's scenes.
     pub(super) scenes: Vec<usize>,
-    /// On each backend.
+    /// Answers by backend.
     pub(super) backends: Vec<OfBackend>,
-    /// The answers of all backends, each once.
+    /// Distinct answers of all backends.
     pub(super) answers: Vec<Answer>,
 }
 
 impl WhichGroup {
-    /// Returns what the group is about, as a heading.
+    /// Returns the group's heading.
     pub(super) fn heading(&self) -> String {
         heading(self.light, self.is_ideal, self.size)
     }
 }
 
-/// Returns what a group is about, as a heading: places in [`LIGHTS`] and [`SIZES`].
+/// Returns a group's heading; `light` and `size` are indices in [`LIGHTS`] and [`SIZES`].
 pub(super) fn heading(light: usize, is_ideal: bool, size: usize) -> String {
     let extent = if is_ideal {
         "without extent"
@@ -103,14 +102,13 @@ pub(super) fn heading(light: usize, is_ideal: bool, size: usize) -> String {
     format!("{} {extent}, {}", LIGHTS[light].1, SIZES[size].words)
 }
 
-/// Returns the place of a scene's size in [`SIZES`].
+/// Returns the index of a scene's size in [`SIZES`].
 fn size_of(scene: &SceneResult) -> usize {
     let fits = SIZES.iter().position(|size| scene.triangles < size.below);
     fits.unwrap_or(SIZES.len() - 1)
 }
 
-/// Returns the groups of which there are frames of real size, in the order of lights, extents and
-/// sizes.
+/// Returns the groups that have frames of real size, ordered by light, extent and size.
 pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
     let mut out = Vec::new();
     for (light, (kind, _)) in LIGHTS.iter().enumerate() {
@@ -188,7 +186,7 @@ impl WhichGroup {
         }
     }
 
-    /// Returns the place of an answer, which is added if it is new.
+    /// Returns the index of an answer; adds a new one.
     fn place_of(&mut self, setting: &Relative) -> usize {
         let answer = Answer {
             technique: setting.technique.clone(),
@@ -203,7 +201,7 @@ impl WhichGroup {
 }
 
 impl OfBackend {
-    /// Returns what is known of an answer under a motion, by its place in [`MOTIONS`].
+    /// Returns an answer's results under a motion, by its index in [`MOTIONS`].
     pub(super) fn setting(&self, answer: &Answer, motion: usize) -> Option<&Relative> {
         self.settings[motion]
             .iter()
@@ -211,11 +209,11 @@ impl OfBackend {
     }
 }
 
-/// Returns the quickest of the settings within a budget that are as good as the best of them
-/// ([`AS_GOOD`]); none if none of them is better than no shadow.
+/// Returns the fastest setting within a budget whose error is at most [`AS_GOOD`] times the least.
+/// `None` if no setting within it is better than no shadow.
 fn best_within(settings: &[Relative], clock: CostBasis, budget: f64) -> Option<&Relative> {
     let time = |s: &Relative| s.take(clock).unwrap_or(f64::INFINITY);
-    // Errors below this can't be seen.
+    // Errors below this are invisible.
     let error = |s: &Relative| s.error.max(MIN_ERROR);
     let within = settings
         .iter()

@@ -1,10 +1,10 @@
-//! "Which technique should I use?": a page of answers by kind of light, size of scene, motion and
-//! budget, made from the results of a comparison and of `stability` alone.
+//! "Which technique should I use?": a page of answers by kind of light, scene size, motion and
+//! budget. It is computed only from the results of a comparison and of `stability`.
 //!
-//! * `groups`: the scenes of one kind of light and one size, and for each motion and budget the
-//!   setting that does best.
-//! * `document`: text, tables and pictures, written as Markdown and as HTML.
-//! * `words`: what the page says. `pictures`: truth, mask and error of each answer, small.
+//! * `groups`: scenes of one kind of light and one size, and the best setting for each motion and
+//!   budget.
+//! * `document`: text, tables and images, written as Markdown and as HTML.
+//! * `words`: the page's text. `pictures`: small images of truth, mask and error of each answer.
 
 mod document;
 mod groups;
@@ -19,16 +19,18 @@ use crate::{
 use std::path::{Path, PathBuf};
 use umbrage_core::Invalid;
 
-/// Where the pictures lie, beside the page.
+/// Folder of the images, next to the page.
 const PICTURES: &str = "which";
 
-/// Writes `which.md`, `which.html` and the folder `which` with their pictures into `out`.
-/// `compared` and `stability` are folders that `compare` and `stability` wrote; `command`: how the
-/// page is made again. Returns the paths of the two pages.
+/// Writes `which.md`, `which.html` and the folder `which` with their images into `out`. Returns the
+/// paths of the two pages.
+///
+/// `compared` and `stability` are folders that `compare` and `stability` wrote. `command` is the
+/// command that regenerates the page.
 ///
 /// # Errors
-/// Errors if a folder holds no such results, if there are no frames of real size among them, or if
-/// a file cannot be read or written.
+/// Errors if a folder has no such results, if none of them are frames of real size, or if a file
+/// cannot be read or written.
 pub fn write(
     compared: &Path,
     stability: &Path,
@@ -40,7 +42,7 @@ pub fn write(
     let groups = groups::groups(&scenes);
     if groups.is_empty() {
         let why = "has no frames of real size with errors";
-        let help = "give the folder of a `compare` of the built-in suite";
+        let help = "pass the folder of a `compare` of the built-in suite";
         let what = format!("folder `{}`", compared.display());
         return Err(Invalid::new(what, why, help).into());
     }
@@ -59,9 +61,9 @@ pub fn write(
     Ok(["which.md", "which.html"].map(|name| out.join(name)))
 }
 
-/// Returns the first scene's results, which say where all were measured.
+/// Returns the environment of the first scene's results, which stands for all of them.
 fn environment(scenes: &[MeasuredScene]) -> &crate::compare::Environment {
-    // `write` refuses a folder without scenes.
+    // `write` rejects a folder without scenes.
     &scenes[0].environment
 }
 

@@ -1,4 +1,4 @@
-//! Small pictures of the answers: truth, mask and error, on the first scene of each group.
+//! Small images of the answers: truth, mask and error on the first scene of each group.
 
 use super::{PICTURES, groups::WhichGroup};
 use crate::{
@@ -11,16 +11,15 @@ use glam::UVec2;
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
-/// Width of each of the pictures that stand side by side, pixels.
+/// Width of each of the images side by side, pixels.
 const WIDTH: usize = 168;
-/// Pixels between two of them.
+/// Gap between two of them, pixels.
 const GAP: usize = 4;
 
-/// For each group, for each answer, its picture's file, relative to the page; none where the
-/// comparison kept none.
+/// Image file of each answer, by group, relative to the page; `None` if the comparison kept none.
 pub(super) type Shown = Vec<Vec<Option<String>>>;
 
-/// Writes the pictures of all answers.
+/// Writes the images of all answers.
 pub(super) fn write(
     folder: &Folder,
     groups: &[WhichGroup],
@@ -29,7 +28,7 @@ pub(super) fn write(
     let unfinished = folder.unfinished(PICTURES)?;
     let mut out = Vec::new();
     for group in groups {
-        // The first scene by name and place: all of a group are alike in kind.
+        // Use the first scene: all scenes of a group are of one kind.
         let Some(scene) = group.scenes.first().map(|&place| &scenes[place]) else {
             continue;
         };
@@ -55,8 +54,8 @@ pub(super) fn write(
     Ok(out)
 }
 
-/// Returns the mask's and the error's file of the first row that has them; or of the rows whose
-/// figures it repeats.
+/// Returns the mask's and the error's file of the first row that has them, else of the first such
+/// row that one of `rows` repeats.
 fn files(folder: &Path, scene: &SceneResult, rows: &[&CompareRow]) -> Option<[PathBuf; 2]> {
     let of_row = |row: &CompareRow| {
         let stem = row.stem();
@@ -72,7 +71,7 @@ fn files(folder: &Path, scene: &SceneResult, rows: &[&CompareRow]) -> Option<[Pa
     all.find_map(of_row)
 }
 
-/// Returns pictures side by side, each as wide as [`WIDTH`], as a PNG.
+/// Returns images side by side, each [`WIDTH`] wide, as a PNG.
 fn beside(files: &[PathBuf; 3]) -> Result<Vec<u8>, LabError> {
     let mut small: Vec<Small> = Vec::new();
     for file in files {
@@ -96,18 +95,18 @@ fn beside(files: &[PathBuf; 3]) -> Result<Vec<u8>, LabError> {
     png::encode_rgb(UVec2::new(width as u32, height as u32), &texels)
 }
 
-/// A picture of [`WIDTH`], three bytes a pixel.
+/// An image [`WIDTH`] wide, three bytes per pixel.
 struct Small {
     height: usize,
     texels: Vec<u8>,
 }
 
 impl Small {
-    /// Returns the means over blocks of a larger picture.
+    /// Averages blocks of a larger image.
     fn of(whole: &RgbImage) -> Self {
         let [w, h] = [whole.width(), whole.height()].map(|side| side.max(1) as usize);
         let height = (WIDTH * h).div_ceil(w);
-        // The first source pixel of a small picture's pixel; each has one at least.
+        // First source pixel of a small image's pixel; each pixel has at least one.
         let from = |i: usize, sides: [usize; 2]| i * sides[0] / sides[1];
         let range = |i, sides: [usize; 2]| {
             let first = from(i, sides).min(sides[0] - 1);
@@ -134,13 +133,13 @@ impl Small {
     }
 }
 
-/// Returns a component, 0..=255, in sixteen levels: the files are half as large, and nobody sees it
-/// at this size.
+/// Quantizes a component, 0..=255, to sixteen levels: files are half as large, and the difference
+/// is invisible at this size.
 fn coarse(component: u32) -> u8 {
     ((component + LEVEL / 2) / LEVEL * LEVEL).min(255) as u8
 }
 
-/// The distance of two levels.
+/// Step between two levels.
 const LEVEL: u32 = 17;
 
 #[cfg(test)]
@@ -158,9 +157,9 @@ mod tests {
         });
         let small = Small::of(&whole);
         assert_eq!((small.height, small.texels.len()), (2, 6 * WIDTH));
-        // Half of 100 is 50, and the nearest level 51.
+        // Half of 100 is 50; the nearest level is 51.
         assert_eq!(small.texels[..3], [51, 255, 68]);
-        // A smaller picture's pixels are repeated.
+        // A smaller image's pixels are repeated.
         let tiny = RgbImage::from_pixel(4, 3, image::Rgb([255, 0, 0]));
         assert_eq!(Small::of(&tiny).height, WIDTH * 3 / 4);
     }

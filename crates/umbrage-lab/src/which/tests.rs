@@ -1,4 +1,4 @@
-//! The page of made-up results: its answers follow the figures, and it says what it does not know.
+//! Page of synthetic results: answers follow the figures, and missing figures are reported.
 
 use super::*;
 use crate::{
@@ -52,7 +52,7 @@ fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
     }
 }
 
-/// A sunny frame of 451,942 triangles. `better` has this error.
+/// Returns a frame under the sun with 451,942 triangles; the row `better` has this error.
 fn scene(better: f64) -> (SceneResult, SceneImages) {
     let rows = vec![
         row("none", 0.5, 0.1),
@@ -95,7 +95,7 @@ fn scene(better: f64) -> (SceneResult, SceneImages) {
     (result, images)
 }
 
-/// `hard` fails the second of two rows; `better` was not played.
+/// Returns results in which `hard` fails the second of two rows and `better` was not run.
 fn stability() -> StabilityResults {
     let case = |row: u8, verdict| CaseResult {
         row,
@@ -166,7 +166,7 @@ fn page(dir: &Path) -> String {
     .expect("writable");
     let html = fs::read_to_string(html).expect("there");
     let markdown = fs::read_to_string(markdown).expect("there");
-    // Each picture that either names is there, and small.
+    // Each image file is named on both pages and is small.
     let files = fs::read_dir(out.join("which")).expect("there").flatten();
     for file in files {
         let name = file.file_name().to_string_lossy().into_owned();
@@ -178,7 +178,7 @@ fn page(dir: &Path) -> String {
     markdown
 }
 
-/// Returns the line of a table that begins with a cell, up to the first table that has one.
+/// Returns the first table line that begins with a cell.
 fn line<'a>(markdown: &'a str, cell: &str) -> &'a str {
     let begins = format!("| {cell} |");
     let found = markdown.lines().find(|line| line.starts_with(&begins));
@@ -192,13 +192,13 @@ fn answers_follow_the_figures() {
     assert!(line(&better, "2 times hard").contains("**better** 1024: 20 %, 1.8 times"));
     let mut lines = better.lines();
     let is_there = lines.any(|line| line.starts_with("| 5 times hard |"));
-    assert!(!is_there, "it buys nothing");
+    assert!(!is_there, "it changes nothing");
     assert!(better.contains("(451,942 triangles, 4x3)"));
     assert!(
         better.contains("cpu: 18.0, 18.0, 18.0 ms (1.8, 1.8, 1.8 times hard)"),
         "{better}"
     );
-    // As soon as it is worse, nobody names it.
+    // Once it is worse, no answer names it.
     let worse = page(measured(0.3, Section::Content).path());
     assert!(!worse.contains("better"), "{worse}");
 }
@@ -215,7 +215,7 @@ fn what_is_not_known_is_said() {
         "{missing}"
     );
     assert!(!missing.contains("Sun without extent, 300,"), "{missing}");
-    // Seventeen of three lights, two extents and three sizes.
+    // Seventeen of 3 lights x 2 extents x 3 sizes.
     assert_eq!(missing.matches(" triangles").count(), 17);
     assert!(
         markdown.contains("fails 1 of 2 rows: weakness 2 |"),
@@ -225,7 +225,10 @@ fn what_is_not_known_is_said() {
         markdown.contains("| not measured |"),
         "of `better`: {markdown}"
     );
-    assert!(markdown.contains("**Mind:**"), "another program played");
+    assert!(
+        markdown.contains("**Note:**"),
+        "measured by another program"
+    );
 }
 
 #[test]
@@ -239,7 +242,7 @@ fn folders_without_such_results_are_refused() {
     assert!(refused("compared", "stability").contains("no frames of real size"));
     let no_scenes = refused("none", "stability");
     assert!(
-        no_scenes.contains("holds no scenes") && no_scenes.contains("`compare` wrote"),
+        no_scenes.contains("contains no scenes") && no_scenes.contains("`compare` wrote"),
         "{no_scenes}"
     );
     assert!(refused("compared", "none").contains("cannot be read"));

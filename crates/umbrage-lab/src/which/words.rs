@@ -1,4 +1,4 @@
-//! What the page says.
+//! Text of the page.
 
 use super::{
     document::{Block, Document, Inline, anchor, text},
@@ -12,24 +12,24 @@ use crate::{
 };
 use umbrage_techniques::ShadowMap;
 
-/// All that the page is made from.
+/// Inputs of the page.
 pub(super) struct Words<'a> {
     pub(super) scenes: &'a [MeasuredScene],
-    /// At least one.
+    /// Groups; at least one.
     pub(super) groups: &'a [WhichGroup],
     pub(super) stability: &'a StabilitySource,
     pub(super) pictures: &'a Shown,
-    /// How the page is made again.
+    /// Command that regenerates the page.
     pub(super) command: &'a str,
 }
 
-/// The budgets of the short table, as places in [`BUDGETS`]: the smallest, a middle one, and any.
+/// Budgets of the short table, as indices in [`BUDGETS`]: the smallest, a middle one, unlimited.
 const SHORT: [usize; 3] = [0, 2, BUDGETS.len() - 1];
-/// The motion of the short table, as a place in [`MOTIONS`]: the camera moves.
+/// Motion of the short table, as an index in [`MOTIONS`]: the camera moves.
 const USUAL: usize = 1;
-/// What names of adapters that run on the CPU contain.
+/// Parts of the names of adapters that run on the CPU.
 const SOFTWARE: [&str; 2] = ["llvmpipe", "SwiftShader"];
-/// Rows of `stability` that an answer names.
+/// Greatest number of `stability` rows that an answer lists.
 const NAMED_ROWS: usize = 40;
 
 impl Words<'_> {
@@ -52,7 +52,7 @@ impl Words<'_> {
             None => "without a graphics adapter".to_owned(),
         };
         let measured = format!(
-            "Measured by umbrage {}{}{} on {}, {} threads; {adapter}. On other machines other settings may win: run it on yours.",
+            "Measured by umbrage {}{}{} on {}, {} threads; {adapter}. Other settings may win on other machines: run it on yours.",
             e.version,
             commit.unwrap_or_default(),
             date.unwrap_or_default(),
@@ -62,7 +62,7 @@ impl Words<'_> {
         let is_software = |adapter: &String| SOFTWARE.iter().any(|name| adapter.contains(name));
         let measured = if e.adapter.as_ref().is_some_and(is_software) {
             measured
-                + " (That adapter is a software driver: its times say little about a graphics card.)"
+                + " (That adapter is a software driver: its times do not represent a graphics card.)"
         } else {
             measured
         };
@@ -82,33 +82,33 @@ impl Words<'_> {
                 vec![
                     Inline::Bold("An answer".to_owned()),
                     text(
-                        " is the setting with the least error whose frame takes no longer than the budget; of those within a tenth of that error the quickest. Budgets that buy nothing more are left out.",
+                        " is the fastest setting within the budget whose error is at most a tenth above the least one. Budgets that change nothing are omitted.",
                     ),
                 ],
                 vec![
                     Inline::Bold("Error".to_owned()),
                     text(
-                        " is that of the mask against ray-traced truth, relative to drawing no shadow at all: 0 % is exact, 100 % as wrong as none.",
+                        " is the mask's error against ray-traced truth, relative to drawing no shadow: 0 % is exact, 100 % is as wrong as no shadow.",
                     ),
                 ],
                 vec![
                     Inline::Bold("Time".to_owned()),
-                    text(" is a frame's, as a multiple of a "),
+                    text(" is a frame's time, as a multiple of that of a "),
                     Inline::Code("hard".to_owned()),
                     text(
-                        " map's of middle size in the same scene: the lookup alone while nothing moves; what follows the camera, too, while the camera moves; all of it, hierarchies over the triangles included, while all moves.",
+                        " map of middle size in the same scene. It counts the lookup while nothing moves; also the work that follows the camera while the camera moves; and all work, including hierarchies over the triangles, while all moves.",
                     ),
                 ],
                 vec![
                     Inline::Bold("Settings".to_owned()),
                     text(
-                        " are the kernel and the side of the map, texels; maps have the default bias unless another is named.",
+                        " are the kernel and the map's side in texels; maps have the default bias unless another is named.",
                     ),
                 ],
                 vec![
                     Inline::Bold("Fails".to_owned()),
                     text(format!(
-                        " counts rows of the catalogue of failures, by stability: {}.",
+                        " counts failed rows of the failure catalogue, from stability: {}.",
                         self.stability.told()
                     )),
                 ],
@@ -116,14 +116,14 @@ impl Words<'_> {
         ];
         if let Some(why) = stale {
             out.push(Block::Paragraph(vec![
-                Inline::Bold("Mind:".to_owned()),
-                text(format!(" what fails was {why}.")),
+                Inline::Bold("Note:".to_owned()),
+                text(format!(" failed rows were {why}.")),
             ]));
         }
         out
     }
 
-    /// The answers of the first backend while the camera moves, a line a group.
+    /// Returns the answers of the first backend while the camera moves, one line per group.
     fn short(&self) -> Vec<Block> {
         let mut rows = Vec::new();
         for group in self.groups {
@@ -141,13 +141,13 @@ impl Words<'_> {
         vec![
             Block::Heading(2, "In short".to_owned()),
             Block::Paragraph(vec![text(format!(
-                "While the camera moves, on {backend}; a frame may take:"
+                "While the camera moves, on {backend}, by frame budget:"
             ))]),
             Block::Table { head, rows },
         ]
     }
 
-    /// Kinds of light and sizes of which there is no scene.
+    /// Lists the kinds of light and sizes without a scene; `None` if there are none.
     fn not_measured(&self) -> Option<Block> {
         let mut missing: Vec<String> = Vec::new();
         for light in 0..LIGHTS.len() {
@@ -165,10 +165,7 @@ impl Words<'_> {
         (!missing.is_empty()).then(|| {
             Block::Paragraph(vec![
                 Inline::Bold("Not measured".to_owned()),
-                text(format!(
-                    ", as no scene is of that kind: {}.",
-                    missing.join("; ")
-                )),
+                text(format!(" (no scene of this kind): {}.", missing.join("; "))),
             ])
         })
     }
@@ -195,11 +192,11 @@ impl Words<'_> {
         ];
         for of_backend in &group.backends {
             out.push(Block::Paragraph(self.hard_words(group, of_backend)));
-            let mut head = vec!["a frame may take".to_owned()];
+            let mut head = vec!["frame budget".to_owned()];
             head.extend(MOTIONS.map(|(_, words)| words.to_owned()));
             let mut rows = Vec::new();
             for budget in 0..BUDGETS.len() {
-                // A budget that buys nothing under any motion is left out.
+                // Omit a budget that changes nothing under any motion.
                 if budget > 0 && of_backend.table[budget] == of_backend.table[budget - 1] {
                     continue;
                 }
@@ -215,7 +212,7 @@ impl Words<'_> {
             head: [
                 "answer, with truth, mask and error",
                 "error",
-                "a frame: still, camera moves, all moves",
+                "frame time: still, camera moves, all moves",
                 "fails",
             ]
             .map(str::to_owned)
@@ -227,7 +224,7 @@ impl Words<'_> {
         out
     }
 
-    /// Returns a cell of a table of all budgets: `as above` where more time buys nothing.
+    /// Returns a cell of a table of all budgets: `as above` if the larger budget changes nothing.
     fn cell_below(
         &self,
         group: &WhichGroup,
@@ -252,7 +249,7 @@ impl Words<'_> {
         motion: usize,
     ) -> Vec<Inline> {
         let Some(place) = of.table[budget][motion] else {
-            return vec![text("nothing is better than no shadow")];
+            return vec![text("no setting is better than no shadow")];
         };
         let answer = &group.answers[place];
         let Some(setting) = of.setting(answer, motion) else {
@@ -269,7 +266,7 @@ impl Words<'_> {
         ]
     }
 
-    /// Returns on which backend, and how long `hard` takes there.
+    /// Returns a line with the backend and the time of `hard` on it.
     fn hard_words(&self, group: &WhichGroup, of: &OfBackend) -> Vec<Inline> {
         let mut parts = Vec::new();
         for (motion, (kind, words)) in MOTIONS.iter().enumerate() {
@@ -290,19 +287,19 @@ impl Words<'_> {
         }
         let clock = match of.clock {
             CostBasis::Wall => "takes",
-            CostBasis::Cost => "by counted cost (nothing was timed) takes",
+            CostBasis::Cost => "(by counted cost, not timed) takes",
         };
         vec![
             text("On "),
             Inline::Bold(of.backend.clone()),
-            text(", where "),
+            text(", "),
             Inline::Code("hard".to_owned()),
             text(format!(" {clock} {}:", parts.join(", "))),
         ]
     }
 
-    /// Returns the geometric mean of a setting's frame over the group's scenes, milliseconds; none
-    /// if it is not known of all.
+    /// Returns the geometric mean of a setting's frame times over the group's scenes, milliseconds;
+    /// `None` if any scene lacks one.
     fn milliseconds(
         &self,
         group: &WhichGroup,
@@ -318,7 +315,7 @@ impl Words<'_> {
         Some((logarithms / group.scenes.len() as f64).exp())
     }
 
-    /// Returns what was measured of a setting on a scene and backend.
+    /// Returns the measurement of a setting on a scene and backend.
     fn measured(&self, scene: usize, backend: &str, answer: &Answer) -> Option<&Measured> {
         let mut rows = self.scenes[scene].result.rows.iter();
         let row = rows.find(|row| {
@@ -329,8 +326,8 @@ impl Words<'_> {
         row.measured()
     }
 
-    /// Returns an answer's line: its picture, its error, its times on all backends, and what it
-    /// fails.
+    /// Returns an answer's table row: its image, its errors, its times on all backends, and the
+    /// `stability` rows that it fails.
     fn answer(
         &self,
         group: &WhichGroup,
@@ -347,13 +344,13 @@ impl Words<'_> {
             Some(Some(file)) => {
                 Inline::Image(format!("truth, mask and error of {name}"), file.clone())
             }
-            _ => text("no picture was kept"),
+            _ => text("no image was kept"),
         });
         let mut errors = Vec::new();
         let mut frames = Vec::new();
         for of in &group.backends {
             let error = of.setting(answer, USUAL).map(error_words);
-            // Mostly the same on all backends, and then told once.
+            // Most answers have the same error on all backends; list it once.
             errors.extend(error.filter(|error| !errors.contains(error)));
             if let Some(line) = self.frame_words(group, of, answer) {
                 if !frames.is_empty() {
@@ -369,7 +366,7 @@ impl Words<'_> {
             }
             Some(verdicts) => {
                 format!(
-                    "{} (as {} was played)",
+                    "{} (tested as {})",
                     verdicts.words(NAMED_ROWS),
                     verdicts.settings
                 )
@@ -384,7 +381,7 @@ impl Words<'_> {
         ]
     }
 
-    /// Returns a setting's frames on a backend: milliseconds, and multiples of `hard`.
+    /// Returns a setting's frame times on a backend: milliseconds, and multiples of `hard`.
     fn frame_words(&self, group: &WhichGroup, of: &OfBackend, answer: &Answer) -> Option<String> {
         let mut ms = Vec::new();
         let mut ratios = Vec::new();
@@ -401,7 +398,7 @@ impl Words<'_> {
     }
 }
 
-/// Returns an answer's settings; the default bias is told once for all.
+/// Returns an answer's settings without the default bias, which the page states once.
 fn words_of(answer: &Answer) -> String {
     let default = ShadowMap::default().bias.label();
     let words = answer.settings.split(", ").filter(|word| *word != default);
@@ -416,17 +413,17 @@ fn error_words(setting: &Relative) -> String {
     }
 }
 
-/// Returns a budget in words, by its place in [`BUDGETS`].
+/// Returns a budget's label, by its index in [`BUDGETS`].
 fn budget_words(budget: usize) -> String {
     let times = BUDGETS[budget];
     if times.is_infinite() {
-        "as long as it likes".to_owned()
+        "unlimited".to_owned()
     } else {
         format!("{times} times hard")
     }
 }
 
-/// Returns milliseconds with three digits.
+/// Formats milliseconds with three digits.
 fn short(ms: f64) -> String {
     match ms {
         _ if ms >= 100.0 => format!("{ms:.0}"),
@@ -435,7 +432,7 @@ fn short(ms: f64) -> String {
     }
 }
 
-/// Returns a ratio with two digits.
+/// Formats a ratio with two digits.
 fn digits(ratio: f64) -> String {
     if ratio < 10.0 {
         format!("{ratio:.1}")

@@ -1,4 +1,4 @@
-//! Rows of a list of measured techniques, and the list.
+//! Entries of the catalogue of measured techniques, and the catalogue.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
@@ -13,49 +13,49 @@ use umbrage_core::{
 };
 use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset, for_each_technique};
 
-/// A technique of a catalogue: what its [`CataloguedTechnique`] says, whatever its type.
+/// Entry of a catalogue: the items of a [`CataloguedTechnique`], without its type.
 #[derive(Clone, Copy)]
 pub struct CatalogueEntry {
-    /// Its row in the library's list: name, summary, default settings.
+    /// The technique's row in the library's list: name, summary, default settings.
     pub technique: TechniqueEntry,
-    /// The settings worth comparing, for the given map sides (texels) and fit:
+    /// Settings to compare, for the given map sides (texels) and fit:
     /// [`CataloguedTechnique::compared`].
     pub settings: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
-    /// The few settings that stand for it, for the given map sides (texels) and fit:
+    /// Few representative settings, for the given map sides (texels) and fit:
     /// [`CataloguedTechnique::headline`].
     pub headline: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
-    /// As [`CataloguedTechnique::MAX_COMPARED_TRIANGLES`].
+    /// Bound on the scene size: [`CataloguedTechnique::MAX_COMPARED_TRIANGLES`].
     pub max_compared_triangles: Option<usize>,
-    /// Every setting that differs in code path, at one map side (texels):
+    /// Every setting with a different code path, at one map side (texels):
     /// [`CataloguedTechnique::exhaustive`].
     pub exhaustive: fn(map_size: u32) -> Vec<TechniquePreset>,
-    /// What a planner tries: [`CataloguedTechnique::candidates`].
+    /// Candidates of a planner: [`CataloguedTechnique::candidates`].
     pub candidates: fn(map: ShadowMap, light: &Light) -> Vec<Candidate<TechniquePreset>>,
-    /// Which biases a planner may give to its maps.
+    /// Biases that a planner may assign to its maps.
     pub planned_biases: PlannedBiases,
-    /// Why a planner chose these settings: [`CataloguedTechnique::why_chosen`]. `None` of another
-    /// technique's, too.
+    /// Reason why a planner chose these settings: [`CataloguedTechnique::why_chosen`]. Returns
+    /// `None` for presets of other techniques.
     pub why_chosen: fn(preset: &TechniquePreset, error: f64, recipe: &Recipe) -> Option<String>,
-    /// What closed forms demand of it: [`CataloguedTechnique::closed_form`].
+    /// Requirements of closed forms: [`CataloguedTechnique::closed_form`].
     pub closed_form: fn(map: ShadowMap) -> Option<ClosedFormDemand<TechniquePreset>>,
-    /// How far its lookups go: [`CataloguedTechnique::kernel_reach`]. `None` of another technique's
-    /// settings, too.
+    /// Reach of its lookups: [`CataloguedTechnique::kernel_reach`]. Returns `None` for presets of
+    /// other techniques.
     pub kernel_reach: fn(&TechniquePreset) -> Option<f32>,
-    /// What is measured of its kernel: [`CataloguedTechnique::kernel`].
+    /// Measured properties of its kernel: [`CataloguedTechnique::kernel`].
     pub kernel: fn(&dyn ReceiveKernel) -> Option<&dyn CataloguedKernel>,
-    /// What its filters load: [`CataloguedTechnique::filter_loads`].
+    /// Texels that its filters load: [`CataloguedTechnique::filter_loads`].
     pub filter_loads: fn(&dyn FilterKernel) -> Option<u32>,
-    /// How often random scenes are rendered with it, relative to a technique with 1.
+    /// Frequency of random scenes with it, relative to a technique with 1.
     pub random_weight: u32,
-    /// The ranges of the numbers that [`CatalogueEntry::random`] takes.
+    /// Ranges of the numbers passed to [`CatalogueEntry::random`].
     pub random_parameters: fn() -> Vec<RandomParameter>,
     /// Random settings: [`CataloguedTechnique::random`].
     pub random: fn(map: ShadowMap, numbers: &[f32]) -> TechniquePreset,
-    /// As [`CataloguedTechnique::IS_PREVIEWED`].
+    /// True if quick comparisons run it: [`CataloguedTechnique::IS_PREVIEWED`].
     pub is_previewed: bool,
 }
 
-/// Its name alone: addresses of functions differ from run to run.
+/// Shows only the name, since addresses of functions differ from run to run.
 impl Debug for CatalogueEntry {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.technique.name)
@@ -63,7 +63,7 @@ impl Debug for CatalogueEntry {
 }
 
 impl CatalogueEntry {
-    /// Returns the row of a technique.
+    /// Returns the entry of a technique.
     pub fn of<T: CataloguedTechnique>() -> Self {
         Self {
             technique: TechniqueEntry::of::<T>(),
@@ -109,17 +109,17 @@ macro_rules! rows {
 
 static BUILT_IN: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| for_each_technique!(rows));
 
-/// Returns the rows of all built-in techniques, cheapest first.
+/// Returns the entries of all built-in techniques, cheapest first.
 pub fn all() -> &'static [CatalogueEntry] {
     &BUILT_IN
 }
 
-/// Returns the row of the built-in technique with this name.
+/// Returns the entry of the built-in technique with this name.
 pub fn find(name: &str) -> Option<&'static CatalogueEntry> {
     all().iter().find(|entry| entry.technique.name == name)
 }
 
-/// The techniques that a program knows: the built-in ones, and those that it brings.
+/// Techniques available to a program: the built-in ones, and its own.
 #[derive(Clone, Debug)]
 pub struct Catalogue(Vec<CatalogueEntry>);
 
@@ -129,7 +129,7 @@ impl Default for Catalogue {
     }
 }
 
-/// Lists are equal if they have the same names in the same order.
+/// Compares the names in order.
 impl PartialEq for Catalogue {
     fn eq(&self, other: &Self) -> bool {
         self.names() == other.names()
@@ -137,50 +137,50 @@ impl PartialEq for Catalogue {
 }
 
 impl Catalogue {
-    /// The built-in techniques, cheapest first.
+    /// Returns the built-in techniques, cheapest first.
     pub fn built_in() -> Self {
         Self(all().to_vec())
     }
 
-    /// The same list and one technique more.
+    /// Returns the catalogue with one more technique.
     ///
     /// # Errors
-    /// Errors if a technique of that name is in the list.
+    /// Errors if the catalogue has a technique of that name.
     pub fn with(mut self, entry: CatalogueEntry) -> Result<Self, Invalid> {
         if self.find(entry.technique.name).is_some() {
-            let why = format!("`{}` is in the list already", entry.technique.name);
+            let why = format!("`{}` is already in the catalogue", entry.technique.name);
             return Err(Invalid::new("technique", why, "give it another name"));
         }
         self.0.push(entry);
         Ok(self)
     }
 
-    /// The same list without the techniques whose names `keep` refuses.
+    /// Returns the catalogue with only the techniques whose names `keep` accepts.
     #[must_use]
     pub fn retain(mut self, keep: impl Fn(&str) -> bool) -> Self {
         self.0.retain(|entry| keep(entry.technique.name));
         self
     }
 
-    /// All of them, in order.
+    /// Returns all entries, in order.
     pub fn all(&self) -> &[CatalogueEntry] {
         &self.0
     }
 
-    /// The technique with this name.
+    /// Returns the entry of the technique with this name.
     pub fn find(&self, name: &str) -> Option<&CatalogueEntry> {
         self.0.iter().find(|entry| entry.technique.name == name)
     }
 
-    /// Returns how far, in texels, lookups go with these settings:
+    /// Returns the reach of lookups with these settings, texels:
     /// [`CataloguedTechnique::kernel_reach`].
     pub fn kernel_reach(&self, preset: &TechniquePreset) -> Option<f32> {
         let entry = self.find(preset.name())?;
         (entry.kernel_reach)(preset)
     }
 
-    /// Returns what is measured of a recipe's kernel: by the catalogue's own techniques, or by a
-    /// built-in one.
+    /// Returns the measured properties of a recipe's kernel, from the catalogue's own techniques or
+    /// a built-in one.
     pub fn kernel<'a>(&self, recipe: &'a Recipe) -> &'a dyn CataloguedKernel {
         let kernel = &*recipe.receive.kernel;
         let known = self
@@ -189,8 +189,8 @@ impl Catalogue {
         known.unwrap_or(&UnknownKernel)
     }
 
-    /// Returns how many texels a filter loads for each that it makes: by the catalogue's own
-    /// techniques, or by a built-in one.
+    /// Returns the number of texels that a filter loads for each that it writes, from the
+    /// catalogue's own techniques or a built-in one.
     pub fn filter_loads(&self, filter: &dyn FilterKernel) -> u32 {
         let known = self
             .all_and_built_in()
@@ -202,18 +202,19 @@ impl Catalogue {
         self.0.iter().chain(all())
     }
 
-    /// All names, in order.
+    /// Returns all names, in order.
     pub fn names(&self) -> Vec<&'static str> {
         self.0.iter().map(|entry| entry.technique.name).collect()
     }
 
-    /// The techniques with these names, in the list's order; all of them if no names are given.
+    /// Returns the techniques with these names in the catalogue's order, or all if no names are
+    /// given.
     ///
     /// # Errors
-    /// Errors if there is no technique with one of the names.
+    /// Errors if no technique has one of the names.
     pub fn select(&self, names: &[String]) -> Result<Vec<&CatalogueEntry>, Invalid> {
         if let Some(unknown) = names.iter().find(|name| self.find(name).is_none()) {
-            let why = format!("there is none called `{unknown}`");
+            let why = format!("`{unknown}` is unknown");
             let help = format!("use some of {}", self.names().join(", "));
             return Err(Invalid::new("technique", why, help));
         }
@@ -226,8 +227,8 @@ impl Catalogue {
     /// Reads a preset of one of these techniques from TOML.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names none of these techniques, or has a field that the
-    /// technique doesn't have.
+    /// Errors if the text is not TOML, names none of these techniques, or has a field unknown to
+    /// the technique.
     pub fn preset_from_toml(&self, text: &str) -> Result<TechniquePreset, Invalid> {
         let entries: Vec<TechniqueEntry> = self.0.iter().map(|entry| entry.technique).collect();
         TechniquePreset::read(text, &entries)

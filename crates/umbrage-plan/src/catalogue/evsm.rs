@@ -1,4 +1,4 @@
-//! What is measured and planned of `evsm`.
+//! Catalogue entry of `evsm`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
@@ -23,7 +23,7 @@ impl CataloguedTechnique for MapTechnique<Evsm> {
         kernel::downcast::<EvsmKernel>(kernel)
     }
 
-    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    // Filters take longer than most techniques' lookups, especially on software drivers.
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
@@ -87,7 +87,7 @@ impl CataloguedTechnique for MapTechnique<Evsm> {
             .to_vec()
     }
 
-    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    // A blend of a plane's depths is the plane's depth, so no bias is needed.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {

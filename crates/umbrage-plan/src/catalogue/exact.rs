@@ -1,4 +1,4 @@
-//! What is measured and planned of `exact`.
+//! Catalogue entry of `exact`.
 
 use super::{
     CataloguedTechnique, ClosedFormDemand,
@@ -13,7 +13,7 @@ impl CataloguedTechnique for Exact {
     }
 
     fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("its answer is that of rays, without a map or a bias".to_owned())
+        Some("its result is that of ray tracing, without a map or a bias".to_owned())
     }
 
     fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
@@ -22,7 +22,7 @@ impl CataloguedTechnique for Exact {
 }
 
 impl CataloguedKernel for ExactKernel {
-    /// A cell, and some of the casters in its list.
+    /// Counts a cell, and some of the casters in its list.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::taps(taps_from_memory(self).ceil() as u32)
     }
@@ -37,14 +37,15 @@ impl CataloguedKernel for ExactKernel {
     }
 }
 
-/// A lookup takes at least as long as the square root of the casters over 30 taps: the more
-/// casters, the more of the lists comes from far memory. And at least as long as a tap for each
-/// caster of its list. In six frames with 164 thousand to 2.4 million casters, the greater of the
-/// two is within a factor of 1.45 of what lookups take on the CPU and on lavapipe, but for `valley`
-/// on the CPU, where it is 1.7 times too dear.
+/// Divisor of the square root of the number of casters for the taps of a lookup.
+///
+/// With more casters, a larger part of the lists is outside the caches. The cost is the maximum of
+/// this and one tap per caster in the list. In six frames with 164 thousand to 2.4 million casters,
+/// it is within a factor of 1.45 of measured lookups on the CPU and on lavapipe. The exception is
+/// `valley` on the CPU, where it is 1.7 times too high.
 const CASTERS_A_TAP: f32 = 30.0;
 
-/// Returns the taps of a lookup whose lists come from far memory.
+/// Returns the taps of a lookup whose lists are outside the caches.
 fn taps_from_memory(kernel: &ExactKernel) -> f32 {
     (kernel.casters() as f32).sqrt() / CASTERS_A_TAP
 }

@@ -1,4 +1,4 @@
-//! What is measured and planned of `hard`.
+//! Catalogue entry of `hard`.
 
 use super::{
     CataloguedTechnique,
@@ -10,7 +10,8 @@ use umbrage_techniques::{
     Bias, Hard, HardKernel, MapFilter as _, MapFormat, MapTechnique, ShadowMap,
 };
 
-/// One comparison shows best what each bias does. The first is compared at every map size.
+/// Biases to compare, since a single comparison shows their effects best. The first is compared at
+/// every map size.
 const COMPARED_BIASES: [Bias; 8] = [
     Bias::ADAPTIVE,
     Bias::RECEIVER_PLANE,
@@ -62,8 +63,8 @@ impl CataloguedTechnique for MapTechnique<Hard> {
 }
 
 impl CataloguedKernel for HardKernel {
-    // It reaches no farther than the receiver's own texel, also where a technique that does falls
-    // back on it.
+    // Lookups use only the receiver's own texel, even where another technique with a larger reach
+    // falls back to this kernel.
     fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
         Some(0.0)
     }

@@ -1,76 +1,76 @@
-//! What is measured of kernels: what they cost, and how far they look.
+//! Measured properties of kernels: their costs and their reach.
 
 use std::any::Any;
 use umbrage_core::{ReceiveKernel, Receivers, glam::Vec3};
 
-/// A receive kernel that is measured.
+/// Receive kernel with measured properties.
 ///
-/// Each item has a default: a kernel of which nothing is known costs one tap.
+/// Each item has a default: an unknown kernel costs one tap.
 pub trait CataloguedKernel: Sync {
-    /// Returns what it does for one receiver, at most: for [`Work`](crate::cost::Work), which the
-    /// price of a technique is made of.
+    /// Returns the greatest cost for one receiver. [`Work`](crate::cost::Work) uses it for the
+    /// price of a technique.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::default()
     }
 
-    /// Returns the same for these receivers, if it depends on them.
+    /// Returns the cost for these receivers, if it depends on them.
     fn cost_for(&self, receivers: &Receivers) -> KernelCost {
         let _ = receivers;
         self.cost_per_receiver()
     }
 
-    /// Returns how many triangles its tables were made of, each as often as it stands in them:
-    /// tables that follow the light or the casters are rebuilt with them. That costs about as much
-    /// as drawing as many triangles.
+    /// Returns the number of triangles in its tables, including repetitions. Tables that follow the
+    /// light or the casters are rebuilt with them, at about the cost of drawing as many triangles.
     fn triangles_listed(&self) -> u64 {
         0
     }
 
-    /// Returns by how much its answer may be wrong where nothing casts, 0..=1, if it answers the
-    /// share of a light with an extent that the receiver's own tangent plane leaves. `None` of
-    /// kernels that take the light for its middle, or query single points of it.
+    /// Returns the greatest error, 0..=1, of its visibility without casters, if the light has an
+    /// extent. The kernel must then return the share of the light above the receiver's tangent
+    /// plane. Returns `None` for kernels that treat the light as its centre, or sample single
+    /// points of it.
     fn horizon_error(&self) -> Option<f32> {
         None
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
-    /// unit `normal` goes beyond the point of the map on which it falls, if that differs from one
-    /// receiver to the next. `None`: as far as
-    /// [`CataloguedTechnique::kernel_reach`](super::CataloguedTechnique::kernel_reach) returns.
+    /// Returns the reach, in texels, of a lookup beyond the receiver's point on the map, if it
+    /// differs between receivers. `position` is in world space, `normal` is a unit vector. Returns
+    /// `None` if [`CataloguedTechnique::kernel_reach`](super::CataloguedTechnique::kernel_reach)
+    /// applies.
     fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         let _ = (position, normal);
         None
     }
 
     /// Returns the layer of its map in which a receiver at `position` (world space) is looked up,
-    /// if there are several. `None`: the layers are the faces of a cube, and it is that of the face
-    /// in which the receiver lies.
+    /// if there are several. Returns `None` if the layers are the faces of a cube, so that the
+    /// receiver's face is used.
     fn layer(&self, position: Vec3) -> Option<u32> {
         let _ = position;
         None
     }
 }
 
-/// What a kernel reads for one receiver, at most.
+/// Greatest cost of a kernel for one receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct KernelCost {
-    /// Texels loaded; of the rows of a square of texels, each three neighbours as one.
+    /// Texels loaded. In the rows of a square of texels, three neighbours count as one.
     pub taps: u32,
-    /// Comparison samples taken, each of four texels.
+    /// Comparison samples, each of four texels.
     pub samples: u32,
     /// Rays traced.
     pub rays: u32,
 }
 
 impl Default for KernelCost {
-    /// One tap.
+    /// Returns one tap.
     fn default() -> Self {
         Self::taps(1)
     }
 }
 
 impl KernelCost {
-    /// Taps alone.
+    /// Returns a cost of taps only.
     pub const fn taps(taps: u32) -> Self {
         Self {
             taps,
@@ -79,7 +79,7 @@ impl KernelCost {
         }
     }
 
-    /// Comparison samples alone.
+    /// Returns a cost of comparison samples only.
     pub const fn samples(samples: u32) -> Self {
         Self {
             taps: 0,
@@ -88,7 +88,7 @@ impl KernelCost {
         }
     }
 
-    /// Rays alone.
+    /// Returns a cost of rays only.
     pub const fn rays(rays: u32) -> Self {
         Self {
             taps: 0,
@@ -98,13 +98,13 @@ impl KernelCost {
     }
 }
 
-/// A kernel of which nothing is known.
+/// Kernel without measured properties.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UnknownKernel;
 
 impl CataloguedKernel for UnknownKernel {}
 
-/// Returns `kernel` as what is measured of it, if it is a `K`.
+/// Returns the measured properties of `kernel`, if it is a `K`.
 pub fn downcast<K: CataloguedKernel + ReceiveKernel>(
     kernel: &dyn ReceiveKernel,
 ) -> Option<&dyn CataloguedKernel> {

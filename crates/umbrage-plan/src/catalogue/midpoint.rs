@@ -1,4 +1,4 @@
-//! What is measured and planned of `midpoint`.
+//! Catalogue entry of `midpoint`.
 
 use super::{Candidate, CataloguedTechnique, PlannedBiases, RandomParameter, sweeps};
 use umbrage_core::{Fit, Light};
@@ -26,7 +26,7 @@ impl CataloguedTechnique for MapTechnique<Midpoint> {
             .to_vec()
     }
 
-    // Peeling takes no polygon offset.
+    // Peeling does not support a polygon offset.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::WithoutPolygonOffset;
 
     fn random_parameters() -> Vec<RandomParameter> {

@@ -1,8 +1,8 @@
-//! What is measured of each technique: a row a technique.
+//! Catalogue of measured techniques, with one entry per technique.
 //!
-//! A technique implements [`CataloguedTechnique`] in a file of its own, which says what is
-//! compared, planned and tested. [`CatalogueEntry::of`] makes a row of it, and a [`Catalogue`] is a
-//! list of rows: of the built-in techniques, and of a program's own.
+//! A technique implements [`CataloguedTechnique`] in its own file, which defines how it is
+//! compared, planned and tested. [`CatalogueEntry::of`] creates its entry. A [`Catalogue`] is a
+//! list of entries of built-in techniques and of a program's own.
 
 mod entry;
 mod evsm;
@@ -34,7 +34,7 @@ use std::ops::Range;
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ListedTechnique, ShadowMap};
 
-/// A technique that is measured, planned and tested.
+/// Technique that is measured, planned and tested.
 ///
 /// Each item has a default: the default settings are compared and planned.
 ///
@@ -65,10 +65,10 @@ use umbrage_techniques::{ListedTechnique, ShadowMap};
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 pub trait CataloguedTechnique: ListedTechnique {
-    /// The settings worth comparing, for maps with these sides (texels) and this fit. Techniques
-    /// without a map ignore both.
+    /// Returns the settings to compare, for maps with these sides (texels) and this fit.
     ///
-    /// By default the default settings, on maps of all sizes.
+    /// Techniques without a map ignore both. Defaults to the default settings, on maps of all
+    /// sizes.
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let default = Self::default();
         let Some(bias) = default.map().map(|map| map.bias) else {
@@ -77,10 +77,10 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::sweep(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// The few settings that stand for it where frames of real size are compared: those that a
-    /// program would begin with.
+    /// Returns few representative settings for comparisons of frames of real size: a program would
+    /// start with these.
     ///
-    /// By default the default settings, on the middle map.
+    /// Defaults to the default settings, on the middle map.
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let default = Self::default();
         let Some(bias) = default.map().map(|map| map.bias) else {
@@ -89,14 +89,15 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// The most triangles of a scene with which `compare` runs it, where all scenes are compared:
-    /// larger ones take minutes. It runs if such a scene is named, or all settings are compared.
-    /// `None` for no bound.
+    /// Greatest number of triangles of a scene with which `compare` runs it when it compares all
+    /// scenes, since larger ones take minutes. A scene that is named, or a comparison of all
+    /// settings, ignores the bound. `None` means unbounded.
     const MAX_COMPARED_TRIANGLES: Option<usize> = None;
 
-    /// Every setting that differs in code path, on maps of one small side (texels), for tests.
+    /// Returns every setting with a different code path, on maps of one small side (texels), for
+    /// tests.
     ///
-    /// By default the default settings, with every bias.
+    /// Defaults to the default settings, with every bias.
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let default = Self::default();
         if default.map().is_none() {
@@ -105,31 +106,32 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::every_bias(map_size, |map| default.clone().with_map(map))
     }
 
-    /// The settings that a planner tries under `light`. It puts those with a map on maps of all
-    /// sides, and searches their bias; `map` says all else of the map.
+    /// Returns the settings that a planner evaluates under `light`.
     ///
-    /// By default the default settings.
+    /// It evaluates those with a map on maps of all sides, and searches their bias. `map` has the
+    /// map's other parameters. Defaults to the default settings.
     fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
         let _ = light;
         vec![Candidate::of(Self::default().with_map(map))]
     }
 
-    /// Which biases a planner may give to its maps.
+    /// Biases that a planner may assign to its maps.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::All;
 
-    /// Why a planner chose these settings, in a few words for people, where there is more to say
-    /// than what was measured. `error` is the estimated RMSE, and `recipe` what is executed. Only
-    /// called for techniques without a map.
+    /// Returns a short reason why a planner chose these settings, beyond the measurements. `error`
+    /// is the estimated RMSE, and `recipe` is the executed recipe. Only called for techniques
+    /// without a map.
     fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
         let _ = (error, recipe);
         None
     }
 
-    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` if
-    /// it can't be queried for single points, or doesn't meet them.
+    /// Returns the requirements that the closed forms of ideal lights impose at single points, with
+    /// `map`. Returns `None` if it can't be evaluated at single points, or doesn't meet them.
     ///
-    /// By default the default settings are right where no edge is within
-    /// [`kernel_reach`](Self::kernel_reach); techniques without a map have no demand.
+    /// Defaults to the default settings, exact where no edge is within
+    /// [`kernel_reach`](Self::kernel_reach). Techniques without a map have no requirements by
+    /// default.
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self::default().with_map(map);
         technique.map()?;
@@ -137,69 +139,70 @@ pub trait CataloguedTechnique: ListedTechnique {
         Some(ClosedFormDemand::new(technique, reach))
     }
 
-    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls,
-    /// along each axis: 0 for one texel, 1 for the 3 x 3 around it. If it differs from one receiver
-    /// to the next, this is the narrowest, and [`CataloguedKernel::reach`] returns each. `None` if
-    /// no map of what the light sees is looked up, or it isn't known: reports then say nothing of
-    /// its maps.
+    /// Returns the reach, in texels, of lookups beyond a receiver's point on the map, along each
+    /// axis: 0 for one texel, 1 for the 3 x 3 around it.
+    ///
+    /// If it differs between receivers, this is the least, and [`CataloguedKernel::reach`] returns
+    /// each. Returns `None` if no map is looked up, or the reach is unknown. Reports then omit its
+    /// maps.
     fn kernel_reach(&self) -> Option<f32> {
         None
     }
 
-    /// Returns what is measured of a kernel, if recipes of this technique receive with it.
+    /// Returns the measured properties of a kernel, if recipes of this technique receive with it.
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
         let _ = kernel;
         None
     }
 
-    /// Returns how many texels a filter loads for each that it makes, if recipes of this technique
-    /// have it and it loads more than one. One is part of the price of any filter.
+    /// Returns the number of texels that a filter loads for each that it writes, if recipes of this
+    /// technique use it and it loads more than one. The first is part of the price of any filter.
     fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
         let _ = filter;
         None
     }
 
-    /// How often random scenes are rendered with it, relative to a technique with 1.
+    /// Frequency of random scenes with it, relative to a technique with 1.
     const RANDOM_WEIGHT: u32 = 1;
 
-    /// The ranges that [`random`](Self::random)'s numbers are drawn from, for tests.
+    /// Returns the ranges of the numbers for [`random`](Self::random), for tests.
     fn random_parameters() -> Vec<RandomParameter> {
         Vec::new()
     }
 
-    /// Random settings: with a random map, and a number drawn for each of
-    /// [`random_parameters`](Self::random_parameters), in their order.
+    /// Returns random settings from a random map, and one number for each of
+    /// [`random_parameters`](Self::random_parameters), in order.
     fn random(map: ShadowMap, numbers: &[f32]) -> Self {
         let _ = numbers;
         Self::default().with_map(map)
     }
 
-    /// Whether quick comparisons of all techniques run it. They leave out what takes long and
-    /// seldom wins. A technique that is named always runs.
+    /// True if quick comparisons of all techniques run it. They skip expensive techniques that
+    /// seldom win. A technique that is named always runs.
     const IS_PREVIEWED: bool = true;
 }
 
-/// What a planner tries of one technique and kernel.
+/// Candidates of a planner for one technique and kernel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Candidate<T> {
-    /// One setting. On maps of all sides, if it has a map.
+    /// One setting, evaluated on maps of all sides if it has a map.
     One(T),
-    /// Settings from cheap to dear, each of which errs less than the one before.
+    /// Settings from cheap to expensive, each with a smaller error than the one before.
     Series {
-        /// Rising in cost.
+        /// Settings, by rising cost.
         settings: Vec<T>,
-        /// The factor by which one step divides the error at most.
+        /// Greatest factor by which one step divides the error.
         max_gain: f64,
     },
 }
 
 impl<T> Candidate<T> {
-    /// One setting.
+    /// Returns a candidate of one setting.
     pub fn of(setting: T) -> Self {
         Self::One(setting)
     }
 
-    /// The same with every setting converted.
+    /// Returns the candidate with every setting converted.
     pub fn map<U>(self, convert: impl Fn(T) -> U) -> Candidate<U> {
         match self {
             Self::One(setting) => Candidate::One(convert(setting)),
@@ -211,34 +214,33 @@ impl<T> Candidate<T> {
     }
 }
 
-/// Which biases a planner may choose from.
+/// Biases that a planner may choose from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlannedBiases {
     /// All kinds.
     All,
-    /// All that don't need a polygon offset: for maps that are peeled.
+    /// All kinds without a polygon offset, for peeled maps.
     WithoutPolygonOffset,
-    /// The technique's own alone.
+    /// Only the technique's own bias.
     Own,
 }
 
-/// What closed forms demand of a technique: at points farther from all edges than its kernel
-/// reaches, its answer must be the formula's.
+/// Requirements that closed forms impose on a technique. At points farther from all edges than its
+/// kernel reaches, its visibility must equal the formula's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedFormDemand<T> {
     /// The technique, with its settings.
     pub technique: T,
-    /// How far its kernel reaches beyond the receiver's own texel, texels.
+    /// Reach of its kernel beyond the receiver's own texel, texels.
     pub reach: f32,
-    /// How far its answer may be from the formula's: 0 for comparisons, which know light and dark
-    /// alone.
+    /// Greatest difference from the formula: 0 for comparisons, which return only light or dark.
     pub tolerance: f32,
-    /// Whether it serves closed bodies alone, and neither sheets nor rooms without an outside.
+    /// True if it supports only closed bodies, and neither sheets nor rooms without an outside.
     pub closed_bodies: bool,
 }
 
 impl<T> ClosedFormDemand<T> {
-    /// Demands that `technique`, whose kernel reaches `reach` texels, is right in all scenes.
+    /// Requires that `technique`, whose kernel reaches `reach` texels, is exact in all scenes.
     pub fn new(technique: T, reach: f32) -> Self {
         Self {
             technique,
@@ -249,14 +251,14 @@ impl<T> ClosedFormDemand<T> {
     }
 }
 
-/// A number of a technique's settings, as tests draw it.
+/// Parameter of a technique's settings that tests draw at random.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RandomParameter {
     /// A whole number.
     Count(Range<u32>),
     /// A length.
     Length(Range<f32>),
-    /// The place of a [`Pattern`](umbrage_techniques::Pattern) in
+    /// Index of a [`Pattern`](umbrage_techniques::Pattern) in
     /// [`Pattern::ALL`](umbrage_techniques::Pattern::ALL).
     Pattern,
     /// 0 or 1.

@@ -1,23 +1,23 @@
-//! What `vsm`, `evsm` and `msm` have in common.
+//! Shared parts of the entries of `vsm`, `evsm` and `msm`.
 
 use super::{CataloguedTechnique, ClosedFormDemand, kernel::KernelCost};
 use std::any::Any;
 use umbrage_core::FilterKernel;
 use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};
 
-/// How far from light or darkness a bound may be where a formula knows either: what is mixed into
-/// moments, the least variance, and the variance of curved surfaces leave a little of both.
+/// Greatest distance of a bound from light or darkness where a formula is exact. Rounding terms in
+/// the moments, the least variance, and the variance of curved surfaces cause it.
 const CLOSED_FORM_TOLERANCE: f32 = 0.05;
 
-/// The precisions and counts of mipmaps that differ in code path, besides the default ones.
+/// Precisions and numbers of mipmaps with a different code path, other than the default ones.
 pub(super) const STORAGES: [(MomentPrecision, u32); 3] = [
     (MomentPrecision::Bits16, 0),
     (MomentPrecision::Bits32, 3),
     (MomentPrecision::Bits16, 2),
 ];
 
-/// Returns the map for closed forms: of half the side, as each of its texels is averaged with 48
-/// others, on software drivers, too.
+/// Returns the map for closed forms. It has half the side, since each texel is averaged with 48
+/// others, also on software drivers.
 pub(super) fn closed_form_map(map: ShadowMap) -> ShadowMap {
     ShadowMap {
         size: map.size / 2,
@@ -25,7 +25,7 @@ pub(super) fn closed_form_map(map: ShadowMap) -> ShadowMap {
     }
 }
 
-/// Returns what closed forms demand of a technique that looks up moments.
+/// Returns the requirements of closed forms for a technique that looks up moments.
 pub(super) fn closed_form_demand<T: CataloguedTechnique>(
     technique: T,
 ) -> Option<ClosedFormDemand<T>> {
@@ -36,19 +36,19 @@ pub(super) fn closed_form_demand<T: CataloguedTechnique>(
     })
 }
 
-/// Returns how far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and
-/// one more for the blend of four texels.
+/// Returns the reach of a lookup beyond the receiver's own texel, texels: that of the blur, plus
+/// one for the blend of four texels.
 pub(super) fn kernel_reach(blur: u32) -> f32 {
     blur as f32 + 1.0
 }
 
-/// Returns what a lookup costs: four texels of one level, or of two if there are levels beyond the
-/// first.
+/// Returns the cost of a lookup: four texels of one level, or of two if there are several levels.
 pub(super) fn lookup_cost(levels: u32) -> KernelCost {
     KernelCost::taps(if levels > 0 { 8 } else { 4 })
 }
 
-/// Says what is measured of a kernel that looks up moments.
+/// Implements [`CataloguedKernel`](crate::catalogue::CataloguedKernel) for a kernel that looks up
+/// moments.
 macro_rules! catalogued_kernel {
     ($kernel:ty) => {
         impl crate::catalogue::kernel::CataloguedKernel for $kernel {
@@ -68,7 +68,8 @@ macro_rules! catalogued_kernel {
 }
 pub(super) use catalogued_kernel;
 
-/// Returns how many texels a filter of moments loads for each that it makes, if it is one.
+/// Returns the number of texels that a filter of moments loads for each that it writes, if it is
+/// one.
 pub(super) fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
     let filter: &dyn Any = filter;
     if let Some(blur) = filter.downcast_ref::<BoxBlurKernel>() {
@@ -78,13 +79,13 @@ pub(super) fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
         levels,
         along_columns,
     } = filter.downcast_ref::<HalveKernel>()?.uniforms;
-    // Each level loads the whole map along rows, and along columns half as much as the one before,
-    // for half of the texels.
+    // Along rows, each level loads the whole map. Along columns, it loads half as much as the one
+    // before, for half of the texels.
     Some(if along_columns == 0 { levels as u32 } else { 2 })
 }
 
-/// Returns what a random switch ([`RandomParameter::Switch`](super::RandomParameter::Switch))
-/// chooses.
+/// Returns the precision for a random switch
+/// ([`RandomParameter::Switch`](super::RandomParameter::Switch)).
 pub(super) fn precision_of_switch(number: f32) -> MomentPrecision {
     if number > 0.0 {
         MomentPrecision::Bits16

@@ -1,4 +1,4 @@
-//! What is measured and planned of `msm`.
+//! Catalogue entry of `msm`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
@@ -21,7 +21,7 @@ impl CataloguedTechnique for MapTechnique<Msm> {
         kernel::downcast::<MsmKernel>(kernel)
     }
 
-    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    // Filters take longer than most techniques' lookups, especially on software drivers.
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
@@ -72,7 +72,7 @@ impl CataloguedTechnique for MapTechnique<Msm> {
             .to_vec()
     }
 
-    // The receiver's plane, which the default bias follows, is all that this needs of a bias.
+    // The default bias follows the receiver's plane, and no other bias is needed.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {

@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcf`.
+//! Catalogue entry of `pcf`.
 
 use super::{
     Candidate, CataloguedTechnique, RandomParameter,
@@ -86,7 +86,7 @@ impl CataloguedKernel for PcfKernel {
     }
 }
 
-/// Taps that lie side by side in a row take as long as one tap elsewhere, at most: from 3x3 to 7x7,
-/// a tap takes .10 ns more on the CPU and 1.2 ns on lavapipe, in the disc of `pcf_disc` .75 and 2.6
-/// ns (`recorded.csv`).
+/// Number of adjacent taps in a row that cost at most as much as one tap elsewhere. From 3x3 to
+/// 7x7, a tap adds .10 ns on the CPU and 1.2 ns on lavapipe. In the disc of `pcf_disc`, it adds .75
+/// and 2.6 ns (`recorded.csv`).
 const NEIGHBOURS_A_TAP: u32 = 3;

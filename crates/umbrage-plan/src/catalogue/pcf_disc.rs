@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcf_disc`.
+//! Catalogue entry of `pcf_disc`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,

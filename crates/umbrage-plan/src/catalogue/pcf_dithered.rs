@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcf_dithered`.
+//! Catalogue entry of `pcf_dithered`.
 
 use super::{
     CataloguedTechnique,

@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcf_hardware`.
+//! Catalogue entry of `pcf_hardware`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
@@ -54,8 +54,8 @@ impl CataloguedTechnique for MapTechnique<PcfHardware> {
     }
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // The default leaves samples up to 6 % grey on a faceted sphere, where a facet meets a
-        // flatter one: `shaders/shadow_map/bias.rs` says why.
+        // The default bias makes samples up to 6 % grey on a faceted sphere, where a facet meets a
+        // flatter one: see `shaders/shadow_map/bias.rs`.
         let map = ShadowMap {
             bias: Bias::RECEIVER_PLANE,
             ..map

@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcf_merged`.
+//! Catalogue entry of `pcf_merged`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
@@ -51,7 +51,7 @@ impl CataloguedTechnique for MapTechnique<PcfMerged> {
     }
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // As for `PcfHardware`.
+        // Use the same bias as `PcfHardware`.
         let map = ShadowMap {
             bias: Bias::RECEIVER_PLANE,
             ..map

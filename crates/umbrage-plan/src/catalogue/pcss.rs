@@ -1,4 +1,4 @@
-//! What is measured and planned of `pcss`.
+//! Catalogue entry of `pcss`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
@@ -11,7 +11,7 @@ use umbrage_techniques::{
 };
 
 impl CataloguedTechnique for MapTechnique<Pcss> {
-    /// As wide as the penumbra, which differs everywhere; a texel is the least.
+    /// Returns the least reach, one texel. The kernel is as wide as the penumbra, which varies.
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.0)
     }
@@ -105,7 +105,7 @@ impl CataloguedTechnique for MapTechnique<Pcss> {
 }
 
 impl CataloguedKernel for PcssKernel {
-    /// Second comparisons at a tap are left out: they are few, and as many receivers need no
+    /// Counts no second comparisons at a tap: they are few, and about as many receivers need no
     /// search.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)

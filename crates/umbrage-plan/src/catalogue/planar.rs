@@ -1,4 +1,4 @@
-//! What is measured and planned of `planar`.
+//! Catalogue entry of `planar`.
 
 use super::CataloguedTechnique;
 use umbrage_core::Recipe;
@@ -12,7 +12,7 @@ impl CataloguedTechnique for Planar {
     fn why_chosen(&self, _: f64, recipe: &Recipe) -> Option<String> {
         let layers = recipe.images.first().map_or(0, |image| image.layers);
         Some(format!(
-            "all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"
+            "all lit visible surfaces are in {layers} planes, where flattened casters have exact edges"
         ))
     }
 

@@ -1,4 +1,4 @@
-//! What is measured and planned of `second_depth`.
+//! Catalogue entry of `second_depth`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, sweeps,
@@ -31,7 +31,7 @@ impl CataloguedTechnique for MapTechnique<SecondDepth> {
             .to_vec()
     }
 
-    // Far sides are their own bias.
+    // Far sides replace a bias.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
@@ -39,7 +39,7 @@ impl CataloguedTechnique for MapTechnique<SecondDepth> {
             bias: Bias::FRONT_CULL,
             ..map
         };
-        // It shows nothing but the far sides of bodies: sheets, and rooms without an outside, have
+        // The map contains only the far sides of bodies. Sheets, and rooms without an outside, have
         // none.
         Some(ClosedFormDemand {
             closed_bodies: true,

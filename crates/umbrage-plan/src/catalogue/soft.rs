@@ -1,4 +1,4 @@
-//! What is measured and planned of `soft`.
+//! Catalogue entry of `soft`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
@@ -7,13 +7,14 @@ use super::{
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{SOFT_ERRORS, ShadowMap, Soft, SoftKernel};
 
-/// The errors that are compared.
+/// Errors that are compared.
 const COMPARED: [f32; 3] = [0.04, 0.015, 0.006];
 
-/// The errors that a planner tries: each takes 1.6 to 2.5 times the points of the one before.
+/// Errors that a planner evaluates. Each takes 1.6 to 2.5 times the points of the one before.
 const PLANNED: [f32; 9] = [0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.006, 0.003];
 
-/// From one of them to the next the error is divided by at most 2, and by somewhat more by chance.
+/// Greatest factor by which one step divides the error: at most 2 nominally, plus a margin for
+/// chance.
 const GAIN_OF_POINTS: f64 = 2.5;
 
 impl CataloguedTechnique for Soft {
@@ -34,7 +35,7 @@ impl CataloguedTechnique for Soft {
     }
 
     fn candidates(_: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
-        // Ideal lights have one point: one ray is as exact, and cheaper.
+        // Ideal lights have one point: one ray is equally exact, and cheaper.
         if light.is_ideal() {
             return Vec::new();
         }
@@ -45,7 +46,7 @@ impl CataloguedTechnique for Soft {
     }
 
     fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("hundreds of points of the light for the price of a few rays".to_owned())
+        Some("it samples hundreds of points of the light at the cost of a few rays".to_owned())
     }
 
     fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
@@ -59,8 +60,8 @@ impl CataloguedTechnique for Soft {
 
     fn random(_: ShadowMap, numbers: &[f32]) -> Self {
         let [least, greatest] = SOFT_ERRORS;
-        // As many rows as the number says, about: the inverse of what
-        // `shaders/techniques/soft/lattice.rs` has for discs.
+        // Approximate the inverse of the number of rows for discs in
+        // `shaders/techniques/soft/lattice.rs`.
         let error = 0.42 * numbers[0].powf(-1.5);
         Self {
             error: error.clamp(least, greatest),
@@ -73,17 +74,17 @@ impl CataloguedKernel for SoftKernel {
         Some(self.share_error())
     }
 
-    /// A walk as long as some rays, and rows of points for some casters.
+    /// Counts a walk as several rays, and rows of points as tests of some casters.
     fn cost_per_receiver(&self) -> KernelCost {
         let rows = self.uniforms.rows;
         KernelCost::rays(WALK_IN_RAYS + rows / ROWS_A_RAY)
     }
 }
 
-/// A walk through a shaft costs about as much as so many rays: with [`ROWS_A_RAY`], in `nave-soft`,
-/// `dancer-soft` and `valley-soft` within a factor of 4 on the CPU and on wgpu. The finer the
-/// casters, the more of them lie in a shaft.
+/// Cost of a walk through a shaft, in rays. Together with [`ROWS_A_RAY`], it is within a factor of
+/// 4 in `nave-soft`, `dancer-soft` and `valley-soft` on the CPU and on wgpu. The finer the casters,
+/// the more of them are in a shaft.
 const WALK_IN_RAYS: u32 = 4;
 
-/// So many rows of points cost about as much as a ray.
+/// Number of rows of points that cost about as much as a ray.
 const ROWS_A_RAY: u32 = 3;

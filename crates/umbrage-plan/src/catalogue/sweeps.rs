@@ -1,10 +1,10 @@
-//! Settings over maps and biases: what techniques compare, and what tests play.
+//! Settings over maps and biases, for comparisons and tests.
 
 use umbrage_core::{Cascades, Fit, Layout, Split};
 use umbrage_techniques::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
 
-/// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more
-/// for it; the textbooks' slope bias is theirs for 3x3.
+/// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need larger
+/// amounts. The standard slope bias is that for 3x3.
 pub fn wide_biases(reach: f32) -> [Bias; 4] {
     [
         Bias::ADAPTIVE,
@@ -14,14 +14,14 @@ pub fn wide_biases(reach: f32) -> [Bias; 4] {
     ]
 }
 
-/// Returns two of [`wide_biases`], for kernels whose neighbours in the list show the others.
+/// Returns two of [`wide_biases`], for kernels similar to others in the list that cover the rest.
 pub fn two_biases(reach: f32) -> [Bias; 2] {
     [Bias::ADAPTIVE, Bias::polygon_offset(reach)]
 }
 
 /// Returns a technique with its first bias over maps of all sides (`sizes`, texels), and with the
-/// others at the middle one: what a size does and what a bias does are seen apart, in far fewer
-/// settings than all pairs would be.
+/// others at the middle side. This separates the effects of size and bias, with far fewer settings
+/// than all pairs.
 pub fn sweep<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let (first, others) = biases.split_at(biases.len().min(1));
     let mut out = maps(sizes, fit, first, &make);
@@ -29,7 +29,7 @@ pub fn sweep<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMa
     out
 }
 
-/// Returns a technique at the middle map side alone, with all of these biases.
+/// Returns a technique at the middle map side only, with all of these biases.
 pub fn middle<T>(
     sizes: &[u32],
     fit: Fit,
@@ -56,14 +56,14 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
     out
 }
 
-/// Blur of moment maps that are compared on maps of all sides, texels to each side: that of 3x3,
-/// which errs least in most frames of real size.
+/// Blur of moment maps that are compared on maps of all sides, texels to each side: 3x3, which has
+/// the least error in most frames of real size.
 const NARROW_BLUR: u32 = 1;
-/// Blur of what is compared at the middle side alone.
+/// Blur of moment maps that are compared at the middle side only, texels to each side.
 const WIDE_BLUR: u32 = 3;
 
-/// Returns a technique that blurs its map, with both blurs and the default bias; with the narrow
-/// blur alone where there is one side only, for a quick look, as on software drivers a wide blur
+/// Returns a technique that blurs its map, with both blurs and the default bias. With one side
+/// only, as in quick comparisons, it uses only the narrow blur. On software drivers a wide blur
 /// takes as long as ten other techniques.
 pub fn blurs<T>(sizes: &[u32], fit: Fit, make: impl Fn(ShadowMap, u32) -> T) -> Vec<T> {
     let bias = [Bias::ADAPTIVE];
@@ -75,7 +75,7 @@ pub fn blurs<T>(sizes: &[u32], fit: Fit, make: impl Fn(ShadowMap, u32) -> T) -> 
 }
 
 /// Returns a technique with four cascades of half the middle map side, which take the memory of one
-/// map of that side; nothing for fits that don't follow the camera.
+/// map of that side. Returns nothing for fits that don't follow the camera.
 pub fn cascades<T>(sizes: &[u32], fit: Fit, bias: Bias, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     if matches!(fit, Fit::Whole | Fit::Manual { .. }) {
         return Vec::new();
@@ -91,7 +91,7 @@ pub fn cascades<T>(sizes: &[u32], fit: Fit, bias: Bias, make: impl Fn(ShadowMap)
     map.map(make).into_iter().collect()
 }
 
-/// Returns a technique with every bias, and with all at once, since they must also agree together.
+/// Returns a technique with every bias, and with all biases combined, to test their interaction.
 pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
     biases.push(Bias {
@@ -105,13 +105,13 @@ pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &biases, make)
 }
 
-/// Returns a technique with two biases: for kernels that treat depth as another setting of theirs
-/// does.
+/// Returns a technique with two biases, for kernels that share the depth code with another of their
+/// settings.
 pub fn slope_and_adaptive<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::ADAPTIVE], make)
 }
 
-/// Returns every kind of map that differs in code path.
+/// Returns every kind of map with a different code path.
 pub fn kinds_of_map(size: u32) -> [ShadowMap; 8] {
     let map = ShadowMap {
         size,

@@ -1,4 +1,4 @@
-//! No technique is forgotten.
+//! Tests that the catalogue is complete.
 
 use super::*;
 use std::collections::HashSet;
@@ -28,7 +28,7 @@ fn names_are_unique_and_select_entries() {
     assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
 }
 
-/// Runs that go on compare their options as text.
+/// Resumed runs compare their options as text.
 #[test]
 fn lists_show_names_alone() {
     let shown = format!("{:?}", Catalogue::built_in());
@@ -62,16 +62,16 @@ fn every_setting_of_an_entry_is_of_its_technique() {
         );
         assert!(
             !(entry.candidates)(map, &lamp).is_empty(),
-            "{} is never tried",
+            "{} is no candidate",
             entry.technique.name
         );
     }
 }
 
-/// A technique that forgot its kernel would cost one tap, unnoticed.
+/// A technique without a kernel entry would silently cost one tap.
 #[test]
 fn kernels_of_built_in_techniques_are_known() {
-    // They look up what was drawn at the receiver's own pixel: one tap.
+    // These look up the result at the receiver's own pixel: one tap.
     const ONE_TAP: [&str; 2] = ["planar", "volumes"];
     let scene = umbrage_scenes::by_argument("cubes").expect("built in");
     let geometry = Geometry::bake(&scene).expect("valid");

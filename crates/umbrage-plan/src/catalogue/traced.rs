@@ -1,4 +1,4 @@
-//! What is measured and planned of `traced`.
+//! Catalogue entry of `traced`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
@@ -7,14 +7,14 @@ use super::{
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ShadowMap, Traced, TracedKernel};
 
-/// Rays a receiver that a planner tries, each a fifth or so more than the one before (or one more),
-/// as each costs so much more.
+/// Numbers of rays a receiver that a planner evaluates. Each step is about a fifth (or one ray),
+/// and increases the cost accordingly.
 const PLANNED_SAMPLES: [u32; 23] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256,
 ];
 
-/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more
-/// than from one to two.
+/// Greatest factor by which one step divides the error. Twice the rays divide it by at most 2,
+/// since samples are stratified. No step exceeds that from one ray to two.
 const GAIN_OF_RAYS: f64 = 2.0;
 
 impl CataloguedTechnique for Traced {
@@ -35,7 +35,7 @@ impl CataloguedTechnique for Traced {
     }
 
     fn candidates(_: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
-        // Ideal lights take one ray, whatever is asked.
+        // Ideal lights always use one ray.
         let counts = if light.is_ideal() {
             &PLANNED_SAMPLES[..1]
         } else {
@@ -48,7 +48,7 @@ impl CataloguedTechnique for Traced {
     }
 
     fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("rays need no map, and no bias".to_owned())
+        Some("rays need neither a map nor a bias".to_owned())
     }
 
     fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {

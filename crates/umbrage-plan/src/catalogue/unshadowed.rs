@@ -1,4 +1,4 @@
-//! What is measured and planned of `none`.
+//! Catalogue entry of `none`.
 
 use super::{
     CataloguedTechnique,
@@ -13,7 +13,7 @@ impl CataloguedTechnique for Unshadowed {
     }
 
     fn why_chosen(&self, error: f64, _: &Recipe) -> Option<String> {
-        (error > 0.0).then(|| format!("leaving all shadows out errs by only {error:.4}"))
+        (error > 0.0).then(|| format!("the error without shadows is only {error:.4}"))
     }
 }
 

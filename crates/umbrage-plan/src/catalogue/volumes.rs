@@ -1,4 +1,4 @@
-//! What is measured and planned of `volumes`.
+//! Catalogue entry of `volumes`.
 
 use super::CataloguedTechnique;
 use umbrage_core::Recipe;
@@ -9,8 +9,8 @@ impl CataloguedTechnique for ShadowVolumes {
         Some("volumes have exact edges".to_owned())
     }
 
-    // Of 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes in
-    // 11.
+    // With 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes
+    // in 11 seconds.
     const MAX_COMPARED_TRIANGLES: Option<usize> = Some(1_000_000);
 
     const RANDOM_WEIGHT: u32 = 2;

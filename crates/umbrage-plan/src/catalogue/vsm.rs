@@ -1,4 +1,4 @@
-//! What is measured and planned of `vsm`.
+//! Catalogue entry of `vsm`.
 
 use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
@@ -21,7 +21,7 @@ impl CataloguedTechnique for MapTechnique<Vsm> {
         kernel::downcast::<VsmKernel>(kernel)
     }
 
-    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    // Filters take longer than most techniques' lookups, especially on software drivers.
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
@@ -66,11 +66,11 @@ impl CataloguedTechnique for MapTechnique<Vsm> {
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        // A wider blur bleeds more; `evsm` and `msm` are tried with one.
+        // A wider blur causes more light bleeding; `evsm` and `msm` cover it.
         vec![Candidate::of(Vsm::default().on(map))]
     }
 
-    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    // A blend of a plane's depths is the plane's depth, so no bias is needed.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {

@@ -1,4 +1,4 @@
-//! Measures the prices of work.
+//! Measurement of the prices of work.
 
 use super::{CostModel, counts, least_squares::solve, work::Work};
 use crate::{catalogue::Catalogue, error::MeasureError, statistics::Sorted};
@@ -13,20 +13,20 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_techniques::TechniquePreset;
 
-/// The work and time of a recipe's part: of what it draws (casts and filters), or of its lookup.
+/// Work and time of one part of a recipe: its casts and filters, or its lookup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostSample {
-    /// Scene, technique, settings and part, for people.
+    /// Display label: scene, technique, settings and part.
     pub label: String,
     /// The part's work.
     pub work: Work,
-    /// The part's time, milliseconds: the quickest of the runs.
+    /// The part's time, milliseconds: the fastest of the runs.
     pub milliseconds: f64,
 }
 
 impl CostSample {
-    /// Returns the samples of a recipe's two parts from its whole work; of its lookup alone if it
-    /// draws nothing.
+    /// Returns the samples of a recipe's two parts from its total work, or only that of its lookup
+    /// if it draws nothing.
     pub fn of_parts(label: &str, work: &Work, draw_ms: f64, lookup_ms: f64) -> Vec<Self> {
         let lookup = Self {
             label: format!("{label}, lookup"),
@@ -52,14 +52,14 @@ pub struct Calibration {
     pub model: CostModel,
     /// The measurements.
     pub samples: Vec<CostSample>,
-    /// Half of the samples are predicted within this factor, 1 or more.
+    /// Factor within which half of the samples are predicted, 1 or more.
     pub typical_factor: f64,
-    /// Nine of ten are within this one.
+    /// Factor within which nine of ten samples are predicted.
     pub factor_of_nine_in_ten: f64,
 }
 
-/// Plays scenes with settings on a backend, and returns their work and times. Settings that can't
-/// serve a scene are left out.
+/// Runs scenes with settings on a backend, and returns their work and times. Skips settings that
+/// don't support a scene.
 ///
 /// # Errors
 /// Errors if a scene or a setting is not valid, or the backend fails.
@@ -77,7 +77,7 @@ pub fn time_work(
         let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
             continue;
         };
-        // Built beforehand, as building the hierarchy is no part of a frame.
+        // Build the hierarchy first, since this is not part of a frame.
         let _: &Arc<Bvh> = geometry.bvh();
         for &size in sizes {
             let camera = camera.resized(size);
@@ -93,7 +93,7 @@ pub fn time_work(
     Ok(samples)
 }
 
-/// Plays a technique and times its parts; none where it isn't supported or too large for the
+/// Runs a technique and times its parts. Returns nothing if it is unsupported or too large for the
 /// backend.
 fn measure(
     backend: &mut dyn Backend,
@@ -107,14 +107,14 @@ fn measure(
         Err(RecipeError::Unsupported(_)) => return Ok(Vec::new()),
         Err(e) => return Err(e.into()),
     };
-    // Making tables is priced apart, as `Work::listed`.
+    // Tables are priced separately, as `Work::listed`.
     recipe.make_tables();
     let mut least_draw = f64::INFINITY;
     let mut least_lookup = f64::INFINITY;
     let mut first_timed = None;
     for run in 0..=runs.max(1) {
-        // A card reads masks back for longer than it renders them. Its first runs bring it to its
-        // full clock.
+        // Stop early: a GPU spends more time on reading masks back than on rendering. Its first
+        // runs bring it to its full clock.
         let spent = first_timed.map_or(Duration::ZERO, |start: Instant| start.elapsed());
         let is_enough = spent > LONG || (spent > ENOUGH && run > MIN_RUNS);
         if is_enough && run > 1 {
@@ -122,11 +122,11 @@ fn measure(
         }
         let shadows = match backend.render(view, &recipe) {
             Ok(shadows) => shadows,
-            // Its images are larger than this device can hold.
+            // Its images exceed the device's limits.
             Err(BackendError::Invalid(_)) => return Ok(Vec::new()),
             Err(e) => return Err(e.into()),
         };
-        // The first run compiles and uploads: it doesn't count.
+        // Skip the first run, which compiles and uploads.
         if run == 0 {
             first_timed = Some(Instant::now());
         } else {
@@ -151,37 +151,41 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Rounds in which the fit comes nearer to the least sum of squared logarithms.
+/// Number of rounds in which the fit approaches the least sum of squared logarithms.
 const ROUNDS: usize = 12;
 
-/// Fits prices to measurements, so that the sum of the squared logarithms of predicted over
-/// measured time is least: a factor of two matters as much at a tenth of a millisecond as at a
-/// hundred, and half the time as much as twice the time. By Gauss and Newton's method: around the
-/// last prediction p, log p is a line, whose least squares are solved for.
+/// Fits prices to measurements by minimizing the sum of the squared logarithms of predicted over
+/// measured time.
+///
+/// A factor of two thus counts the same at a tenth of a millisecond as at a hundred, and half the
+/// time as much as twice the time. Uses the Gauss-Newton method: around the last prediction p, log
+/// p is linear, and each round solves a least squares problem.
 pub fn fit(samples: Vec<CostSample>) -> Calibration {
-    // A row is what each kind of work adds to the predicted time for a price of 1 ns, relative to
-    // the measured time. The sum of price times row is then predicted over measured time, which is
-    // to be 1.
+    // A row is the contribution of each kind of work to the predicted time at a price of 1 ns,
+    // relative to the measured time. The sum of price times row is then the ratio of predicted to
+    // measured time, whose target is 1.
     let mut rows = Vec::with_capacity(samples.len());
     for sample in &samples {
         let measured = sample.milliseconds.max(MIN_MILLISECONDS);
         rows.push(counts(&sample.work).map(|count| count * 1e-6 / measured));
     }
     let mut nanoseconds = solve(&rows, &vec![1.0; rows.len()]);
+    // Improve the prices round by round.
     for _ in 0..ROUNDS {
         let mut scaled = Vec::with_capacity(rows.len());
         let mut targets = Vec::with_capacity(rows.len());
         for row in &rows {
             let products = row.iter().zip(nanoseconds).map(|(r, price)| r * price);
             let predicted = products.sum::<f64>().max(MIN_RATIO);
-            // log q = log p + (q - p) / p is to be 0: q / p is to be 1 - log p. Far above, a step
-            // stays within the prices' signs.
+            // The target is log q = log p + (q - p) / p = 0, so q / p = 1 - log p. The limit keeps
+            // steps from far above within the prices' signs.
             targets.push((1.0 - predicted.ln()).max(MIN_TARGET));
             scaled.push(row.map(|r| r / predicted));
         }
         nanoseconds = solve(&scaled, &targets);
     }
     let model = CostModel { nanoseconds };
+    // Compare the predictions with the measurements.
     let mut factors = Vec::with_capacity(samples.len());
     for sample in &samples {
         let predicted = model.milliseconds(&sample.work);
@@ -199,23 +203,23 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
     }
 }
 
-/// The least ratio of predicted to measured time whose logarithm is followed.
+/// Least ratio of predicted to measured time whose logarithm is used.
 const MIN_RATIO: f64 = 1e-3;
 
-/// The least share of a prediction that one round aims at.
+/// Least share of a prediction that one round can target.
 const MIN_TARGET: f64 = 0.05;
 
-/// A setting that has been timed for so long and [`MIN_RUNS`] times is not timed again, so that
-/// some 600 settings take about a minute on a card.
+/// Time after which a setting is not run again once it has [`MIN_RUNS`] runs. Some 600 settings
+/// then take about a minute on a GPU.
 const ENOUGH: Duration = Duration::from_millis(40);
 
-/// Timed runs of a setting, of which the quickest counts.
+/// Number of timed runs of a setting, of which the fastest counts.
 const MIN_RUNS: u32 = 3;
 
-/// A setting that has been timed for so long is not timed again.
+/// Time after which a setting is not run again.
 const LONG: Duration = Duration::from_secs(1);
 
-/// The least time that is divided by, milliseconds: a step of the clock.
+/// Least time used as a divisor, milliseconds: a step of the clock.
 const MIN_MILLISECONDS: f64 = 1e-6;
 
 #[cfg(test)]
@@ -223,7 +227,7 @@ mod tests {
     use super::*;
     use crate::cost::KINDS;
 
-    /// Work of many kinds, in amounts that are not in proportion.
+    /// Returns work of many kinds, in amounts that are not proportional.
     fn works() -> Vec<Work> {
         let mix = |i: u64, k: u64| (i * 7919 + k * 104_729) % 1000 * 10u64.pow((k % 3) as u32) + 1;
         let work = |i| Work {
@@ -231,7 +235,8 @@ mod tests {
             passes: mix(i, 0) % 7 + 1,
             triangles: mix(i, 1),
             covered: mix(i, 2),
-            // At other steps than the others, or it would be in proportion to triangles, nearly.
+            // Uses other steps than the rest, otherwise it would be nearly proportional to
+            // triangles.
             cut_out: mix(7 * i, 12),
             cleared: mix(i, 3),
             filtered: mix(i, 4),

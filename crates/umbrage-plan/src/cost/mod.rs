@@ -1,10 +1,10 @@
-//! Prices for [`Work`]: milliseconds that are the same on every run, since they come from counts
-//! rather than from a clock.
+//! Prices for [`Work`]: milliseconds that are the same on every run, since they come from counts,
+//! not from a clock.
 //!
 //! A model is a unit price for each kind of work, fitted ([`fit`]) to times measured once
 //! ([`time_work`]). Rays are priced by the depth of the hierarchy that they descend, log2 of the
-//! casters' triangles. Prices from elsewhere still rank settings well, as they say how much dearer
-//! a ray is than a tap; absolute times need a calibration of one's own.
+//! casters' triangles. Prices from another machine still rank settings well, since they contain the
+//! ratio of the costs of a ray and a tap. Absolute times need calibration on the target machine.
 
 mod calibrate;
 mod least_squares;
@@ -21,7 +21,7 @@ pub use work::Work;
 
 use serde::{Deserialize, Serialize};
 
-/// Kinds of work that have a price.
+/// Number of kinds of work that have a price.
 pub const KINDS: usize = 13;
 
 /// Names of the kinds, in the order of [`CostModel::nanoseconds`].
@@ -34,14 +34,14 @@ pub const KIND_NAMES: [&str; KINDS] = [
     "receiver",
     "tap",
     "comparison sample",
-    "ray, a level of the hierarchy",
+    "ray, per level of the hierarchy",
     "shadow volume's face drawn",
     "texel counted",
     "texel loaded by a filter, beyond the first",
-    "covered texel that asks for holes",
+    "texel covered, with an alpha test",
 ];
 
-/// The place of rays in [`KIND_NAMES`].
+/// Index of rays in [`KIND_NAMES`].
 const RAYS: usize = 8;
 
 /// Prices of work on one backend.
@@ -54,24 +54,27 @@ pub struct CostModel {
 
 impl CostModel {
     /// The CPU backend on 2 threads of an Intel Xeon (family 6, model 167; AVX2), fitted to the
-    /// times of `recorded.csv`: half of the parts of recipes are predicted within a factor of 1.2,
-    /// nine of ten within 1.95. A texel that asks for holes costs 50 times what one without holes
-    /// does: it is asked by itself instead of in a vector.
+    /// times of `recorded.csv`.
+    ///
+    /// Half of the parts of recipes are predicted within a factor of 1.2, nine of ten within 1.95.
+    /// A texel with an alpha test costs 50 times as much as one without, since it is tested
+    /// individually instead of in a vector.
     pub const CPU: Self = Self {
         nanoseconds: [
             16_300.0, 21.4, 0.319, 0.543, 0.379, 5.10, 1.17, 7.32, 3.73, 254.0, 1.33, 0.426, 16.7,
         ],
     };
 
-    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.14, nine of
-    /// ten within 1.61.
+    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within a factor of
+    /// 1.14, nine of ten within 1.61.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
             164_000.0, 86.0, 1.33, 0.321, 7.62, 11.2, 3.03, 8.76, 27.5, 351.0, 1.93, 1.17, 27.3,
         ],
     };
 
-    /// Returns the prices for a kind of backend: `cpu`'s own, the software driver's for all others.
+    /// Returns the prices for a kind of backend: those of `cpu`, or of the software driver for all
+    /// others.
     pub fn of(kind: &str) -> Self {
         if kind == "cpu" {
             Self::CPU
@@ -80,8 +83,8 @@ impl CostModel {
         }
     }
 
-    /// Returns the factor within which [`CostModel::of`] predicts nine of ten of the times that the
-    /// built-in prices were fitted to.
+    /// Returns the factor within which [`CostModel::of`] predicts nine of ten times of its
+    /// calibration.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
         if kind == "cpu" { 1.95 } else { 1.61 }
     }
@@ -95,14 +98,14 @@ impl CostModel {
         products.sum::<f64>() * 1e-6
     }
 
-    /// Returns the cost of the work's lookups alone, milliseconds: of what is left of it in each
-    /// frame while the images are kept.
+    /// Returns the cost of the work's lookups only, milliseconds: the cost of a frame while the
+    /// images are kept.
     pub fn lookup_milliseconds(&self, work: &Work) -> f64 {
         self.milliseconds(&work.lookup())
     }
 }
 
-/// Returns the amount of work of each kind; rays count once for each level of the hierarchy, and
+/// Returns the amount of work of each kind. Rays count once for each level of the hierarchy, and
 /// listed triangles as drawn ones.
 fn counts(work: &Work) -> [f64; KINDS] {
     let levels = (work.casters.max(1) as f64).log2() + 1.0;
@@ -130,7 +133,7 @@ fn counts(work: &Work) -> [f64; KINDS] {
 mod tests {
     use super::*;
 
-    /// Lists are no work of backends: neither played, nor drawn, nor looked up.
+    /// Building lists is not work of backends: it is part of neither drawing nor lookup.
     #[test]
     fn listed_triangles_are_priced_apart() {
         let played = Work {

@@ -1,25 +1,25 @@
-//! Prices of all kinds of backend as a file, so that plans and comparisons count with those of the
-//! user's machine.
+//! Price file for all kinds of backend, so that plans and comparisons use the prices of the user's
+//! machine.
 
 use super::{CostModel, KINDS};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use umbrage_core::Invalid;
 
-/// The prices of each kind of backend.
+/// Prices of each kind of backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriceList {
-    /// What they were measured on, in words.
+    /// Description of the machine that was measured.
     #[serde(default)]
     pub measured_on: String,
-    /// The CPU backend's.
+    /// Prices of the CPU backend.
     pub cpu: CostModel,
-    /// The wgpu backend's.
+    /// Prices of the wgpu backend.
     pub wgpu: CostModel,
 }
 
-/// The built-in prices: see [`CostModel::CPU`] and [`CostModel::SOFTWARE_GPU`].
+/// Uses the built-in prices: see [`CostModel::CPU`] and [`CostModel::SOFTWARE_GPU`].
 impl Default for PriceList {
     fn default() -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Default for PriceList {
 }
 
 impl PriceList {
-    /// Returns the prices for a kind of backend: `cpu`'s, or wgpu's for all others.
+    /// Returns the prices for a kind of backend: those of `cpu`, or of wgpu for all others.
     pub fn of(&self, kind: &str) -> CostModel {
         if kind == "cpu" { self.cpu } else { self.wgpu }
     }
@@ -39,11 +39,11 @@ impl PriceList {
     /// Reads prices from TOML.
     ///
     /// # Errors
-    /// Errors if the text isn't TOML, a price is missing or unknown, or one is negative or not
+    /// Errors if the text is not TOML, a price is missing or unknown, or one is negative or not
     /// finite.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         let list: Self = toml::from_str(text).map_err(|e| {
-            let help = "write it anew with `bench --costs --write FILE`";
+            let help = "write it again with `bench --costs --write FILE`";
             Invalid::new("price list", format!("cannot be read: {e}"), help)
         })?;
         for (kind, model) in [("cpu", &list.cpu), ("wgpu", &list.wgpu)] {
@@ -64,7 +64,7 @@ impl PriceList {
     /// Returns the prices as TOML.
     ///
     /// # Errors
-    /// Errors if they can't be written so, which does not happen with finite prices.
+    /// Errors if the prices can't be serialized, which does not happen with finite prices.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         let body = toml::to_string(self)
             .map_err(|e| Invalid::new("price list", e.to_string(), "give finite prices"))?;
@@ -72,13 +72,13 @@ impl PriceList {
     }
 }
 
-/// What a file begins with.
+/// Header of a price file.
 const COMMENT: &str =
-    "# Nanoseconds that one piece of each kind of work takes. Written by `bench --costs --write`;
+    "# Nanoseconds per unit of each kind of work. Written by `bench --costs --write`;
 # read by `--prices` of `compare` and `plan`.
 ";
 
-/// The prices' names in files, in the order of [`KIND_NAMES`](super::KIND_NAMES).
+/// Names of the prices in files, in the order of [`KIND_NAMES`](super::KIND_NAMES).
 const KEYS: [&str; KINDS] = [
     "pass",
     "triangle",
@@ -95,7 +95,7 @@ const KEYS: [&str; KINDS] = [
     "cut_out_texel",
 ];
 
-/// [`CostModel`] in files: each price by its name.
+/// Form of [`CostModel`] in files: each price by name.
 pub(super) type NamedPrices = BTreeMap<String, f64>;
 
 impl TryFrom<NamedPrices> for CostModel {

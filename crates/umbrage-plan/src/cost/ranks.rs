@@ -1,9 +1,11 @@
-//! How well one order of rows agrees with another.
+//! Rank correlation of two orders of rows.
 
 /// Returns Spearman's rank correlation of two lists of the same length (Spearman 1904, "The proof
-/// and measurement of association between two things"): 1 if both rise together, -1 if one falls as
-/// the other rises. Equal numbers share the mean of their ranks. None with fewer than three pairs,
-/// or where all numbers of a list are equal.
+/// and measurement of association between two things").
+///
+/// It is 1 if both rise together, and -1 if one falls as the other rises. Equal numbers share the
+/// mean of their ranks. Returns `None` for fewer than three pairs, or if all numbers of a list are
+/// equal.
 pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
     if pairs.len() < 3 {
         return None;
@@ -21,7 +23,7 @@ pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
     (scale > 0.0).then(|| products / scale)
 }
 
-/// Returns each number's rank, from 1; equal numbers share the mean of theirs.
+/// Returns each number's rank, from 1. Equal numbers share the mean of their ranks.
 fn ranks(numbers: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
@@ -34,7 +36,7 @@ fn ranks(numbers: &[f64]) -> Vec<f64> {
             .take_while(|&&i| numbers[i] == value)
             .count()
             .max(1);
-        // The mean of the ranks start + 1 .. start + equal.
+        // Mean of the ranks start + 1 .. start + equal.
         let rank = start as f64 + 0.5 * (equal as f64 + 1.0);
         for &i in &order[start..start + equal] {
             out[i] = rank;

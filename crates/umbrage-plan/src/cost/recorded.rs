@@ -1,9 +1,9 @@
 //! The built-in prices, and the times that they are fitted to.
 //!
-//! `recorded.csv` has lines of the `work.csv` of one whole `cargo xtask compare` on the machine
-//! that [`CostModel::CPU`] names, with nothing beside it, each with the least times of its runs:
-//! all rows of the frames of real size, and a seventh of those of small scenes with 100 triangles
-//! or more. `record.sh` makes such lines of one or several files `work.csv`.
+//! `recorded.csv` has lines of the `work.csv` of one whole `cargo xtask compare` on the idle
+//! machine that [`CostModel::CPU`] names, each with the least times of its runs. It has all rows of
+//! frames of real size. It also has a seventh of the rows of small scenes with 100 triangles or
+//! more. `record.sh` makes such lines from one or several `work.csv` files.
 
 use super::{
     CostModel, KIND_NAMES,
@@ -16,21 +16,22 @@ use std::collections::BTreeMap;
 
 const RECORDED: &str = include_str!("recorded.csv");
 
-/// The least rank correlation of counted cost and time over the rows of a frame of real size.
+/// Least rank correlation of counted cost and time over the rows of a frame of real size.
 const LEAST: f64 = 0.9;
 
-/// Frames whose rows are ranked worse, each with a bound of its own. Rays, and the points of
-/// `soft`, have one price a level of the hierarchy: in `valley`, where rays graze hills, `traced`
-/// takes longer than its counted cost, and in `leaf-cards`, where leaves end shafts early, `soft`
-/// takes half. In `forest-soft` 2.4 million triangles are most of every map's time, so that many
-/// rows lie close together.
+/// Frames with a lower rank correlation, each with its own bound.
+///
+/// Rays, and the points of `soft`, have one price per level of the hierarchy. In `valley`, rays
+/// graze hills and `traced` takes longer than its counted cost. In `leaf-cards`, leaves end shafts
+/// early and `soft` takes half. In `forest-soft`, 2.4 million triangles dominate the time of every
+/// map, so many rows have similar times.
 const RANKED_WORSE: [(&str, &str, f64); 3] = [
     ("valley", "cpu", 0.83),
     ("leaf-cards", "cpu", 0.87),
     ("forest-soft", "wgpu", 0.89),
 ];
 
-/// A row of the table.
+/// Row of the table.
 struct Row {
     section: String,
     scene: String,
@@ -150,7 +151,7 @@ fn prices_rank_recorded_times() {
     assert!(low.is_empty(), "{low:#?}");
 }
 
-/// The measure must notice prices that are wrong.
+/// The rank correlation detects wrong prices.
 #[test]
 fn wrong_prices_rank_badly() {
     let rows = recorded();

@@ -1,4 +1,4 @@
-//! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
+//! Work of a recipe, counted instead of timed, so it is the same on every machine.
 
 use crate::catalogue::Catalogue;
 use rayon::prelude::*;
@@ -9,51 +9,50 @@ use umbrage_core::{
     glam::{DMat4, DVec2, DVec4, UVec2},
 };
 
-/// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
+/// Clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
 
-/// The work of running a recipe once.
+/// Work of one execution of a recipe.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 pub struct Work {
-    /// Passes: casts, filters, receive.
+    /// Passes: casts, filters and receive.
     pub passes: u64,
-    /// Triangles that casts of depth draw, those outside their view included; half of them where
-    /// one side is left out.
+    /// Triangles that depth casts draw, including those outside their view; half of them if one
+    /// side is culled.
     pub triangles: u64,
-    /// Texels that these triangles cover, each as often as it is covered: their area within the
-    /// view, rounded.
+    /// Texels that these triangles cover, including overdraw: their area within the view, rounded.
     pub covered: u64,
-    /// Those of the covered texels that triangles with holes cover: each asks an alpha texture
-    /// whether there is a hole.
+    /// Covered texels of alpha-tested triangles: each samples an alpha texture.
     #[serde(default)]
     pub cut_out: u64,
-    /// Faces that casts of [`CastMode::StencilDepthFail`] draw, those outside their view included.
+    /// Faces that casts of [`CastMode::StencilDepthFail`] draw, including those outside their view.
     #[serde(default)]
     pub faces: u64,
-    /// Texels that these faces cover, as [`covered`](Self::covered): each reads and writes a count.
+    /// Texels that these faces cover, as in [`covered`](Self::covered): each reads and writes a
+    /// count.
     #[serde(default)]
     pub counted: u64,
-    /// Triangles that the receive kernel's tables were made of
-    /// ([`CataloguedKernel::triangles_listed`](crate::catalogue::CataloguedKernel::triangles_listed)):
-    /// work of the recipe's maker, not of the backend that plays it.
+    /// Triangles that the receive kernel's tables were built from
+    /// ([`triangles_listed`](crate::catalogue::CataloguedKernel::triangles_listed)): work of
+    /// building the recipe, not of the backend.
     #[serde(default)]
     pub listed: u64,
-    /// Texels of layers that casts draw into.
+    /// Texels of the layers that casts draw into.
     pub cleared: u64,
     /// Texels that filters write.
     pub filtered: u64,
-    /// Texels that filters load beyond one for each that they write.
+    /// Texels that filters load beyond the first for each texel that they write.
     #[serde(default)]
     pub filter_taps: u64,
     /// Pixels that receive shadows.
     pub receivers: u64,
-    /// Texels loaded by the receive kernel, at most.
+    /// Greatest number of texels loaded by the receive kernel.
     pub taps: u64,
-    /// Comparison samples taken by the receive kernel, at most.
+    /// Greatest number of comparison samples of the receive kernel.
     pub samples: u64,
-    /// Rays traced, at most.
+    /// Greatest number of rays traced.
     pub rays: u64,
     /// Casters' triangles that rays are tested against.
     pub casters: u64,
@@ -62,10 +61,8 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the work of a recipe for the view that it was made for. `catalogue` knows what its
-    /// kernels cost.
-    ///
-    /// Without
+    /// Returns the work of a recipe for the view that it was built for. `catalogue` provides the
+    /// costs of its kernels. Without receivers in the view, all pixels count as receivers.
     pub fn of(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view
@@ -76,6 +73,7 @@ impl Work {
             Some(receivers) => kernel.cost_for(receivers),
             None => kernel.cost_per_receiver(),
         };
+        // Count the receive kernel's work.
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
             listed: kernel.triangles_listed(),
@@ -87,6 +85,7 @@ impl Work {
             bytes: recipe.image_bytes() + recipe.table_bytes(),
             ..Self::default()
         };
+        // Count the drawn triangles and texels.
         for cast in &recipe.casts {
             let size = recipe.images[cast.image].size;
             let Drawn {
@@ -94,8 +93,8 @@ impl Work {
                 covered,
                 cut_out,
             } = drawn(view.geometry, cast, size);
-            // Closed casters turn about half of their faces to the light, and a face that is left
-            // out takes next to nothing.
+            // About half of the faces of closed casters face the light, and a culled face costs
+            // almost nothing.
             let sides = if cast.cull == Cull::None { 1 } else { 2 };
             let triangles = triangles / sides;
             match cast.mode {
@@ -111,6 +110,7 @@ impl Work {
             }
             work.cleared += u64::from(size.x) * u64::from(size.y);
         }
+        // Count the filtered texels.
         for filter in &recipe.filters {
             let image = &recipe.images[filter.output];
             let texels = image.texels();
@@ -123,7 +123,7 @@ impl Work {
 }
 
 impl Work {
-    /// Returns the work of the lookup alone.
+    /// Returns the work of the lookup only.
     #[must_use]
     pub fn lookup(&self) -> Self {
         Self {
@@ -141,13 +141,13 @@ impl Work {
         }
     }
 
-    /// Returns the work of backends: without what it took to make the recipe.
+    /// Returns the work of backends, without the work of building the recipe.
     #[must_use]
     pub fn played(&self) -> Self {
         Self { listed: 0, ..*self }
     }
 
-    /// Returns the work of casts and filters alone.
+    /// Returns the work of casts and filters only.
     #[must_use]
     pub fn drawing(&self) -> Self {
         Self {
@@ -162,17 +162,17 @@ impl Work {
     }
 }
 
-/// What a cast draws.
+/// Amounts that a cast draws.
 struct Drawn {
-    /// Triangles.
+    /// Number of triangles.
     triangles: u64,
     /// Texels that they cover.
     covered: u64,
-    /// Those of the texels that triangles with holes cover.
+    /// Covered texels of alpha-tested triangles.
     cut_out: u64,
 }
 
-/// Returns what a cast draws on a map of `size`.
+/// Returns the amounts that a cast draws on a map of `size`.
 fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();
     let mut count = 0;
@@ -213,7 +213,7 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
     }
 }
 
-/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a
+/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` returns a
 /// vertex' homogeneous world position.
 fn total_area(
     triangles: &[[u32; 3]],
@@ -222,7 +222,7 @@ fn total_area(
     position: impl Fn(u32) -> DVec4 + Sync,
 ) -> f64 {
     let area_of = |triangle: &[u32; 3]| area(triangle.map(|v| clip_from_world * position(v)), cull);
-    // Chunks are added up in order, so that the sum is the same on any number of threads.
+    // Add chunks in order, so that the sum is the same for any number of threads.
     let chunk_sums: Vec<f64> = triangles
         .par_chunks(1024)
         .map(|chunk| chunk.iter().map(area_of).sum())
@@ -230,20 +230,20 @@ fn total_area(
     chunk_sums.into_iter().sum()
 }
 
-/// Returns the area of a clip-space triangle within the view; 0 if it is culled.
+/// Returns the area of a clip-space triangle within the view, or 0 if it is culled.
 fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
     let signed = signed_area(corners);
     match cull {
-        // Counter-clockwise, with y up, is the front.
+        // Counter-clockwise triangles, with y up, are front faces.
         Cull::Front if signed > 0.0 => 0.0,
         Cull::Back if signed < 0.0 => 0.0,
-        // A triangle without extent may end as nothing divided by nothing.
+        // A triangle without extent may be 0 / 0.
         _ if signed.is_finite() => signed.abs(),
         _ => 0.0,
     }
 }
 
-/// The planes of the view volume. Inside, the dot product with each is not negative.
+/// Planes of the view volume. Inside, the dot product with each is not negative.
 const PLANES: [DVec4; 6] = [
     DVec4::new(1.0, 0.0, 0.0, 1.0),
     DVec4::new(-1.0, 0.0, 0.0, 1.0),
@@ -254,10 +254,10 @@ const PLANES: [DVec4; 6] = [
 ];
 
 /// Returns the area, in the view of 2 x 2 clip units, of the part of a clip-space triangle within
-/// the six planes; positive for counter-clockwise (y up).
+/// the six planes. It is positive for counter-clockwise triangles (y up).
 fn signed_area(corners: [DVec4; 3]) -> f64 {
-    // Most triangles lie wholly within the view or beyond one of its planes, where clipping would
-    // change nothing or leave nothing: these are told apart first, with the same bits.
+    // Return early for most triangles, which are entirely within the view or beyond one plane.
+    // Clipping would return the same bits.
     let distances = PLANES.map(|plane| corners.map(|corner| corner.dot(plane)));
     if distances.iter().any(|d| d.iter().all(|&d| d < 0.0)) {
         return 0.0;
@@ -275,7 +275,8 @@ fn signed_area(corners: [DVec4; 3]) -> f64 {
 }
 
 /// Returns the area of a convex polygon in clip space, as a fan of triangles around its first
-/// corner; 0 with fewer than three corners, positive for counter-clockwise (y up).
+/// corner. It is 0 with fewer than three corners, and positive for counter-clockwise polygons (y
+/// up).
 fn fan_area(corners: &[DVec4]) -> f64 {
     let point = |i: usize| DVec2::new(corners[i].x, corners[i].y) / corners[i].w;
     (1..corners.len().max(2) - 1)
@@ -284,12 +285,12 @@ fn fan_area(corners: &[DVec4]) -> f64 {
 }
 
 /// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances
-/// of both; none unless it has an end on either side.
+/// of both. Returns `None` unless they are on opposite sides.
 ///
-/// It differs from [`edge_crossing`](umbrage_core::geometry::clip_polygon::edge_crossing) on
-/// purpose: an end on the plane is no crossing, since it would be a second corner in the same
-/// place, off by a rounding; and the formula stays the one by which areas were always counted,
-/// since these are rounded to whole texels, and counts are compared exactly.
+/// It differs from [`edge_crossing`](umbrage_core::geometry::clip_polygon::edge_crossing) in two
+/// ways. An end on the plane is no crossing, since it would add a second corner at the same
+/// position, off by a rounding. The formula must not change, since areas are rounded to whole
+/// texels and counts are compared exactly.
 fn strict_edge_crossing(a: DVec4, b: DVec4, distance_a: f64, distance_b: f64) -> Option<DVec4> {
     let leaves = distance_a > 0.0 && distance_b < 0.0;
     let enters = distance_a < 0.0 && distance_b > 0.0;
@@ -316,8 +317,8 @@ mod tests {
         assert!((area(triangle, Cull::Back) - 2.0).abs() < 1e-12);
     }
 
-    /// Triangles within, across and beside the view have the area that clipping by all planes
-    /// gives, bit by bit.
+    /// Triangles inside, across and outside the view have the area of clipping by all planes, bit
+    /// by bit.
     #[test]
     fn what_needs_no_clipping_has_the_same_bits() {
         let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
@@ -342,7 +343,7 @@ mod tests {
 
     #[test]
     fn what_lies_beside_the_view_is_cut_off() {
-        // Reaches over all sides: the view is four square units.
+        // The triangle exceeds all sides: the view is four square units.
         let triangle = [corner(-9.0, -9.0), corner(20.0, -9.0), corner(-9.0, 20.0)];
         assert!((area(triangle, Cull::None) - 4.0).abs() < 1e-12);
         let beside = triangle.map(|c| c + DVec4::new(40.0, 0.0, 0.0, 0.0));
@@ -357,7 +358,7 @@ mod tests {
             DVec4::new(0.0, 3.0, -1.0, -1.0),
         ];
         let area = area(triangle, Cull::None);
-        // Its sides leave the view before they reach the plane of depth 0, which they meet at the
+        // Its sides leave the view before they reach the plane of depth 0, where they meet at the
         // top.
         assert!((area - 4.0).abs() < 1e-12, "{area}");
         let point = [DVec4::ZERO; 3];

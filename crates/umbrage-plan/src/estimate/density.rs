@@ -1,5 +1,5 @@
-//! Chooses where in the image samples are drawn: where visibility varies, by a pilot of few rays,
-//! and where techniques may fail, by maps that differ from the pilot.
+//! Density of samples over the image. It is high where the visibility of a pilot with few rays
+//! varies, and where maps differ from the pilot, so techniques may fail.
 
 use super::scene::PlanScene;
 use crate::error::MeasureError;
@@ -7,31 +7,32 @@ use glam::UVec2;
 use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, TechniquePreset, Traced};
 
-/// The share of the sample that is spread evenly over all lit receivers, to meet errors that the
-/// pilot doesn't show.
+/// Share of the sample spread evenly over all lit receivers, to find errors that the pilot doesn't
+/// show.
 const EVEN_SHARE: f64 = 0.3;
-/// How far from a change of the pilot's visibility techniques are most often wrong, pixels.
+/// Distance from a change of the pilot's visibility within which techniques are most often wrong,
+/// pixels.
 const RADIUS: usize = 2;
-/// The weight of a difference between a map and the pilot; a change within the pilot has 1. Some
-/// differences are errors of this map alone.
+/// Weight of a difference between a map and the pilot; a change within the pilot has 1. Some
+/// differences are errors of this map only.
 const MAP_DIFFERENCE_WEIGHT: f64 = 0.5;
 
-/// The result of a few rays from every receiver.
+/// Result of a few rays from every receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pilot {
-    /// The share of rays that reached the light, for each pixel, 0..=1.
+    /// Share of rays that reached the light, for each pixel, 0..=1.
     pub(crate) mask: Vec<f32>,
-    /// The number of rays from each receiver.
+    /// Number of rays from each receiver.
     pub(crate) rays: u32,
-    /// Whether the mask is truth: under ideal lights.
+    /// True if the mask is truth: under ideal lights.
     pub(crate) is_exact: bool,
 }
 
-/// Rays from each receiver under lights with an extent.
+/// Number of rays from each receiver under lights with an extent.
 const RAYS: u32 = 2;
 
 impl Pilot {
-    /// Traces the rays; none where the scene's hierarchy is too deep for rays.
+    /// Traces the rays. Returns `None` if the scene's hierarchy is too deep for rays.
     pub(crate) fn new(scene: &mut PlanScene<'_>) -> Result<Option<Self>, MeasureError> {
         let is_exact = scene.light.is_ideal();
         let rays = if is_exact { 1 } else { RAYS };
@@ -44,8 +45,8 @@ impl Pilot {
     }
 }
 
-/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 beside the
-/// [lit](PlanScene::lit) receivers. What is unlit counts in no error, and under a spot it may be
+/// Returns the density of samples at each pixel: shares that add up to 1, and 0 outside the
+/// [lit](PlanScene::lit) receivers. Unlit receivers count in no error, and under a spot they may be
 /// most of the image.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
@@ -60,6 +61,7 @@ pub(crate) fn density(
         .into_iter()
         .map(f64::from)
         .collect();
+    // Add the differences of two maps from the pilot.
     for (size, bias) in [(256, Bias::ADAPTIVE), (1024, Bias::NORMAL_OFFSET)] {
         let hard = Hard {}.on(ShadowMap {
             size,
@@ -80,7 +82,7 @@ pub(crate) fn density(
     Ok(normalized(interest, lit))
 }
 
-/// Renders a technique's mask of the whole image; none where it isn't supported.
+/// Renders a technique's mask of the whole image. Returns `None` if it is not supported.
 fn mask(
     scene: &mut PlanScene<'_>,
     preset: TechniquePreset,
@@ -92,8 +94,8 @@ fn mask(
     }
 }
 
-/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit
-/// receivers, the rest in proportion to their interest.
+/// Converts weights to shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit
+/// receivers, the rest in proportion to `interest`.
 pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     for (interest, lit) in interest.iter_mut().zip(lit) {
         if !lit {
@@ -102,7 +104,7 @@ pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     }
     let sum: f64 = interest.iter().sum();
     let count = lit.iter().filter(|lit| **lit).count().max(1) as f64;
-    // Without any interest all is spread evenly.
+    // If all weights are 0, spread everything evenly.
     let mut even = 1.0 / count;
     let mut for_interest = 0.0;
     if sum > 0.0 {
@@ -116,8 +118,8 @@ pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     density
 }
 
-/// Returns for each pixel the range of visibility over the lit receivers within [`RADIUS`] pixels
-/// along both axes, 0..=1. Rows are reduced first, then columns.
+/// Returns the range of visibility of each pixel over the lit receivers within [`RADIUS`] pixels
+/// along both axes, 0..=1. Reduces rows first, then columns.
 fn local_range(size: UVec2, mask: &[f32], lit: &[bool]) -> Vec<f32> {
     let width = size.x as usize;
     let height = size.y as usize;
@@ -145,12 +147,12 @@ fn local_range(size: UVec2, mask: &[f32], lit: &[bool]) -> Vec<f32> {
     out
 }
 
-/// Returns the places within [`RADIUS`] of a place, out of `count` places.
+/// Returns the indices within [`RADIUS`] of an index, out of `count`.
 fn neighbors(place: usize, count: usize) -> std::ops::Range<usize> {
     place.saturating_sub(RADIUS)..(place + RADIUS + 1).min(count)
 }
 
-/// The least and the greatest of some values.
+/// Least and greatest of a set of values.
 #[derive(Clone, Copy)]
 struct Range {
     min: f32,
@@ -163,7 +165,7 @@ impl Range {
         max: f32::NEG_INFINITY,
     };
 
-    /// One value, or none where nothing is lit.
+    /// Returns the range of one value, or the empty range if it is not lit.
     fn at(value: f32, lit: bool) -> Self {
         if lit {
             Self {
@@ -182,7 +184,7 @@ impl Range {
         }
     }
 
-    /// 0 for the empty range.
+    /// Returns the width, or 0 for the empty range.
     fn width(self) -> f32 {
         (self.max - self.min).max(0.0)
     }

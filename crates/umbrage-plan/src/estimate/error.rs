@@ -1,36 +1,37 @@
-//! Errors of a whole image from a sample of it.
+//! Errors of a whole image, estimated from a sample of it.
 
 use super::sample::PixelSample;
 use crate::truth::PixelTruth;
 use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::Pixel;
 
-/// One in twenty errors lies above [`Estimate::high`], and one in twenty below [`Estimate::low`]:
-/// this many standard errors of a normal distribution.
+/// Number of standard errors of a normal distribution that one in twenty exceeds. One in twenty
+/// errors is above [`Estimate::high`], and one in twenty below [`Estimate::low`].
 pub(crate) const ONE_IN_TWENTY: f64 = 1.645;
 
-/// A setting's errors, as the sample tells them.
+/// Errors of a setting, estimated from the sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Root mean square of mask - truth over the pixels that count, 0..=1:
     /// [`Errors::rmse`](umbrage_core::metrics::Errors::rmse), or [weighted](crate::Weighting).
     pub error: f64,
-    /// The whole image's lies below this with a chance of one in twenty ..
+    /// Lower limit: the whole image's error is below this with a chance of one in twenty.
     pub low: f64,
-    /// .. and above this likewise.
+    /// Upper limit: the whole image's error is above this with a chance of one in twenty.
     pub high: f64,
-    /// The part of `error` where the mask is darker than truth (acne, blur): squares of both parts
-    /// add up to its square.
+    /// Part of `error` where the mask is darker than truth (acne, blur). The squares of both parts
+    /// add up to the square of `error`.
     pub too_dark: f64,
-    /// The part where it is lighter (detached shadows, leaks, blur).
+    /// Part of `error` where the mask is lighter than truth (detached shadows, leaks, blur).
     pub too_light: f64,
 }
 
-/// Compares a mask at the sampled pixels with truth there. The mean over the pixels that count is a
-/// ratio of two sums; its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling
-/// with varying probabilities from a finite population": pixels that were sure to be drawn add
-/// none. Of a mask without a fault it knows no uncertainty: see
-/// [`Verifier`](super::verify::Verifier).
+/// Compares a mask at the sampled pixels with truth.
+///
+/// The mean over the pixels that count is a ratio of two sums. Its variance is that of Hájek 1964,
+/// "Asymptotic theory of rejective sampling with varying probabilities from a finite population":
+/// pixels that were certain to be drawn add none. For a mask without errors the uncertainty is 0:
+/// see [`Verifier`](super::verify::Verifier).
 pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
     let compared = Compared {
         sample,
@@ -46,22 +47,22 @@ pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32])
     Estimate::new(squares, margin, 0.0)
 }
 
-/// The part of an image at which a mask can be wrong.
+/// Part of an image in which a mask can be wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Part {
-    /// The number of pixels of the whole image that count.
+    /// Number of pixels of the whole image that count.
     pub(crate) all: CountedPixels,
-    /// The greatest weight over chance of the part's pixels that need not have been drawn: what one
-    /// that was missed adds to a sum, at most. 0 if all were sure to be drawn.
+    /// Greatest weight over chance of the part's pixels that were not certain to be drawn: the
+    /// greatest contribution of one missed pixel to a sum. 0 if all were certain to be drawn.
     pub(crate) greatest_share: f64,
-    /// What is wrong beside the part adds at most so much to the mean square.
+    /// Greatest contribution of errors outside the part to the mean square.
     pub(crate) unseen: f64,
 }
 
-/// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong.
+/// Estimates errors like [`estimate`], from a sample of only those pixels that can be wrong.
 ///
-/// Many of these may be ambiguous, so that few of those drawn are wrong, or none. The margin is
-/// then no normal distribution's: see [`upper_limit_of_sum`].
+/// Many of them may be ambiguous, so that few or none of the drawn pixels are wrong. The margin is
+/// then not that of a normal distribution: see [`upper_limit_of_sum`].
 pub(crate) fn estimate_of_part(
     sample: &PixelSample,
     truth: &[PixelTruth],
@@ -78,25 +79,25 @@ pub(crate) fn estimate_of_part(
         return Estimate::default();
     }
     let squares = compared.squares().divided_by(all.count);
-    // Two independent sources of error: the number of pixels that count, and the sum over them.
+    // Combine two independent uncertainties: the number of pixels that count, and the sum over
+    // them.
     let margin_of_count = all.margin / all.count * squares.sum();
     let margin_of_sum = compared.margin_of_few(part.greatest_share) / all.count;
     Estimate::new(squares, margin_of_count.hypot(margin_of_sum), part.unseen)
 }
 
-/// The number of an image's pixels that count, each by its weight, estimated from a sample of its
-/// receivers.
+/// Weighted number of an image's pixels that count, estimated from a sample of its receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct CountedPixels {
     pub(crate) count: f64,
-    /// One in twenty counts is greater than `count` by more than this.
+    /// One in twenty counts exceeds `count` by more than this.
     pub(crate) margin: f64,
 }
 
 impl CountedPixels {
-    /// Estimates the number from the receivers drawn out of those that weigh `receivers` in all: of
-    /// each its chance to be drawn, its weight and whether it counts. The share that counts is a
-    /// ratio of two sums, as in [`estimate`].
+    /// Estimates the number from the receivers drawn out of those with the total weight
+    /// `receivers`. `drawn` has the chance, the weight and the counted flag of each. The share that
+    /// counts is a ratio of two sums, as in [`estimate`].
     pub(crate) fn estimate(
         receivers: f64,
         drawn: impl Iterator<Item = (f64, f64, bool)> + Clone,
@@ -128,15 +129,17 @@ impl CountedPixels {
     }
 }
 
-/// Returns the upper limit, with 95 % confidence, of the mean of a weighted sum of numbers that
-/// each follow a Poisson distribution. The sum itself, its variance (each number times its weight's
-/// square) and the greatest weight are given. It is the quantile of a gamma distribution with the
-/// mean and the variance of the sum in which one more was seen, where that weighs most (Fay and
-/// Feuer 1997, "Confidence intervals for directly standardized rates: a method based on the gamma
-/// distribution"): 3 weights if nothing was seen ("rule of three"), and nearly [`ONE_IN_TWENTY`]
-/// standard errors above the sum if much was. Where all weigh alike it is the exact limit of
-/// Poisson's distribution. The quantile is within a hundredth (Wilson and Hilferty 1931, "The
-/// distribution of chi-square").
+/// Returns the upper limit, with 95 % confidence, of the mean of a weighted sum of
+/// Poisson-distributed numbers.
+///
+/// The arguments are the sum itself, its variance (each number times the square of its weight) and
+/// the greatest weight. The limit is the quantile of a gamma distribution (Fay and Feuer 1997,
+/// "Confidence intervals for directly standardized rates: a method based on the gamma
+/// distribution"). The distribution has the mean and the variance of the sum with one more
+/// observation of the greatest weight. The limit is 3 weights if the sum is 0 ("rule of three"),
+/// and nearly [`ONE_IN_TWENTY`] standard errors above a large sum. With equal weights it is the
+/// exact limit of the Poisson distribution. The quantile is accurate to 1 % (Wilson and Hilferty
+/// 1931, "The distribution of chi-square").
 pub(crate) fn upper_limit_of_sum(sum: f64, variance: f64, greatest: f64) -> f64 {
     let mean = sum + greatest;
     let variance = variance + greatest.powi(2);
@@ -147,13 +150,14 @@ pub(crate) fn upper_limit_of_sum(sum: f64, variance: f64, greatest: f64) -> f64 
     mean * (1.0 - 1.0 / (9.0 * shape) + ONE_IN_TWENTY / (3.0 * shape.sqrt())).powi(3)
 }
 
-/// A bound is decided by up to three samples, one after the other: each may be wrong in one case of
-/// sixty alone, so that all are in one of twenty (Bonferroni). In standard errors.
+/// Number of standard errors that one in sixty exceeds. Up to three successive samples decide a
+/// bound. Each may be wrong in one of sixty cases, so that all are wrong in at most one of twenty
+/// (Bonferroni).
 const ONE_IN_SIXTY: f64 = 2.128;
 
 impl Estimate {
-    /// From mean squares, the margin of their sum either way, and what may have been missed
-    /// besides.
+    /// Computes the estimate from mean squares, the margin of their sum in both directions, and the
+    /// contribution that may have been missed.
     fn new(squares: Squares, margin: f64, unseen: f64) -> Self {
         let square = squares.sum();
         Self {
@@ -165,7 +169,7 @@ impl Estimate {
         }
     }
 
-    /// Returns the estimate with all errors multiplied.
+    /// Returns the estimate with all errors multiplied by a factor.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             error: self.error * factor,
@@ -176,23 +180,23 @@ impl Estimate {
         }
     }
 
-    /// Whether the whole image's error lies within `bound`, however many samples were drawn.
-    /// Margins are widened as those of a normal distribution. If a sample has met no error, one
-    /// case in 46 is wrong then, not in 60.
+    /// Returns whether the whole image's error is within `bound`, for any number of samples.
+    /// Margins are widened as for a normal distribution. If a sample contains no error, one case in
+    /// 46 is wrong instead of one in 60.
     pub(crate) fn is_surely_within(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square + ONE_IN_SIXTY / ONE_IN_TWENTY * (self.high.powi(2) - square) <= bound.powi(2)
     }
 
-    /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice
-    /// as far as [`Estimate::low`] reaches, in squares.
+    /// Returns whether the whole image's error is above `bound`, except in about one of a thousand
+    /// cases: twice the margin of [`Estimate::low`], in squares.
     pub(crate) fn is_surely_above(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square - 2.0 * (self.high.powi(2) - square) > bound.powi(2)
     }
 }
 
-/// Squared differences of mask and truth: summed, or their mean.
+/// Squared differences of mask and truth: a sum or a mean.
 #[derive(Clone, Copy, Debug)]
 struct Squares {
     too_dark: f64,
@@ -212,7 +216,7 @@ impl Squares {
     }
 }
 
-/// A mask and truth at the sampled pixels.
+/// Mask and truth at the sampled pixels.
 struct Compared<'a> {
     sample: &'a PixelSample,
     truth: &'a [PixelTruth],
@@ -224,10 +228,10 @@ impl Compared<'_> {
         f64::from(self.mask[k]) - f64::from(self.truth[k].visibility)
     }
 
-    /// An estimate of the sum over the image's pixels that count.
+    /// Estimates the sum over the image's pixels that count.
     fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
         let counted = (0..self.mask.len()).filter(|&k| self.truth[k].pixel == Pixel::Counted);
-        // From 0: floats sum up nothing to -0.
+        // Start from 0, since an empty sum of floats is -0.
         counted
             .map(|k| of(k) / self.sample.chances[k])
             .fold(0.0, |sum, v| sum + v)
@@ -237,7 +241,7 @@ impl Compared<'_> {
         self.sample.weights[k]
     }
 
-    /// Sums of squared differences.
+    /// Returns the sums of squared differences.
     fn squares(&self) -> Squares {
         Squares {
             too_dark: self.sum(|k| self.weight(k) * self.difference(k).min(0.0).powi(2)),
@@ -245,14 +249,14 @@ impl Compared<'_> {
         }
     }
 
-    /// One in twenty sums of squares is greater by more than this, given the mean square.
+    /// Returns the margin that one in twenty sums of squares exceeds, given the mean square.
     fn margin(&self, mean: f64) -> f64 {
         ONE_IN_TWENTY * self.variance(mean).sqrt()
     }
 
-    /// As [`Compared::margin`] of a mean square of 0, but also where few of the sample are wrong,
-    /// or none. Draws without replacement scatter less than Poisson's numbers, so the limit is
-    /// above what is needed, if anything.
+    /// Returns the margin for a mean square of 0, also valid if few or none of the sample are
+    /// wrong. Draws without replacement vary less than Poisson numbers, so the limit is
+    /// conservative.
     fn margin_of_few(&self, greatest_share: f64) -> f64 {
         let sum = self.squares().sum();
         // Differences are at most 1, and so are their squares.
@@ -277,7 +281,7 @@ mod tests {
 
     const SIZE: UVec2 = UVec2::new(64, 64);
 
-    /// An image of which a tenth is wrong, more of it on one side, and nine tenths count.
+    /// Returns an image of which a tenth is wrong, more of it on one side, and nine tenths count.
     fn image() -> (Vec<PixelTruth>, Vec<f32>) {
         let truth = |i: u32| PixelTruth {
             visibility: 0.5,
@@ -303,7 +307,7 @@ mod tests {
     }
 
     /// Samples that prefer one side of the image estimate the same mean square, and their bounds
-    /// hold as often as they say.
+    /// hold as often as stated.
     #[test]
     fn estimates_are_unbiased_and_know_their_error() {
         let (truth, mask) = image();
@@ -319,8 +323,8 @@ mod tests {
             .map(|s| of_sample(&PixelSample::draw(SIZE, &density, 400, s), &truth, &mask))
             .collect();
         let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
-        // The standard error of one sample is about a tenth of the mean square; 500 of them have a
-        // twentieth of that.
+        // The standard error of one sample is about a tenth of the mean square. That of 500 samples
+        // is a twentieth of it.
         assert!(
             (squares / whole.error.powi(2) - 1.0).abs() < 0.015,
             "{squares}"
@@ -344,8 +348,8 @@ mod tests {
         assert!(bad.too_dark > good.too_dark);
     }
 
-    /// Of 4,096 pixels that may be wrong few are, and most samples meet one of them or none: limits
-    /// hold as often as they say, and none says that there is surely no error.
+    /// Few of 4,096 pixels are wrong, and most samples contain one of them or none. Limits hold as
+    /// often as stated, and none states that the error is certainly 0.
     #[test]
     fn samples_that_meet_no_error_know_that_there_may_be_some() {
         let truth = vec![

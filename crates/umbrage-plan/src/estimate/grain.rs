@@ -1,16 +1,16 @@
-//! Grain: noise within penumbrae, which a blur would remove and an artist would refuse.
+//! Grain: noise within penumbrae that a blur would remove and an artist would reject.
 //!
-//! Over a sample of penumbra pixels, mask - truth is taken in the 3 x 3 pixels around each, and the
-//! difference of two Laplacians of it, `[1 -2 1; -2 4 -2; 1 -2 1]`, whose answer to noise of
-//! standard deviation s has one of 6 s, and which is 0 for anything that is linear along rows or
-//! along columns: ramps, and edges along either (Immerkær 1996, "Fast noise variance estimation").
-//! So a penumbra that is too wide is an error and not grain; the stairs of a coarse map in a soft
-//! penumbra are both. Only places count where truth is smooth, since edges sharper than a pixel are
-//! never in their place by less than that.
+//! At each of a sample of penumbra pixels, the difference mask - truth over 3 x 3 pixels is
+//! convolved with a difference of two Laplacians, `[1 -2 1; -2 4 -2; 1 -2 1]` (Immerkær 1996, "Fast
+//! noise variance estimation"). Its response to noise of standard deviation s has a standard
+//! deviation of 6 s. Its response to anything linear along rows or columns is 0: ramps, and edges
+//! along either. A penumbra that is too wide is thus an error and not grain. The stairs of a coarse
+//! map in a soft penumbra are both. Only points with smooth truth count, since edges sharper than a
+//! pixel always deviate by a fraction of a pixel.
 //!
 //! Measured on `rising-boxes`, `rising-boxes-disc` and `teapot-lamp`: 4 rays a pixel have a grain
-//! of .11 to .12, 6 of .10, 64 of .01; `pcf` with 7 x 7 taps .02 to .05, `pcss` .03, dithered taps
-//! .10 to .15, one tap .16 to .19.
+//! of .11 to .12, 6 rays .10, 64 rays .01. `pcf` with 7 x 7 taps has .02 to .05, `pcss` .03,
+//! dithered taps .10 to .15, one tap .16 to .19.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -19,44 +19,47 @@ use crate::{
 };
 use umbrage_core::{BackendError, Recipe, math::dot3};
 
-/// Penumbra pixels that are looked at: the standard error of a root mean square over so many is a
-/// twentieth of it.
+/// Number of penumbra pixels evaluated. The relative standard error of a root mean square over this
+/// many is a twentieth.
 const PLACES: usize = 200;
-/// The visibility at their middle. Near either end noise has little room.
+/// Visibility range of their centres. Near 0 and 1, noise is clipped.
 const MIDDLE: std::ops::RangeInclusive<f32> = 0.1..=0.9;
-/// Rays for truth at each of the nine pixels: their noise is far below the grain that matters.
+/// Rays for truth at each of the nine pixels. Their noise is far below the grain that matters.
 const RAYS: u32 = 512;
-/// Fewer places than this say nothing.
+/// Least number of points for a valid measurement.
 const FEWEST: usize = 16;
-/// The cosine between the normals of neighbours on one surface, at least.
+/// Least cosine between the normals of neighbours on one surface.
 const SAME_NORMAL: f32 = 0.9;
-/// How far a neighbour may lie from the middle's plane, as a share of the distance between the two.
+/// Greatest distance of a neighbour from the centre's plane, relative to the distance between the
+/// two.
 const SAME_PLANE: f32 = 0.3;
 
-/// By how much truth may differ within the 3 x 3 pixels: penumbrae are 6 pixels wide at least.
+/// Greatest difference of truth within the 3 x 3 pixels: penumbrae are at least 6 pixels wide.
 const MAX_STEP: f32 = 0.33;
 
-/// The operator, rows from the top.
+/// Noise operator, rows from the top.
 const NOISE: [f64; 9] = [1.0, -2.0, 1.0, -2.0, 4.0, -2.0, 1.0, -2.0, 1.0];
-/// The root of the sum of its squares.
+/// Root of the sum of its squares.
 const GAIN: f64 = 6.0;
 
-/// Places in penumbrae where grain is measured.
+/// Points in penumbrae at which grain is measured.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GrainProbe {
-    /// Nine pixels of each place, rows from the top.
+    /// Nine pixels of each point, rows from the top.
     pixels: Vec<u32>,
-    /// Truth there.
+    /// Truth at these pixels.
     truth: Vec<f32>,
 }
 
 impl GrainProbe {
-    /// Finds the places and traces their truth; none under ideal lights, which have no penumbrae.
+    /// Finds the points and traces their truth. Finds none under ideal lights, which have no
+    /// penumbrae.
     pub(crate) fn new(
         scene: &PlanScene<'_>,
         sampled: &SampledTruth,
         options: &TruthOptions,
     ) -> Result<Self, MeasureError> {
+        // Find sampled receivers in penumbrae.
         let in_penumbra: Vec<u32> = (0..sampled.truth.len())
             .filter(|&k| MIDDLE.contains(&sampled.truth[k].visibility) && !scene.light.is_ideal())
             .map(|k| sampled.sample.pixels[k])
@@ -65,7 +68,7 @@ impl GrainProbe {
             .into_iter()
             .filter_map(|pixel| around(scene, pixel))
             .collect();
-        // Twice as many as are wanted, since some lie across edges.
+        // Use twice as many as needed, since some are across edges.
         let step = around.len().div_ceil(2 * PLACES).max(1);
         let pixels: Vec<u32> = around.into_iter().step_by(step).flatten().collect();
         let points: Vec<ReceiverPoint> = pixels
@@ -81,6 +84,7 @@ impl GrainProbe {
         };
         let truth = trace_points(scene.geometry, scene.light, &points, &careful)?;
         let truth: Vec<f32> = truth.into_iter().map(|t| t.visibility).collect();
+        // Keep the points with smooth truth.
         let mut out = Self::default();
         for (pixels, truth) in pixels.chunks_exact(9).zip(truth.chunks_exact(9)) {
             let min = truth.iter().copied().fold(1.0, f32::min);
@@ -93,8 +97,8 @@ impl GrainProbe {
         Ok(out)
     }
 
-    /// Returns the standard deviation of the noise of a recipe's mask in penumbrae, 0..=1; none
-    /// where too few are seen.
+    /// Returns the standard deviation of the noise of a recipe's mask in penumbrae, 0..=1. Returns
+    /// `None` if too few are visible.
     pub(crate) fn grain(
         &self,
         scene: &mut PlanScene<'_>,
@@ -113,7 +117,7 @@ impl GrainProbe {
     }
 }
 
-/// Returns the standard deviation of the noise in places of 3 x 3 numbers each.
+/// Returns the standard deviation of the noise in blocks of 3 x 3 numbers each.
 fn noise(places: &[f64]) -> f64 {
     let squares = places.chunks_exact(9).map(|place| {
         let answer: f64 = place.iter().zip(NOISE).map(|(e, factor)| e * factor).sum();
@@ -123,8 +127,8 @@ fn noise(places: &[f64]) -> f64 {
     (squares.sum::<f64>() / count).sqrt()
 }
 
-/// Returns the 3 x 3 pixels around one; none at the image's border or where they do not show one
-/// surface.
+/// Returns the 3 x 3 pixels around one. Returns `None` at the image's border, or if they show
+/// several surfaces.
 fn around(scene: &PlanScene<'_>, pixel: u32) -> Option<[u32; 9]> {
     let receivers = &scene.receivers;
     let [width, height] = receivers.size.to_array();
@@ -166,7 +170,7 @@ mod tests {
 
     #[test]
     fn noise_is_measured_by_its_standard_deviation() {
-        // Even over -0.3..=0.3: the standard deviation is 0.3 / sqrt(3).
+        // Even distribution over -0.3..=0.3: the standard deviation is 0.3 / sqrt(3).
         let numbers: Vec<f64> = (0..9 * 4000)
             .map(|i| 0.6 * (f64::from(hash(i)) / f64::from(u32::MAX) - 0.5))
             .collect();

@@ -1,14 +1,13 @@
-//! Estimates the errors of settings from a sample of the image.
+//! Estimation of the errors of settings from a sample of the image.
 //!
-//! * [`scene`]: what the camera sees, and how techniques are tried on it.
-//! * [`density`]: where in the image there is something to learn. [`sample`]: the pixels drawn
-//!   accordingly.
-//! * [`sampled_truth`]: a sample and the truth there. [`error`]: the error of the whole image,
-//!   estimated from it.
-//! * [`verify`]: the error once more, from a second sample that is a setting's own.
-//! * [`weighting`]: how much each pixel's error counts.
-//! * [`grain`]: noise that a blur would remove. [`shimmer`]: what changes as the camera moves.
-//! * [`penumbra`]: how wide penumbrae are.
+//! * [`scene`]: the view of a camera, and the evaluation of techniques on it.
+//! * [`density`]: the density of samples over the image. [`sample`]: pixels drawn with this
+//!   density.
+//! * [`sampled_truth`]: a sample and its truth. [`error`]: the estimated error of the whole image.
+//! * [`verify`]: a second estimate of the error, from a separate sample for the setting.
+//! * [`weighting`]: the weight of each pixel's error.
+//! * [`grain`]: noise that a blur would remove. [`shimmer`]: changes as the camera moves.
+//! * [`penumbra`]: the widths of penumbrae.
 
 pub(crate) mod density;
 pub(crate) mod error;

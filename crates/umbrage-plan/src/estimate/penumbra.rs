@@ -1,5 +1,5 @@
-//! Measures the widths of penumbrae: where truth lies between dark and lit, how fast it changes
-//! along the surface.
+//! Widths of penumbrae, from the gradient of truth along the surface where it is between dark and
+//! lit.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -13,25 +13,26 @@ use umbrage_core::{
     light_sample::{bitangent, tangent},
 };
 
-/// The number of points at which widths are measured, so many that the widths' tenths can be told.
+/// Number of points at which widths are measured, sufficient for the 10 % and 90 % quantiles.
 const POINTS: usize = 64;
-/// The visibility in the middle of a penumbra, where it changes evenly.
+/// Visibility range in the middle of a penumbra, where it changes evenly.
 const MIDDLE: std::ops::RangeInclusive<f32> = 0.2..=0.8;
-/// How far to each side of a point truth is traced again, pixels. Narrower penumbrae are taken to
-/// be this wide.
+/// Distance to each side of a point at which truth is traced again, pixels. It is also the least
+/// width that can be measured.
 const STEP: f32 = 2.0;
 
-/// A penumbra at a point, extrapolated from how visibility changes there.
+/// Penumbra at a point, extrapolated from the gradient of visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Penumbra {
     position: Vec3,
-    /// Along the surface from wholly dark to wholly lit: as long as the penumbra is wide, metres.
+    /// Vector along the surface from fully dark to fully lit; its length is the penumbra's width,
+    /// metres.
     across: Vec3,
 }
 
 impl Penumbra {
-    /// Returns its width on a map of `size` texels that lies in the first of these spaces which
-    /// holds its center; none where none does.
+    /// Returns its width in texels, on a map of `size` texels in the first of these spaces that
+    /// contains its centre. Returns `None` if no space does.
     fn texels(&self, spaces: &[LightSpace], size: u32) -> Option<f64> {
         spaces.iter().find_map(|space| self.texels_in(space, size))
     }
@@ -44,20 +45,20 @@ impl Penumbra {
         if center.abs().max_element() > 1.0 {
             return None;
         }
-        // NDC are 2 wide.
+        // NDC have a width of 2.
         Some((to - from).length() * 0.5 * f64::from(size))
     }
 }
 
-/// Returns where a point lies in a light space, x and y in -1..=1 on the map; none behind the
-/// light.
+/// Returns the position of a point in a light space, x and y in -1..=1 on the map. Returns `None`
+/// behind the light.
 fn ndc(space: &LightSpace, p: Vec3) -> Option<DVec2> {
     let clip: DVec4 = space.clip_from_world().as_dmat4() * p.as_dvec3().extend(1.0);
     let ndc = DVec2::new(clip.x, clip.y) / clip.w;
     (clip.w > 0.0 && ndc.is_finite()).then_some(ndc)
 }
 
-/// Finds penumbrae at some of the sampled receivers; none under ideal lights.
+/// Finds penumbrae at some of the sampled receivers. Finds none under ideal lights.
 pub(crate) fn find(
     scene: &PlanScene<'_>,
     sampled: &SampledTruth,
@@ -83,24 +84,24 @@ pub(crate) fn find(
     Ok(out)
 }
 
-/// Returns the penumbra between four points on a surface, two opposite ones after two; none where
-/// visibility does not change.
+/// Returns the penumbra between four points on a surface, as two pairs of opposite points. Returns
+/// `None` if visibility does not change.
 fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     let u = points[1].position - points[0].position;
     let v = points[3].position - points[2].position;
     let change_along_u = seen[1].visibility - seen[0].visibility;
     let change_along_v = seen[3].visibility - seen[2].visibility;
-    // The gradient of visibility along the surface, 1 / m: `u` and `v` are perpendicular.
+    // Gradient of visibility along the surface, 1 / m: `u` and `v` are perpendicular.
     let gradient =
         u * (change_along_u / u.length_squared()) + v * (change_along_v / v.length_squared());
     let position = (points[0].position + points[1].position) * 0.5;
-    // From dark to lit visibility changes by 1.
+    // Visibility changes by 1 from dark to lit.
     let across = gradient / gradient.length_squared();
     across.is_finite().then_some(Penumbra { position, across })
 }
 
-/// Returns the points a step (metres) to each side of a receiver along its surface: two opposite
-/// ones, then two across.
+/// Returns the points a step (metres) to each side of a receiver along its surface, as two pairs of
+/// opposite points.
 fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     let position = scene.receivers.position(i);
     let normal = scene.receivers.normal(i);
@@ -112,8 +113,8 @@ fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     })
 }
 
-/// Returns the widths than which a tenth of the penumbrae is narrower and a tenth is wider, texels
-/// on a map of `size` texels in these spaces; none without penumbrae.
+/// Returns the 10 % and 90 % quantiles of the penumbrae's widths, texels on a map of `size` texels
+/// in these spaces. Returns `None` without penumbrae.
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
     let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
     let widths = Sorted::new(widths.collect());

@@ -1,10 +1,10 @@
-//! Draws samples of pixels from which sums over the whole image can be estimated.
+//! Samples of pixels for estimates of sums over the whole image.
 //!
 //! Each pixel has its own chance to be drawn, in proportion to a density, and counts as the inverse
-//! of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever
-//! the chances (Horvitz and Thompson 1952, "A generalization of sampling without replacement from a
+//! of its chance. Sums over the sample are then unbiased estimates of sums over the image, for any
+//! chances (Horvitz and Thompson 1952, "A generalization of sampling without replacement from a
 //! finite universe"). The draw is systematic (Madow 1949, "On the theory of systematic sampling,
-//! II") along a curve that fills the image, so the sample is spread evenly, too.
+//! II") along a curve that fills the image, so the sample is also spread evenly.
 
 use glam::UVec2;
 use umbrage_core::light_sample::hash;
@@ -12,23 +12,23 @@ use umbrage_core::light_sample::hash;
 /// Pixels drawn from an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct PixelSample {
-    /// Their indices.
+    /// Indices of the pixels.
     pub(crate) pixels: Vec<u32>,
-    /// The chance with which each was drawn, above 0 up to 1.
+    /// Chance with which each was drawn, above 0 up to 1.
     pub(crate) chances: Vec<f64>,
-    /// How much each one's error counts, 0 or more:
+    /// Weight of each pixel's error, 0 or more:
     /// [`PlanScene::weights`](super::scene::PlanScene::weights).
     pub(crate) weights: Vec<f64>,
 }
 
 impl PixelSample {
-    /// Draws about `count` pixels of an image with chances in proportion to `density` (0 or more; 0
-    /// is never drawn), each at most once.
+    /// Draws about `count` pixels of an image with chances in proportion to `density`, each at most
+    /// once. Densities are 0 or more; pixels of density 0 are never drawn.
     pub(crate) fn draw(size: UVec2, density: &[f64], count: usize, seed: u32) -> Self {
         let scale = scale(density, count);
         let mut out = Self::default();
-        // Chances are added up along the curve. A pixel is drawn where the sum passes a whole
-        // number. The random start decides where in each interval of length 1 that is.
+        // Add up the chances along the curve, and draw a pixel if the sum passes a whole number.
+        // The random start decides the position in each interval of length 1.
         let mut sum = f64::from(hash(seed)) / f64::from(u32::MAX);
         for i in along_curve(size) {
             if density[i as usize] <= 0.0 {
@@ -46,13 +46,13 @@ impl PixelSample {
         out
     }
 
-    /// Returns the sample whose pixels' errors count by the weights of the whole image.
+    /// Returns the sample with its errors weighted by the weights of the whole image.
     pub(crate) fn weighted(mut self, weights: &[f64]) -> Self {
         self.weights = self.pixels.iter().map(|&i| weights[i as usize]).collect();
         self
     }
 
-    /// Returns the pixels of the sample with these places in it.
+    /// Returns the sample's pixels at these indices.
     pub(crate) fn kept(&self, places: &[usize]) -> Self {
         Self {
             pixels: places.iter().map(|&k| self.pixels[k]).collect(),
@@ -62,8 +62,8 @@ impl PixelSample {
     }
 }
 
-/// Returns the factor that turns densities into chances that add up to `count`, none above 1;
-/// infinite if all are sure to be drawn.
+/// Returns the factor that converts densities to chances that add up to `count`, none above 1.
+/// Returns infinity if all are certain to be drawn.
 fn scale(density: &[f64], count: usize) -> f64 {
     let mut sorted: Vec<f64> = density.iter().copied().filter(|d| *d > 0.0).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -71,7 +71,7 @@ fn scale(density: &[f64], count: usize) -> f64 {
         return f64::INFINITY;
     }
     let mut rest: f64 = sorted.iter().sum();
-    // The greatest are sure to be drawn, one after the other, until the next isn't.
+    // The greatest densities have chance 1, until the next does not reach it.
     for (sure, greatest) in sorted.iter().enumerate().take(count) {
         let scale = (count - sure) as f64 / rest;
         if greatest * scale <= 1.0 {
@@ -82,7 +82,7 @@ fn scale(density: &[f64], count: usize) -> f64 {
     f64::INFINITY
 }
 
-/// Returns all pixels in Z-order, so that neighbors are close to each other (Morton 1966, "A
+/// Returns all pixels in Z-order, which keeps neighbours close to each other (Morton 1966, "A
 /// computer oriented geodetic data base").
 fn along_curve(size: UVec2) -> Vec<u32> {
     let mut pixels: Vec<u32> = (0..size.x * size.y).collect();
@@ -107,7 +107,7 @@ fn spread_bits(v: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Of many draws, each pixel is in as many as its chance says, and counts add up.
+    /// Over many draws, each pixel is drawn as often as its chance states, and the chances add up.
     #[test]
     fn chances_are_kept() {
         let size = UVec2::new(8, 4);
@@ -129,7 +129,7 @@ mod tests {
         assert!((chances.iter().sum::<f64>() - 10.0).abs() < 1e-9);
         for i in 0..32 {
             let share = f64::from(drawn[i]) / 4000.0;
-            // Five standard deviations of 4,000 throws.
+            // Five standard deviations of 4,000 trials.
             assert!(
                 (share - chances[i]).abs() < 5.0 * 0.5 / 4000.0_f64.sqrt(),
                 "{i}: {share} for {}",

@@ -1,4 +1,4 @@
-//! A sample of the image and the truth there.
+//! Sample of the image and its truth.
 
 use super::{
     error::{CountedPixels, Estimate, estimate},
@@ -13,18 +13,18 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use umbrage_core::{BackendError, Receivers, Recipe, metrics::Pixel};
 
-/// How samples are drawn and their truth is traced.
+/// Options for drawing samples and tracing their truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampling {
-    /// About how many pixels are drawn.
+    /// Approximate number of pixels drawn.
     pub(crate) count: usize,
     pub(crate) seed: u32,
     pub(crate) truth: TruthOptions,
 }
 
 impl Sampling {
-    /// Returns the sampling of second samples: with another seed, so that what was chosen by the
-    /// first is judged without favour.
+    /// Returns the sampling of second samples. It has another seed, so that the choice by the first
+    /// sample does not bias the second.
     pub(crate) fn second(&self) -> Self {
         Self {
             seed: self.seed.wrapping_add(0x9e37_79b9),
@@ -33,41 +33,41 @@ impl Sampling {
     }
 }
 
-/// The sampled pixels that count, and truth there.
+/// Sampled pixels that count, with their truth.
 #[derive(Clone, Debug)]
 pub(crate) struct SampledTruth {
     pub(crate) sample: PixelSample,
-    /// In the order of the sample's pixels.
+    /// Truth in the order of the sample's pixels.
     pub(crate) truth: Vec<PixelTruth>,
-    /// How many pixels of the whole image count, by their weights; 0 if the sample is of a part of
-    /// the image alone.
+    /// Weighted number of pixels of the whole image that count; 0 if the sample covers only a part
+    /// of the image.
     pub(crate) counted: CountedPixels,
-    /// How many of the image's pixels are of which class.
+    /// Number of the image's pixels in each class.
     pub(crate) coverage: Coverage,
 }
 
-/// For how many of an image's pixels a plan holds, estimated from its sample.
+/// Number of an image's pixels for which a plan holds, estimated from its sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// All pixels of the image, of all cameras together.
+    /// All pixels of the images of all cameras.
     pub pixels: u64,
-    /// Those that show what receives shadows.
+    /// Pixels that show receivers.
     pub receivers: u64,
-    /// Those of them whose truth is certain: what the plan's error is about.
+    /// Receivers whose truth is certain. The plan's error covers these.
     pub certain: u64,
     /// One in twenty counts of `certain` differs by more than this.
     pub certain_margin: u64,
-    /// Those whose truth depends on how a program rounds ([`Pixel::Ambiguous`]): the plan promises
-    /// nothing there.
+    /// Receivers whose truth depends on rounding ([`Pixel::Ambiguous`]). The plan makes no
+    /// statement about them.
     pub ambiguous: u64,
-    /// Those that face away from the light or lie outside its cone, where no technique is asked.
+    /// Receivers that face away from the light or are outside its cone. They are not evaluated.
     pub unlit: u64,
-    /// Those whose truth was traced; of the others that are lit the sample tells.
+    /// Receivers whose truth was traced. The sample estimates the other lit ones.
     pub traced: u64,
 }
 
 impl Coverage {
-    /// Returns the sums of both.
+    /// Returns the field-wise sum.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             pixels: self.pixels + other.pixels,
@@ -87,7 +87,7 @@ impl Coverage {
 }
 
 impl SampledTruth {
-    /// Keeps the pixels of a sample that count.
+    /// Creates the sampled truth from the pixels of a sample that count.
     pub(crate) fn new(sample: PixelSample, truth: Vec<PixelTruth>) -> Self {
         let kept: Vec<usize> = (0..truth.len())
             .filter(|&k| truth[k].pixel == Pixel::Counted)
@@ -101,8 +101,8 @@ impl SampledTruth {
         }
     }
 
-    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density` (one a
-    /// pixel; above 0 at each of them, and 0 elsewhere), and traces its truth.
+    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density`, and traces
+    /// its truth. `density` has one number a pixel: above 0 at lit receivers, and 0 elsewhere.
     pub(crate) fn draw(
         scene: &mut PlanScene<'_>,
         density: &[f64],
@@ -129,7 +129,7 @@ impl SampledTruth {
         })
     }
 
-    /// Estimates the error of a recipe from the sampled pixels alone.
+    /// Estimates the error of a recipe from the sampled pixels only.
     pub(crate) fn estimate(
         &self,
         scene: &mut PlanScene<'_>,
@@ -140,8 +140,8 @@ impl SampledTruth {
     }
 }
 
-/// Returns how many of an image's pixels are of which class, estimated from a sample of its `lit`
-/// receivers and the truth there.
+/// Returns the number of an image's pixels in each class, estimated from a sample of its `lit`
+/// receivers with their truth.
 fn coverage(
     receivers: &Receivers,
     lit: usize,

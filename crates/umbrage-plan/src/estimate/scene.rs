@@ -1,4 +1,4 @@
-//! A camera's view of a scene, on which techniques are tried.
+//! View of a camera on which techniques are evaluated.
 
 use super::weighting::Weighting;
 use crate::{
@@ -17,52 +17,53 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_techniques::TechniquePreset;
 
-/// A camera's view of a scene, ready to have techniques tried on it.
+/// View of a camera, ready for the evaluation of techniques.
 pub(crate) struct PlanScene<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) light: &'a Light,
     pub(crate) geometry: &'a Geometry,
     pub(crate) receivers: Receivers,
-    /// Of each pixel: how much its error counts, 0 or more; 1 on average over the receivers.
+    /// Weight of each pixel's error, 0 or more; 1 on average over the receivers.
     pub(crate) weights: Vec<f64>,
     weighting: Weighting,
     cpu: Cpu,
     renderer: RendererData,
-    /// Light spaces found before: the maps of many settings lie alike.
+    /// Light spaces found before: many settings share their map's position.
     fits: FitMemory,
-    /// Truth by pixel index, as far as it was traced.
+    /// Truth by pixel index, for the pixels traced so far.
     pub(crate) truth: HashMap<u32, PixelTruth>,
 }
 
-/// What the program that plays a plan has when it makes recipes. Plans are made for recipes as that
-/// program will make them: what is not known can't be fitted to, and techniques that need it are no
-/// candidates.
+/// Data that the program which executes a plan has when it builds recipes.
+///
+/// Plans are made for the recipes that this program will build. Fits can't use unknown data, and
+/// techniques that need it are not candidates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RendererData {
-    /// Triangles on the CPU, and the points that the camera sees: few programs read these back from
-    /// the GPU.
+    /// Triangles on the CPU, and the points visible to the camera. Few programs read these back
+    /// from the GPU.
     SeenPoints,
     /// Triangles on the CPU: [`View::new`].
     #[default]
     Triangles,
-    /// A box around the casters; the triangles are on the GPU alone. Techniques that make faces or
-    /// hierarchies of triangles (planar shadows, volumes, rays) can't be played.
+    /// A box around the casters, with the triangles on the GPU only. This excludes techniques that
+    /// build faces or hierarchies from triangles (planar shadows, volumes, rays).
     CasterBox,
 }
 
-/// The cost of a setting.
+/// Cost of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Price {
-    /// Casts and filters, milliseconds.
+    /// Cost of casts and filters, milliseconds.
     pub(crate) draw_ms: f64,
-    /// The lookup, milliseconds.
+    /// Cost of the lookup, milliseconds.
     pub(crate) lookup_ms: f64,
     pub(crate) work: Work,
 }
 
 impl<'a> PlanScene<'a> {
-    /// Finds the receivers that the camera sees.
+    /// Finds the receivers visible to the camera.
     ///
     /// # Errors
     /// Errors if the backend can't find receivers.
@@ -88,12 +89,12 @@ impl<'a> PlanScene<'a> {
         })
     }
 
-    /// Whether some pixels' errors count more than others'.
+    /// Returns whether pixels have different weights.
     pub(crate) fn is_weighted(&self) -> bool {
         self.weighting != Weighting::Even
     }
 
-    /// Sets what recipes are made from. Returns whether that changes anything.
+    /// Sets the data that recipes are built from. Returns whether it changed.
     pub(crate) fn make_recipes_from(&mut self, renderer: RendererData) -> bool {
         if self.renderer == renderer {
             return false;
@@ -103,13 +104,13 @@ impl<'a> PlanScene<'a> {
         true
     }
 
-    /// Returns the view that techniques plan for, as the program will have it.
+    /// Returns the view that techniques plan for, with the program's data.
     pub(crate) fn view(&self) -> View<'_> {
         self.view_of(self.camera, &self.receivers)
             .with_fits(&self.fits)
     }
 
-    /// Returns the view of a camera that sees these receivers, as the program will have it.
+    /// Returns the view of a camera with these receivers, limited to the program's data.
     fn view_of<'b>(&'b self, camera: &'b Camera, receivers: &'b Receivers) -> View<'b> {
         let view = View::new(camera, self.light, self.geometry);
         match self.renderer {
@@ -126,7 +127,7 @@ impl<'a> PlanScene<'a> {
         preset.technique().recipe(&self.view())
     }
 
-    /// Returns the recipe for another camera, from what the program will have there.
+    /// Returns the recipe for another camera, from the program's data.
     pub(crate) fn recipe_for(
         &self,
         preset: &TechniquePreset,
@@ -136,7 +137,8 @@ impl<'a> PlanScene<'a> {
         preset.technique().recipe(&self.view_of(camera, receivers))
     }
 
-    /// Finds what another camera sees, if the program will know it; else nothing.
+    /// Finds the receivers visible to another camera, if the program will have them. Otherwise
+    /// returns none.
     pub(crate) fn seen_by(&mut self, camera: &Camera) -> Result<Receivers, BackendError> {
         match self.renderer {
             RendererData::SeenPoints => self.cpu.receivers(camera, self.geometry),
@@ -144,12 +146,12 @@ impl<'a> PlanScene<'a> {
         }
     }
 
-    /// Whether what a preset draws changes as the camera moves.
+    /// Returns whether the images of a preset change as the camera moves.
     pub(crate) fn follows_camera(&self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
         follows_camera(&*preset.technique(), recipe, &self.view())
     }
 
-    /// Returns the view that is played: with all that the backend needs.
+    /// Returns the view that the backend executes, with all data that it needs.
     pub(crate) fn played_view(&self) -> View<'_> {
         View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
     }
@@ -180,7 +182,7 @@ impl<'a> PlanScene<'a> {
         Ok(self.mask(&recipe)?)
     }
 
-    /// Renders the mask at some pixels, bit by bit as in the whole image.
+    /// Renders the mask at some pixels, with the bits of the whole image.
     pub(crate) fn mask_at(
         &mut self,
         recipe: &Recipe,
@@ -202,8 +204,8 @@ impl<'a> PlanScene<'a> {
         self.cpu.render_pixels(&view, recipe, pixels)
     }
 
-    /// Returns for each pixel whether it shows a receiver that the light may reach: where truth is
-    /// not [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Nothing else counts in an error.
+    /// Returns for each pixel whether it shows a receiver that the light may reach: truth is not
+    /// [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Other pixels count in no error.
     pub(crate) fn lit(&self, options: &TruthOptions) -> Result<Vec<bool>, MeasureError> {
         let receives = &self.receivers.receives;
         let all: Vec<u32> = (0..receives.len() as u32).collect();
@@ -218,8 +220,8 @@ impl<'a> PlanScene<'a> {
         Ok(lit.map(|(receives, unlit)| *receives && !unlit).collect())
     }
 
-    /// Returns truth at some pixels. Pixels that were traced before are not traced again, so
-    /// `options` must always be the same.
+    /// Returns truth at some pixels. Traced pixels are cached, so `options` must always be the
+    /// same.
     pub(crate) fn truth_at(
         &mut self,
         pixels: &[u32],
@@ -236,7 +238,7 @@ impl<'a> PlanScene<'a> {
         Ok(pixels.iter().map(|i| self.truth[i]).collect())
     }
 
-    /// Traces truth at some pixels, and doesn't remember it: with any options.
+    /// Traces truth at some pixels with any options, without caching it.
     pub(crate) fn trace_at(
         &mut self,
         pixels: &[u32],

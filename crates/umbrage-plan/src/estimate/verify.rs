@@ -1,15 +1,14 @@
-//! A second estimate of a setting that is about to be chosen, of what the first sample may have
-//! missed.
+//! Second estimate of a setting that may be chosen, to find errors that the first sample missed.
 //!
-//! The first sample is shared by all settings: what but a few of them do wrong, in places that the
-//! pilot did not suspect, it may hardly meet. The second is a setting's own: most of it is drawn
-//! where the whole image's mask differs from the pilot.
+//! All settings share the first sample. It can miss errors of a few settings at points where the
+//! pilot shows nothing. The second sample is drawn for one setting, mostly where the whole image's
+//! mask differs from the pilot.
 //!
-//! Under ideal lights the pilot is truth, and nowhere else can anything be wrong. Under others its
-//! few rays are noise; where a mask's error is 0 on the whole sample, that only says that few rays
-//! have missed what many would find: if `count` of all n rays did find a fault, at most
-//! `poisson_upper_limit(count) / n` of the light may be wrong on average, but for one case in
-//! twenty.
+//! Under ideal lights the pilot is truth, so errors occur only where the mask differs from it.
+//! Under other lights its few rays are noisy. If a mask's error is 0 on the whole sample, the few
+//! rays may have missed what many would find. If `count` of all n rays found an error, at most
+//! `poisson_upper_limit(count) / n` of the light is wrong on average, except in one of twenty
+//! cases.
 
 use super::{
     density::{Pilot, normalized},
@@ -24,32 +23,32 @@ use crate::{
 };
 use umbrage_core::Recipe;
 
-/// The sizes of second samples, as multiples of the first sample's. They are drawn one after the
-/// other, as long as a bound is not decided: each halves the uncertainty.
+/// Sizes of second samples, as multiples of the first sample's. They are drawn in sequence until a
+/// bound is decided: each halves the uncertainty.
 const SIZES: [usize; 3] = [1, 4, 16];
 
-/// Draws second samples.
+/// Sampler for second samples.
 #[derive(Clone, Debug)]
 pub(crate) struct Verifier {
-    /// None where the scene can't be traced.
+    /// `None` if the scene can't be traced.
     pub(crate) pilot: Option<Pilot>,
-    /// Of each pixel: [`PlanScene::lit`].
+    /// [`PlanScene::lit`] of each pixel.
     pub(crate) lit: Vec<bool>,
     pub(crate) sampling: Sampling,
 }
 
-/// A setting that is about to be chosen.
+/// Setting that may be chosen.
 pub(crate) struct Contender<'a> {
     pub(crate) recipe: &'a Recipe,
     /// The estimate from the first sample.
     pub(crate) first: Estimate,
-    /// The greatest error that is wanted, if any.
+    /// Greatest allowed error, if any.
     pub(crate) bound: Option<f64>,
 }
 
 impl Verifier {
-    /// Estimates the error of a contender from samples of its own: from the first of [`SIZES`], and
-    /// from the others as long as the bound is not decided.
+    /// Estimates the error of a contender from its own samples: from the first of [`SIZES`], and
+    /// from the others until the bound is decided.
     pub(crate) fn estimate(
         &self,
         scene: &mut PlanScene<'_>,
@@ -60,9 +59,10 @@ impl Verifier {
         let Some(pilot) = &self.pilot else {
             return Ok(without_pilot(first_sample, contender.first));
         };
+        // Find the pixels at which the mask differs from the pilot.
         let mask = scene.mask(contender.recipe)?;
         let differences = differences(&mask, &pilot.mask, &self.lit);
-        // Whether all that can be wrong lies where mask and pilot differ.
+        // True if errors are possible only where mask and pilot differ.
         let nowhere_else = pilot.is_exact || contender.first.error == 0.0;
         let density = if nowhere_else {
             differences
@@ -74,6 +74,7 @@ impl Verifier {
             normalized(interest, &self.lit)
         };
         let mut found = contender.first;
+        // Draw samples of increasing size.
         for (k, times) in (0..).zip(SIZES) {
             let sample = PixelSample::draw(
                 scene.camera.size,
@@ -118,8 +119,8 @@ impl Verifier {
         Ok(found)
     }
 
-    /// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at
-    /// most: 1 if all weigh alike. What hides anywhere may hide where it weighs most.
+    /// Returns the ratio of the greatest weight to the mean weight of the pixels that count, or 1
+    /// with equal weights. An unseen error may be at the pixel with the greatest weight.
     fn greatest_weight_over_mean(&self, scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
         let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
         let lit = self.lit.iter().filter(|lit| **lit).count();
@@ -145,9 +146,8 @@ impl Verifier {
     }
 }
 
-/// Returns |mask - pilot| at each pixel; 0 beside the lit receivers, since nothing else counts:
-/// what techniques answer where no light goes may well differ from the pilot everywhere, and would
-/// take the sample's place.
+/// Returns |mask - pilot| at each pixel, and 0 outside the lit receivers, which don't count. There,
+/// techniques may differ from the pilot everywhere, and would use up the sample.
 fn differences(mask: &[f32], pilot: &[f32], lit: &[bool]) -> Vec<f32> {
     (0..mask.len())
         .map(|i| {
@@ -169,7 +169,7 @@ fn greatest_share(sample: &PixelSample, density: &[f64], weights: &[f64]) -> f64
 }
 
 /// Returns the greatest mean square error that the pilot's rays may have missed where they agree
-/// with the mask; 0 if they are exact.
+/// with the mask, or 0 if they are exact.
 fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Coverage) -> f64 {
     let pixels = coverage.certain + coverage.certain_margin;
     let rays = f64::from(pilot.rays) * pixels as f64;
@@ -180,12 +180,12 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Co
         .filter(|&k| second.truth[k].visibility != mask_there[k])
         .map(|k| 1.0 / second.sample.chances[k])
         .sum();
-    // Differences are at most 1, so their squares are no greater than they are.
+    // Differences are at most 1, so their squares are no greater.
     poisson_upper_limit(faults) / rays
 }
 
-/// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper
-/// limit is as if all that is wrong had the least chance to be drawn.
+/// Returns the first sample's estimate if there is no pilot. If its error is 0, the upper limit
+/// assumes that all wrong pixels have the least chance to be drawn.
 fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     let min_chance = known.sample.chances.iter().copied().fold(1.0, f64::min);
     let all = known.coverage.certain as f64;
@@ -198,9 +198,9 @@ fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     }
 }
 
-/// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95
-/// % confidence: 3 for none ("rule of three"). It is within a hundredth of the exact limit (Byar's
-/// approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
+/// Returns the upper limit, with 95 % confidence, of the mean of a Poisson distribution after
+/// `count` events: 3 for 0 ("rule of three"). It is accurate to 1 % (Byar's approximation: Breslow
+/// and Day 1987, "Statistical methods in cancer research", volume 2).
 fn poisson_upper_limit(count: f64) -> f64 {
     upper_limit_of_sum(count, count, 1.0)
 }
@@ -209,7 +209,7 @@ fn poisson_upper_limit(count: f64) -> f64 {
 mod tests {
     use super::poisson_upper_limit;
 
-    /// Tables of Poisson's distribution: 95 % one-sided.
+    /// Tables of the Poisson distribution: 95 % one-sided.
     #[test]
     fn upper_limits_are_those_of_tables() {
         for (count, limit) in [(0.0, 2.996), (1.0, 4.744), (5.0, 10.513), (20.0, 29.062)] {

@@ -1,24 +1,23 @@
-//! How much each pixel's error counts.
+//! Weight of each pixel's error.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Light, Receivers, math::dot3};
 
-/// How much each pixel's error counts in the mean of squares.
+/// Weight of each pixel's error in the mean of squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// All alike.
+    /// All pixels have the same weight.
     #[default]
     Even,
-    /// By the square of the light's irradiance, which shading multiplies the mask by: the error is
-    /// then the root mean square of the light that arrives too much or too little, over that of all
-    /// the light that arrives where nothing casts. A wrong edge counts little where light grazes or
-    /// has come far.
+    /// Square of the light's irradiance, which shading multiplies by the mask. The error is the
+    /// root mean square of excess or missing light, relative to all light without casters. A wrong
+    /// edge counts little at grazing or distant light.
     Irradiance,
 }
 
 impl Weighting {
-    /// Returns each pixel's weight, 0 or more, 1 on average over what receives; 1 everywhere if
+    /// Returns each pixel's weight, 0 or more, 1 on average over receivers. Returns 1 everywhere if
     /// nothing is lit.
     pub(crate) fn weights(self, light: &Light, receivers: &Receivers) -> Vec<f64> {
         let even = vec![1.0; receivers.len()];
@@ -41,10 +40,12 @@ impl Weighting {
     }
 }
 
-/// Returns the irradiance of a receiver by the light's middle, in units of the light's own: the
-/// cosine between its normal and the light's direction, over the squared distance for lamps, times
-/// the cosine at the lamp if that is flat (Lambert's law). A spot's falls off between its angles
-/// linearly in the cosine, as [`umbrage_techniques::BlinnPhong`] shades it.
+/// Returns the irradiance of a receiver from the light's centre, in units of the light's intensity.
+///
+/// It is the cosine between the normal and the light's direction. For lights with a position it is
+/// divided by the squared distance, and for flat lights multiplied by the cosine at the light
+/// (Lambert's law). A spot falls off between its angles linearly in the cosine, as in
+/// [`umbrage_techniques::BlinnPhong`].
 fn irradiance(light: &Light, receivers: &Receivers, i: usize) -> f64 {
     let position = receivers.position(i);
     let to_light = light.direction_from(position);
@@ -80,7 +81,7 @@ mod tests {
     use super::*;
     use glam::{UVec2, Vec3};
 
-    /// Two receivers on a floor below a lamp: one right below, one aside.
+    /// Returns two receivers on a floor below a light: one directly below, one to the side.
     fn floor(points: [Vec3; 2]) -> Receivers {
         let mut out = Receivers::empty(UVec2::new(2, 1));
         for (i, p) in points.into_iter().enumerate() {
@@ -98,7 +99,7 @@ mod tests {
             radius: 0.0,
         };
         let receivers = floor([Vec3::ZERO, Vec3::X]);
-        // Aside: the cosine is sqrt(1/2), the squared distance 2.
+        // To the side, the cosine is sqrt(1/2) and the squared distance 2.
         let [below, aside] = [0, 1].map(|i| irradiance(&bulb, &receivers, i));
         assert!((below - 1.0).abs() < 1e-6 && (aside - 0.5_f64.sqrt() / 2.0).abs() < 1e-6);
         let lamp = Light::Disc {

@@ -1,5 +1,5 @@
-//! What is said to be unused is held against the kernels themselves: texels that no lookup touches
-//! may hold anything.
+//! Tests of unused texels against the kernels: the content of texels that no lookup touches has no
+//! effect.
 
 use super::*;
 use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, ShadowTechnique as _, Simd};
@@ -8,10 +8,10 @@ use umbrage_techniques::{
     Bias, MapFilter as _, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
 };
 
-/// A sun with an extent, a rectangle, and a lamp with a cube of maps.
+/// A directional light with an extent, a rectangle, and a point light with a cube map.
 const SCENES: [&str; 4] = ["cubes", "rising-boxes", "c4-edge-square", "lamp-in-room"];
 
-/// Every technique with every width of kernel worth the name.
+/// Returns every technique with a range of kernel widths.
 fn presets() -> Vec<TechniquePreset> {
     let map = ShadowMap::default();
     let mut out = TechniquePreset::defaults();
@@ -46,7 +46,7 @@ fn presets() -> Vec<TechniquePreset> {
         .collect()
 }
 
-/// What receivers are answered from these images.
+/// Returns the visibility of the receivers from these images.
 fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
     let views: Vec<_> = recipe
         .receive
@@ -72,8 +72,8 @@ fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
         .collect()
 }
 
-/// Whatever a texel held, something at the light now casts on all that look it up, if `chosen` says
-/// so of its lookups.
+/// Returns the images with a blocker at the light in each texel whose number of lookups is
+/// `chosen`.
 fn spoilt(
     recipe: &Recipe,
     images: &[Image],

@@ -1,5 +1,4 @@
-//! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others
-//! are on screen.
+//! Use of a recipe's maps: the texels that no lookup touches, and the size of the others on screen.
 
 #[cfg(test)]
 mod lookup_tests;
@@ -17,43 +16,44 @@ use umbrage_core::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`]
-/// speak: the light grazes a few, and no map is fine enough for them.
+/// Share of receivers facing the light that [`MapUse::texels`] and [`MapUse::side`] cover. A few
+/// receivers at grazing angles would need infinite resolution.
 pub const QUANTILE: f32 = 0.9;
 
-/// The use of a recipe's maps.
+/// Use of a recipe's maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecipeFootprint {
-    /// One a cast that keeps the least depth, in the recipe's order.
+    /// One per cast that keeps the least depth, in the recipe's order.
     pub casts: Vec<CastFootprint>,
-    /// The figures of all of them together.
+    /// Figures over all of them.
     pub total: MapUse,
 }
 
-/// Whether maps are worth their texels: as fine as the screen, and looked up.
+/// Use of maps relative to their texels: screen resolution and lookups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapUse {
     /// Share of all texels that no lookup touches, 0..=1; 0 without maps.
     pub unused: f64,
-    /// Least, median and greatest number of texels in a pixel, in the direction in which there are
-    /// the fewest, over the seen receivers that face the light and fall on a map (see
-    /// [`texels_per_pixel_in`]); none if there are none.
+    /// Least, median and greatest number of texels in a pixel, in the direction with the fewest.
+    ///
+    /// They cover the visible receivers that face the light and are on a map (see
+    /// [`texels_per_pixel_in`]). `None` if there are none.
     pub texels_per_pixel: Option<[f32; 3]>,
-    /// How many texels a pixel spans at least for a share [`QUANTILE`] of them.
+    /// Least number of texels in a pixel for a share [`QUANTILE`] of these receivers.
     pub texels: Option<f32>,
-    /// The side of a map on which, for as many, no texel is larger than a pixel: [`side_of`].
+    /// Side of a map on which no texel is larger than a pixel for this share: [`side_of`].
     pub side: Option<u32>,
 }
 
 impl MapUse {
-    /// For people, in one line.
+    /// Returns a one-line description.
     pub fn words(&self) -> String {
         words(&[*self]).unwrap_or_default()
     }
 }
 
-/// The use of one map, or from the least to the most of several, for people, in one line; none of
-/// no maps.
+/// Returns a one-line description of one map, or of the range of several. Returns `None` without
+/// maps.
 pub fn words(maps: &[MapUse]) -> Option<String> {
     let unused = range(maps.iter().map(|m| 100.0 * m.unused), 0)?;
     let texels = range(maps.iter().filter_map(|m| m.texels.map(f64::from)), 2);
@@ -61,7 +61,7 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
     let fine = texels.zip(sides).map(|(texels, sides)| {
         let tenths = 10.0 * QUANTILE;
         format!(
-            "; {tenths:.0} in 10 pixels that face the light span at least {texels} texels: a side of {sides} would give them 1"
+            "; {tenths:.0} in 10 pixels facing the light span at least {texels} texels (1 with a side of {sides})"
         )
     });
     Some(format!(
@@ -70,7 +70,8 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
     ))
 }
 
-/// The least and the greatest figure, or the one that both round to; none of none.
+/// Formats the least and the greatest figure, or a single one if both round to it. Returns `None`
+/// without figures.
 fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
     let min = figures.clone().reduce(f64::min)?;
     let max = figures.reduce(f64::max)?;
@@ -83,23 +84,24 @@ fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<St
     })
 }
 
-/// The use of one layer of a map.
+/// Use of one layer of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CastFootprint {
-    /// The image's number in the recipe.
+    /// Index of the image in the recipe.
     pub image: usize,
-    /// Its layer.
+    /// Layer of the image.
     pub layer: u32,
-    /// Its size, texels.
+    /// Size of the image, texels.
     pub size: [u32; 2],
-    /// How many receivers' lookups touch each texel, rows from the top.
+    /// Number of receivers whose lookups touch each texel, rows from the top.
     pub lookups: Vec<u32>,
-    /// Share of texels that none touches, 0..=1.
+    /// Share of texels that no lookup touches, 0..=1.
     pub unused: f64,
 }
 
-/// Returns the use of a technique's maps in a recipe that it made for `view`; `None` if it looks up
-/// no maps. `catalogue` knows how far it looks, and `receivers` are what the view's camera sees.
+/// Returns the use of a technique's maps in a recipe that it built for `view`, or `None` if it uses
+/// no maps. `catalogue` provides the kernel's reach, and `receivers` are those visible to the
+/// view's camera.
 pub fn of(
     preset: &TechniquePreset,
     view: &View<'_>,
@@ -117,12 +119,13 @@ pub fn of(
     ))
 }
 
-/// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how
-/// far, in texels, the recipe's kernel reaches beyond the texel that a receiver falls on, if it
-/// doesn't [say so of each](CataloguedKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups
-/// count as the whole square within reach, whether each of its texels is tapped or not. That a bias
-/// may move receivers along their normals is neglected. Peeled layers are left out, since they are
-/// looked up as their first ones are.
+/// Measures the use of a recipe's maps. `receivers` are those visible to the view's camera.
+///
+/// `reach` is the distance, in texels, that the kernel reaches beyond a receiver's texel: 0 for
+/// `hard`, the radius for `pcf`. [`CataloguedKernel::reach`] overrides it per receiver. Lookups
+/// count as the whole square within reach, whether or not each of its texels is tapped. The offset
+/// of receivers along their normals by a bias is neglected. Peeled layers are skipped, since their
+/// lookups are those of the first layers.
 pub fn measure(
     view: &View<'_>,
     recipe: &Recipe,
@@ -134,12 +137,14 @@ pub fn measure(
         .casts
         .iter()
         .filter(|cast| cast.mode == CastMode::Depth);
+    // Count the lookups of each map.
     let casts: Vec<CastFootprint> = nearest
         .clone()
         .map(|cast| of_cast(cast, recipe, receivers, reach, kernel))
         .collect();
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
+    // Measure the texels in each pixel.
     let layers: Vec<Layer> = nearest.map(Layer::of).collect();
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
     let mut sizes = texels_per_pixel_in(view, receivers, 1, |position, _| {
@@ -159,25 +164,25 @@ pub fn measure(
     RecipeFootprint { casts, total }
 }
 
-/// Where maps are looked up, made smaller for pictures.
+/// Lookups of maps, downscaled for images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Heat {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// How many receivers' lookups touch the texels of each pixel, rows from the top; [`Heat::GAP`]
-    /// between maps.
+    /// Number of receivers whose lookups touch the texels of each pixel, rows from the top;
+    /// [`Heat::GAP`] between maps.
     pub lookups: Vec<u32>,
 }
 
 impl Heat {
-    /// What stands between one map and the next.
+    /// Value of pixels between maps.
     pub const GAP: u32 = u32::MAX;
-    /// Pixels from one map to the next.
+    /// Distance between maps, pixels.
     const BETWEEN: u32 = 4;
-    /// Maps in a row.
+    /// Maps per row.
     const COLUMNS: u32 = 3;
 
-    /// Adds a map whose top left pixel is at (`left`, `top`); `step` x `step` texels share a pixel.
+    /// Adds a map whose top left pixel is at (`left`, `top`). `step` x `step` texels share a pixel.
     fn add(&mut self, cast: &CastFootprint, left: u32, top: u32, step: u32) {
         let width = self.size[0];
         let rows = cast.lookups.chunks(cast.size[0].max(1) as usize);
@@ -188,7 +193,7 @@ impl Heat {
                 *pixel = if *pixel == Self::GAP {
                     count
                 } else {
-                    // The greatest number stands for a gap.
+                    // The greatest number is reserved for gaps.
                     pixel.saturating_add(count).min(Self::GAP - 1)
                 };
             }
@@ -197,7 +202,8 @@ impl Heat {
 }
 
 impl RecipeFootprint {
-    /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
+    /// Returns all maps next to each other, three in a row, each at most `side` pixels wide.
+    /// Returns `None` without maps.
     pub fn heat(&self, side: u32) -> Option<Heat> {
         let widest = self
             .casts
@@ -232,7 +238,7 @@ impl CastFootprint {
     }
 }
 
-/// Where a recipe looks receivers up on its maps: for pictures of texels and cascades.
+/// Positions of a recipe's lookups on its maps, for images of texels and cascades.
 ///
 /// ```
 /// use umbrage_core::{Geometry, ShadowTechnique, View};
@@ -249,23 +255,23 @@ impl CastFootprint {
 /// assert_eq!(place.layer, 0);
 /// assert!(place.texel.min_element() > 0.0 && place.texel.max_element() < 1024.0);
 ///
-/// // Lists of casters are no map.
+/// // `Exact` has per-cell triangle lists instead of a map.
 /// assert!(MapPlaces::new(&Exact::default().recipe(&view)?, &catalogue).is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct MapPlaces<'a> {
     kernel: &'a dyn CataloguedKernel,
     layers: Vec<Layer>,
-    /// Of all layers, texels.
+    /// Size of each layer, texels.
     size: Vec2,
 }
 
-/// A place on a map.
+/// Position on a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPlace {
-    /// Index of the map's layer: of a cascade, or of a cube's face.
+    /// Index of the map's layer: a cascade or a cube's face.
     pub layer: u32,
-    /// Texels from the top left corner; the whole part is the texel's column and row.
+    /// Texels from the top left corner. The integer part is the texel's column and row.
     pub texel: Vec2,
 }
 
@@ -278,7 +284,7 @@ impl std::fmt::Debug for MapPlaces<'_> {
 }
 
 impl<'a> MapPlaces<'a> {
-    /// Returns where a recipe's lookups go; `None` if it draws no map.
+    /// Returns the lookup positions of a recipe, or `None` if it draws no map.
     pub fn new(recipe: &'a Recipe, catalogue: &Catalogue) -> Option<Self> {
         let is_map = |cast: &&Cast| cast.mode == CastMode::Depth;
         let maps: Vec<&Cast> = recipe.casts.iter().filter(is_map).collect();
@@ -290,8 +296,9 @@ impl<'a> MapPlaces<'a> {
         })
     }
 
-    /// Returns where a receiver at `position` (world space) falls; none behind the light or beside
-    /// its map. That a bias may move receivers along their normals is neglected.
+    /// Returns the position on the map of a receiver at `position` (world space). Returns `None`
+    /// behind the light or outside the map. The offset of receivers along their normals by a bias
+    /// is neglected.
     pub fn at(&self, position: Vec3) -> Option<MapPlace> {
         let layer = layer_at(&self.layers, self.kernel, position)?;
         let texel = texel_at(layer.clip_from_world, self.size, position)?;
@@ -303,8 +310,8 @@ impl<'a> MapPlaces<'a> {
     }
 }
 
-/// Returns where a point falls on a map of this size, texels from the top left corner; none behind
-/// the light.
+/// Returns the position of a point on a map of this size, texels from the top left corner. Returns
+/// `None` behind the light.
 fn texel_at(clip_from_world: Mat4, size: Vec2, position: Vec3) -> Option<Vec2> {
     let clip = transform(clip_from_world, position);
     if clip.w <= 0.0 {
@@ -315,9 +322,9 @@ fn texel_at(clip_from_world: Mat4, size: Vec2, position: Vec3) -> Option<Vec2> {
     Some(Vec2::new(u, v))
 }
 
-/// A layer of a recipe's maps.
+/// Layer of a recipe's maps.
 struct Layer {
-    /// Its index among its image's.
+    /// Index of the layer in its image.
     index: u32,
     view_from_world: Mat4,
     clip_from_world: Mat4,
@@ -333,8 +340,8 @@ impl Layer {
     }
 }
 
-/// Returns the layer in which a receiver is looked up: the one that the recipe's kernel names, or
-/// that along whose view the receiver is farthest, as with a cube; none if nothing was drawn there.
+/// Returns the layer in which a receiver is looked up. It is the kernel's layer, or the one along
+/// whose view the receiver is farthest, as with a cube. Returns `None` if nothing was drawn there.
 fn layer_at<'a>(
     layers: &'a [Layer],
     kernel: &dyn CataloguedKernel,
@@ -361,7 +368,7 @@ fn is_on_other_layer(
     if let Some(index) = kernel.layer(position) {
         return index != cast.layer;
     }
-    // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
+    // A cube's face covers more than its own lookups; its neighbours serve the rest.
     let in_view = transform(cast.space.view_from_world, position);
     in_view.x.abs().max(in_view.y.abs()) > -in_view.z
 }
@@ -395,8 +402,8 @@ fn of_cast(
     out
 }
 
-/// Returns the columns and the rows of a map that the lookup of receiver `i` touches; `None` if it
-/// is looked up elsewhere.
+/// Returns the columns and the rows of a map that the lookup of receiver `i` touches, or `None` if
+/// it is looked up elsewhere.
 fn touched_texels(
     cast: &Cast,
     recipe: &Recipe,
@@ -417,16 +424,16 @@ fn touched_texels(
     Some([columns, rows])
 }
 
-/// A span of texels along one axis of a map.
+/// Span of texels along one axis of a map.
 #[derive(Clone, Copy)]
 struct TexelSpan {
     start: usize,
-    /// Beyond the last texel; `start` if there are none.
+    /// Index after the last texel; `start` if there are none.
     end: usize,
 }
 
 impl TexelSpan {
-    /// The texels of a map with `side` texels along the axis that lie within `reach` of a
+    /// Returns the texels of a map with `side` texels along the axis that are within `reach` of a
     /// coordinate, both in texels.
     fn around(coordinate: f32, reach: f32, side: u32) -> Self {
         let side = side as usize;
@@ -442,9 +449,9 @@ impl TexelSpan {
     }
 }
 
-/// How many rectangles cover each texel. Rectangles are added by their corners to a table of
-/// differences, one texel larger than the map each way, whose sums are the counts (Crow 1984,
-/// "Summed-area tables for texture mapping").
+/// Number of rectangles that cover each texel. Rectangles are added by their corners to a table of
+/// differences, one texel larger than the map in each direction. Its sums are the counts (Crow
+/// 1984, "Summed-area tables for texture mapping").
 struct LookupCounts {
     size: UVec2,
     differences: Vec<i32>,

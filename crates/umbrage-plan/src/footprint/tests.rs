@@ -1,5 +1,5 @@
-//! A level plane under a camera and a sun that both look straight down, so that every figure is
-//! known.
+//! Tests on a level plane below a camera and a sun that both point straight down, so that every
+//! figure is known.
 
 use super::*;
 use umbrage_core::footprint::texels_per_pixel;
@@ -18,7 +18,7 @@ const SUN: Light = Light::Directional {
 /// Side of the map, texels.
 const SIDE: u32 = 64;
 
-/// From 10 m above, `half` metres to each side, 32 x 32 pixels.
+/// Returns a camera 10 m above the plane, `half` metres to each side, 32 x 32 pixels.
 fn camera(half: f32) -> Camera {
     let extents = Extents {
         left: -half,
@@ -38,7 +38,7 @@ fn camera(half: f32) -> Camera {
     .unwrap()
 }
 
-/// A plane of 8 x 8 m.
+/// Returns a plane of 8 x 8 m.
 fn plane() -> Geometry {
     let corner = |x, z| Vec3::new(x, 0.0, z);
     let corners = vec![
@@ -58,7 +58,7 @@ fn plane() -> Geometry {
     .unwrap()
 }
 
-/// A map of 4 m to each side.
+/// Returns a map of 4 m to each side.
 fn map() -> ShadowMap {
     let extents = Extents {
         left: -4.0,
@@ -106,7 +106,7 @@ fn a_quarter_of_the_map_is_looked_up_once() {
     );
 }
 
-/// The kernel's three texels around the quarter, and 49 lookups within it.
+/// The kernel adds three texels around the quarter, and 49 lookups within it.
 #[test]
 fn kernels_touch_what_they_reach() {
     let f = measured(2.0, &Pcf { radius: 3 }.on(map()), 3.0);
@@ -118,7 +118,7 @@ fn kernels_touch_what_they_reach() {
     assert_eq!(f.casts[0].lookups[32 * 64 + 32], 49);
 }
 
-/// Pixels of 1/4 m: every second texel is passed over, and half the side would do.
+/// With pixels of 1/4 m, every second texel is skipped, and half the side is enough.
 #[test]
 fn a_map_too_fine_is_told() {
     let f = measured(4.0, &Hard {}.on(map()), 0.0);
@@ -142,7 +142,7 @@ fn nothing_seen_is_no_use() {
 }
 
 /// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light
-/// at an angle, the map is as long as before along the slope, but the plane is seen foreshortened.
+/// at an angle, the map is equally long along the slope, but the plane is foreshortened.
 #[test]
 fn the_side_that_pixels_ask_for() {
     let geometry = plane();
@@ -152,7 +152,7 @@ fn the_side_that_pixels_ask_for() {
         let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
         let spaces = map().spaces(&view, 0.0).unwrap();
         for quantile in [0.0, 0.5, 1.0] {
-            // One more where rounding puts the quotient above the whole number.
+            // One more if rounding puts the quotient above the whole number.
             let found = side_for(&view, &receivers, &spaces, quantile).unwrap();
             assert!(found == side || found == side + 1, "{found} for {side}");
         }
@@ -167,7 +167,7 @@ fn the_side_that_pixels_ask_for() {
 }
 
 /// Under light at 60 degrees from the vertical, a pixel's step along the slope spans half as much
-/// of the map: the side doubles.
+/// of the map, so the side doubles.
 #[test]
 fn slanting_light_asks_for_more() {
     let (camera, geometry) = (camera(2.0), plane());
@@ -182,7 +182,7 @@ fn slanting_light_asks_for_more() {
     assert!(found == 128 || found == 129, "{found}");
 }
 
-/// The side that a view asks for is enough for the share asked, and little less is not.
+/// The map side for a view is enough for the requested share, and a slightly smaller one is not.
 #[test]
 fn maps_take_the_size_that_a_view_asks_for() {
     for name in ["cubes", "teapot-lamp", "lamp-in-room"] {
@@ -220,7 +220,7 @@ fn maps_take_the_size_that_a_view_asks_for() {
     }
 }
 
-/// Six faces, three in a row, each smaller than it was; the sums of lookups stay.
+/// Five maps are shown, three in a row, downscaled. The sums of lookups are kept.
 #[test]
 fn small_pictures_show_all_maps() {
     let lookups = |n: u32| (0..100).map(|i| if i == 57 { n } else { 0 }).collect();
@@ -235,7 +235,7 @@ fn small_pictures_show_all_maps() {
     }
     .heat(4)
     .unwrap();
-    // Ten texels three by three are four pixels; four lie between maps.
+    // Ten texels in blocks of three by three are four pixels, with four pixels between maps.
     assert_eq!(heat.size, [3 * 4 + 2 * 4, 2 * 4 + 4]);
     let at = |x: usize, y: usize| heat.lookups[y * 20 + x];
     // Texel (7, 5) is in pixel (2, 1).
@@ -251,7 +251,7 @@ fn small_pictures_show_all_maps() {
     assert_eq!(RecipeFootprint::default().heat(4), None);
 }
 
-/// One map's figures, and several maps' from the least to the most; what all share is said once.
+/// One map is described by its figures, several maps by ranges. Equal figures appear once.
 #[test]
 fn several_maps_are_told_by_their_ranges() {
     let map = |unused, texels, side| MapUse {
@@ -264,14 +264,14 @@ fn several_maps_are_told_by_their_ranges() {
         map(0.2, Some(0.5), Some(512)),
         map(0.4, Some(2.0), Some(512)),
     );
-    let one = "20 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.50 texels: a side \
-               of 512 would give them 1";
+    let one = "20 % of the map's texels never looked up; 9 in 10 pixels facing the light span at least 0.50 texels (1 with a side of \
+               512)";
     assert_eq!(coarse.words(), one);
     assert_eq!(words(&[coarse]).as_deref(), Some(one));
     let both = words(&[fine, coarse, map(0.3, None, None)]).expect("some maps");
     assert!(
         both.starts_with("20 to 40 % of")
-            && both.contains("0.50 to 2.00 texels: a side of 512 would"),
+            && both.contains("0.50 to 2.00 texels (1 with a side of 512)"),
         "{both}"
     );
     assert_eq!(words(&[]), None);

@@ -1,4 +1,4 @@
-//! What moves from frame to frame, and what of a recipe has to be drawn again then.
+//! Motion from frame to frame, and the parts of a recipe that must be redrawn as a result.
 
 pub mod pixel_shift;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{Camera, Cast, Geometry, Recipe, ShadowTechnique, Source, TableId, View};
 
-/// What moves from frame to frame, and so what has to be made anew.
+/// Motion from frame to frame. It decides which work must be repeated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameMotion {
-    /// Nothing: maps are kept, and each frame looks them up.
+    /// Nothing moves: maps are kept, and each frame looks them up.
     Still,
-    /// The camera: what is drawn for the camera is drawn again, after the recipe is made again.
-    /// Maps that do not follow the camera are kept.
+    /// The camera moves: recipes are rebuilt, and images that follow the camera are redrawn. Other
+    /// maps are kept.
     #[default]
     CameraMoves,
-    /// Casters, lights and camera: everything is made again, with the hierarchies over the
+    /// Casters, lights and camera move: everything is rebuilt, including the hierarchies over the
     /// triangles.
     AllMoves,
 }
 
 impl FrameMotion {
-    /// Returns what moves, in words for charts and tables.
+    /// Returns a description for charts and tables.
     pub fn words(self) -> &'static str {
         match self {
             Self::Still => "nothing moves",
@@ -32,8 +32,8 @@ impl FrameMotion {
         }
     }
 
-    /// Returns whether what a recipe draws is kept from frame to frame, if `kept_as_camera_moves`
-    /// says so of frames in which the camera alone moves (`None`: not known).
+    /// Returns whether the images of a recipe are kept from frame to frame. `kept_as_camera_moves`
+    /// is the flag for frames in which only the camera moves, `None` if not evaluated.
     pub fn keeps(self, kept_as_camera_moves: Option<bool>) -> bool {
         match self {
             Self::Still => true,
@@ -43,13 +43,14 @@ impl FrameMotion {
     }
 }
 
-/// Whether a technique draws something else than `recipe` once the camera moves, a little or far.
+/// Returns whether a technique draws other images than `recipe` after the camera moves, by a little
+/// or a lot.
 pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &View<'_>) -> bool {
     let Some(geometry) = view.geometry else {
         return true;
     };
     if view.receivers.is_some() {
-        // What is fitted to the receivers that are seen changes with them.
+        // A fit to the visible receivers changes with them.
         let unknown = around_same_casters(view, view.camera, geometry);
         let of_unknown = technique.recipe(&unknown);
         if of_unknown.map_or(true, |other| !draw_alike(recipe, &other)) {
@@ -64,8 +65,8 @@ pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &V
     })
 }
 
-/// Returns the view of another camera that knows no receivers. The box around the casters stays,
-/// since fits go by it: a light set has a larger one than the casters need.
+/// Returns the view of another camera without receivers. The box around the casters is kept, since
+/// fits depend on it: a light set has a larger one than the casters need.
 fn around_same_casters<'a>(
     view: &View<'a>,
     camera: &'a Camera,
@@ -77,16 +78,15 @@ fn around_same_casters<'a>(
     }
 }
 
-/// A motion of a camera.
+/// Motion of a camera.
 struct CameraMotion {
-    /// How far it moves to the right, up by half of that, and forward, as a share of the scene's
-    /// diagonal.
+    /// Distance to the right, up by half of that, and forward, as a share of the scene's diagonal.
     step: f32,
-    /// How far it turns about its own y axis, radians.
+    /// Turn about the camera's own y axis, radians.
     turn: f32,
 }
 
-/// Motions to find out what follows the camera: those of one frame, and of some seconds.
+/// Motions for testing what follows the camera: those of one frame, and of a few seconds.
 const CAMERA_MOTIONS: [CameraMotion; 2] = [
     CameraMotion {
         step: 0.002,
@@ -110,8 +110,8 @@ impl CameraMotion {
     }
 }
 
-/// Returns the cameras of some frames of a pan, the given one first: each has moved and turned a
-/// little against the one before.
+/// Returns the cameras of the frames of a pan, starting with the given one. Each moves and turns a
+/// little from the previous one.
 pub fn pan(camera: &Camera, geometry: &Geometry, frames: u32) -> Vec<Camera> {
     let mut cameras = vec![*camera];
     for _ in 1..frames {
@@ -121,8 +121,8 @@ pub fn pan(camera: &Camera, geometry: &Geometry, frames: u32) -> Vec<Camera> {
     cameras
 }
 
-/// Whether a recipe casts into an image of the camera's size: then it has visibilities at that
-/// camera's pixels alone.
+/// Returns whether a recipe casts into an image of the camera's size. It then has visibilities only
+/// at that camera's pixels.
 pub fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
     recipe
         .casts
@@ -130,7 +130,7 @@ pub fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
         .any(|cast| recipe.images[cast.image].size == camera.size)
 }
 
-/// Whether two recipes draw the same: what is cast and filtered, lookups left out.
+/// Returns whether two recipes draw the same images: casts and filters, without lookups.
 pub fn draw_alike(a: &Recipe, b: &Recipe) -> bool {
     let same_casts = a.casts.len() == b.casts.len()
         && a.casts.iter().zip(&b.casts).all(|(a, b)| cast_alike(a, b));
@@ -150,7 +150,7 @@ pub fn table_alike(a: &Recipe, b: &Recipe, index: TableId) -> bool {
 }
 
 fn cast_alike(a: &Cast, b: &Cast) -> bool {
-    // By name, so that a new field can't be forgotten here.
+    // Destructure by name, so that a new field can't be missed.
     let Cast {
         image,
         layer,
@@ -213,7 +213,7 @@ mod tests {
         assert!(!follows_camera(&technique, &recipe, &view));
     }
 
-    /// Whether a technique follows the camera where receivers are known, or where they aren't.
+    /// Returns whether a technique follows the camera, with or without receivers.
     fn follows_when(technique: &dyn ShadowTechnique, knows_receivers: bool) -> bool {
         let scene = umbrage_scenes::by_argument("street").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
@@ -249,7 +249,7 @@ mod tests {
         }
     }
 
-    /// A map as large as the picture is no picture.
+    /// A map as large as the image is not the camera's image.
     #[test]
     fn a_map_of_the_pictures_size_need_not_follow_the_camera() {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
@@ -272,7 +272,8 @@ mod tests {
         assert!(!follows(&Traced::default()));
     }
 
-    /// Returns the recipe of a map with a blur. The whole scene fits alike, however wide that is.
+    /// Returns the recipe of a map with a blur. The fit of the whole scene is the same for any
+    /// width.
     fn blurred(blur: u32) -> Recipe {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
@@ -290,7 +291,7 @@ mod tests {
         technique.recipe(&view).expect("serves the sun")
     }
 
-    /// Filters of the same inputs that differ in a number draw something else.
+    /// Filters of the same inputs with different parameters draw different images.
     #[test]
     fn filters_that_differ_are_told_apart() {
         let [narrow, same, mut wide] = [2, 2, 3].map(blurred);
@@ -299,7 +300,7 @@ mod tests {
         assert!(!draw_alike(&narrow, &wide));
     }
 
-    /// Filters that read other rows from a table of the same index draw something else.
+    /// Filters that read other rows from a table of the same index draw different images.
     #[test]
     fn tables_are_compared_by_their_rows() {
         let with_rows = |word: u32| {

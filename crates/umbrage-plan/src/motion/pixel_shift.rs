@@ -1,10 +1,9 @@
-//! Points asked at other pixels than those that show them: what follows the pixel (a dither
-//! pattern, turned taps, random rays) then changes, and nothing else does.
+//! Evaluation of points at other pixels than those that show them. Only what follows the pixel (a
+//! dither pattern, rotated taps, random rays) changes.
 
 use umbrage_core::Receivers;
 
-/// Returns the receivers with each row moved to the right by this many pixels; what leaves on the
-/// right enters on the left.
+/// Returns the receivers with each row moved to the right by this many pixels, wrapping around.
 pub fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
     let mut out = receivers.clone();
     let width = receivers.size.x;
@@ -20,14 +19,14 @@ pub fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
     ] {
         rotate(numbers, width, pixels);
     }
-    // Empty unless somebody asked for them.
+    // Empty unless requested.
     rotate(&mut out.shading_normals, width, pixels);
     rotate(&mut out.triangle, width, pixels);
     rotate(&mut out.receives, width, pixels);
     out
 }
 
-/// Moves each row of a mask of such receivers, `width` pixels wide, back to the left.
+/// Moves each row of such a mask, `width` pixels wide, back to the left.
 pub fn back(mask: &mut [f32], width: u32, pixels: usize) {
     let width = width as usize;
     for row in mask.chunks_mut(width) {
@@ -58,7 +57,7 @@ mod tests {
         let mut mask = moved.x;
         back(&mut mask, 3, 1);
         assert_eq!(mask, receivers.x);
-        // A whole row is no move.
+        // Moving by a whole row changes nothing.
         assert_eq!(to_the_right(&receivers, 3), receivers);
     }
 }

@@ -1,4 +1,4 @@
-//! The kinds and amounts of bias that are searched for the least estimated error.
+//! Kinds and amounts of bias in the search for the least estimated error.
 
 use crate::catalogue::PlannedBiases;
 use serde::{Deserialize, Serialize};
@@ -12,27 +12,27 @@ use umbrage_techniques::Bias;
 pub enum BiasKind {
     /// The receiver moves along its normal: [`Bias::normal_offset`](struct@Bias), texels.
     NormalOffset,
-    /// [`Bias::ADAPTIVE`], and the receiver moves along its normal besides, texels.
+    /// [`Bias::ADAPTIVE`], plus an offset along the receiver's normal, texels.
     Adaptive,
     /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains
-    /// over so many texels.
+    /// over this many texels.
     PolygonOffset,
     /// The technique's own bias; there is nothing to search.
     Own,
 }
 
 impl BiasKind {
-    /// Returns a short name for people.
+    /// Returns a short display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::NormalOffset => "normal offset",
             Self::Adaptive => "adaptive and normal offset",
             Self::PolygonOffset => "polygon offset",
-            Self::Own => "the technique's own",
+            Self::Own => "default of the technique",
         }
     }
 
-    /// Returns a bias of this kind with this amount, texels; `own` for [`BiasKind::Own`].
+    /// Returns a bias of this kind with this amount, texels. Returns `own` for [`BiasKind::Own`].
     pub fn bias(self, texels: f32, own: Bias) -> Bias {
         match self {
             Self::NormalOffset => Bias {
@@ -58,25 +58,26 @@ impl BiasKind {
     }
 }
 
-/// Amounts of one kind of bias to choose from, and the one to try first.
+/// Amounts of one kind of bias to choose from, and the first one to evaluate.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BiasAmounts {
     pub(super) kind: BiasKind,
     /// Texels, rising.
     pub(super) amounts: Vec<f32>,
-    /// Index into `amounts` of the one to try first.
+    /// Index into `amounts` of the first one to evaluate.
     pub(super) first_index: usize,
 }
 
 impl BiasAmounts {
-    /// Returns the amount to try first, texels.
+    /// Returns the first amount to evaluate, texels.
     pub(super) fn first(&self) -> f32 {
         self.amounts[self.first_index]
     }
 }
 
-/// Returns the kinds of bias worth trying with a technique whose lookups reach so far (texels),
-/// with amounts around the one that frees a plane of acne.
+/// Returns the kinds of bias to evaluate for a technique with this kernel reach (texels).
+///
+/// The amounts surround the one that removes acne from every plane.
 pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) -> Vec<BiasAmounts> {
     let Some(reach) = kernel_reach.filter(|_| planned != PlannedBiases::Own) else {
         return vec![BiasAmounts {
@@ -90,8 +91,8 @@ pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) ->
         amounts: vec![0.0, 0.25, 0.5, 1.0, 2.0],
         first_index: 0,
     }];
-    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`: they free every
-    // plane of acne and are often too much.
+    // These are the amounts of `Bias::normal_offset` and `Bias::polygon_offset`. They remove acne
+    // from every plane, and are often larger than needed.
     let sure_offset = (reach + 0.5) * SQRT_2;
     let sure_slope = 2.0 * reach + 1.0;
     let offsets = [0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0];

@@ -8,20 +8,20 @@ use super::{
 };
 use crate::error::MeasureError;
 
-/// Greatest ratio of the error of the best kind's first amount to the error aimed at. Beyond it, no
-/// other amount of any kind is tried, since none would help.
+/// Greatest ratio of the error of the best kind's first amount to the target error. Beyond it, no
+/// other amount of any kind is evaluated, since none would help.
 const MAX_FIRST_ERROR_RATIO: f64 = 1.7;
-/// The same ratio for each other kind. Beyond it, no other amount of that kind, or of a kind whose
-/// first amount is worse, is tried.
+/// Greatest such ratio for each other kind. Beyond it, no other amount of that kind is evaluated,
+/// nor of a kind whose first amount is worse.
 const MAX_FIRST_ERROR_RATIO_OF_OTHERS: f64 = 1.3;
 
-/// Returns the setting with the best bias for a candidate, an index into [`Family::candidates`];
-/// none if nothing is supported.
+/// Returns the setting with the best bias for a candidate, an index into [`Family::candidates`].
 ///
-/// Tries the first amount of each kind of bias.
-/// Then, from the best kind on, tries other amounts of each kind: see [`line_search`].
+/// Evaluates the first amount of each kind of bias.
+/// Then, from the best kind on, evaluates other amounts of each kind: see [`line_search`].
 /// Stops at the first bias whose error is within `error_limit`, uncertainty included.
-/// Without a limit, the error aimed at is that of the best first amount.
+/// Without a limit, the target error is that of the best first amount.
+/// Returns `None` if no kind is supported.
 pub(super) fn best_bias(
     trials: &mut Trials<'_>,
     family: &Family,
@@ -32,6 +32,7 @@ pub(super) fn best_bias(
         |setting: &Setting| error_limit.is_some_and(|limit| setting.estimate.high <= limit);
     let kinds = family.bias_amounts();
     let mut firsts: Vec<(&BiasAmounts, Setting)> = Vec::new();
+    // Evaluate the first amount of each kind.
     for biases in &kinds {
         let preset = family.at(candidate, biases.kind, biases.first());
         let Some(setting) = trials.try_out(&preset)? else {
@@ -47,6 +48,7 @@ pub(super) fn best_bias(
         return Ok(None);
     };
     let error_aimed_at = error_limit.unwrap_or(best.estimate.error);
+    // Refine the kinds whose first amount is close enough to the target.
     for (i, (biases, first)) in firsts.into_iter().enumerate() {
         let max_ratio = if i == 0 {
             MAX_FIRST_ERROR_RATIO
@@ -67,10 +69,11 @@ pub(super) fn best_bias(
     Ok(Some(best))
 }
 
-/// Returns the best of one kind of bias for a candidate, an index into [`Family::candidates`].
+/// Returns the best amount of one kind of bias for a candidate, an index into
+/// [`Family::candidates`].
 ///
-/// Tries ever smaller amounts than the first as long as the error falls.
-/// If it never does, tries ever greater ones likewise.
+/// Evaluates ever smaller amounts than the first as long as the error falls.
+/// If it never falls, evaluates ever greater amounts in the same way.
 fn line_search(
     trials: &mut Trials<'_>,
     family: &Family,
@@ -109,10 +112,11 @@ pub(super) struct Biased {
     pub(super) setting: Setting,
 }
 
-/// Tries every amount of every kind of bias for a candidate, an index into [`Family::candidates`].
+/// Evaluates every amount of every kind of bias for a candidate, an index into
+/// [`Family::candidates`].
 ///
-/// The planner calls it for the setting that it chose: to show that no other bias is better, and
-/// for [`Plan::curve`](crate::Plan::curve).
+/// The planner calls it for the chosen setting, to show that no other bias is better, and for
+/// [`Plan::curve`](crate::Plan::curve).
 pub(super) fn all_biases(
     trials: &mut Trials<'_>,
     family: &Family,

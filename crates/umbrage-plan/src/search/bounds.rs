@@ -1,41 +1,41 @@
-//! Bounds of a plan: error, grain, shimmer, time and memory, and what the program that plays it
-//! has.
+//! Bounds of a plan: error, grain, shimmer, time and memory, and the data of the renderer.
 
 use crate::estimate::scene::RendererData;
 use serde::{Deserialize, Serialize};
 use umbrage_core::Invalid;
 
-/// The greatest error, time and memory that shadows may have. Bounds that are not given bound
-/// nothing; of those of error, time and memory at least one must be given.
+/// Greatest error, time and memory that shadows may have.
+///
+/// `None` means unbounded. At least one bound of error, time or memory is required.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
     /// Greatest root mean square of mask - truth over the pixels that count, 0..=1.
     pub max_error: Option<f64>,
-    /// Greatest root mean square of mask - truth over that of no shadow at all, 0..=1: a bound that
-    /// knows how much shadow there is to get wrong. With several cameras each has its own.
+    /// Greatest root mean square of mask - truth relative to that of no shadow at all, 0..=1. It
+    /// adapts to the amount of shadow in the image. With several cameras each has its own.
     pub max_relative_error: Option<f64>,
-    /// Greatest predicted time of a frame's shadows, milliseconds: of what the
-    /// [motion](super::PlanOptions::motion) makes each frame do.
+    /// Greatest predicted time of a frame's shadows, milliseconds. The
+    /// [motion](super::PlanOptions::motion) decides which work each frame does.
     pub max_ms: Option<f64>,
-    /// Most bytes of images and tables.
+    /// Greatest number of bytes of images and tables.
     pub max_bytes: Option<u64>,
     /// Greatest [grain](crate::Setting::grain) in penumbrae, 0..=1.
     pub max_grain: Option<f64>,
-    /// Greatest [shimmer](crate::Setting::shimmer), 0..=1. Stable fits are candidates only where it
-    /// is given.
+    /// Greatest [shimmer](crate::Setting::shimmer), 0..=1. Stable fits are candidates only if this
+    /// is set.
     pub max_shimmer: Option<f64>,
-    /// What the program has that makes the recipes.
+    /// Data that the program has when it builds the recipes.
     pub renderer: RendererData,
 }
 
-/// The grain that [`Bounds::error`] and the commands allow. Rays with 16 samples a pixel and maps
-/// with smooth kernels stay below it, 4 to 6 rays a pixel do not (`search/tests.rs` measures both).
+/// The grain that [`Bounds::error`] and the commands allow. 16 rays a pixel and maps with smooth
+/// kernels stay below it. 4 to 6 rays a pixel exceed it (`search/tests.rs` measures both).
 pub const MAX_GRAIN: f64 = 0.06;
 
 impl Bounds {
-    /// Returns a bound of the error and the usual one of the grain ([`MAX_GRAIN`]); the cheapest
-    /// technique within both is planned.
+    /// Returns a bound of the error and the default bound of the grain ([`MAX_GRAIN`]). The plan is
+    /// the cheapest technique within both.
     pub fn error(max_error: f64) -> Self {
         Self {
             max_error: Some(max_error),
@@ -44,8 +44,8 @@ impl Bounds {
         }
     }
 
-    /// Returns a bound of the error relative to the shadow that is there, and the usual one of the
-    /// grain ([`MAX_GRAIN`]); the cheapest technique within both is planned.
+    /// Returns a bound of the error relative to that of no shadow, and the default bound of the
+    /// grain ([`MAX_GRAIN`]). The plan is the cheapest technique within both.
     pub fn relative_error(max_relative_error: f64) -> Self {
         Self {
             max_relative_error: Some(max_relative_error),
@@ -54,7 +54,7 @@ impl Bounds {
         }
     }
 
-    /// Returns a bound of the time; the most accurate technique within it is planned.
+    /// Returns a bound of the time. The plan is the most accurate technique within it.
     pub fn milliseconds(max_ms: f64) -> Self {
         Self {
             max_ms: Some(max_ms),
@@ -62,7 +62,7 @@ impl Bounds {
         }
     }
 
-    /// Returns a bound of the memory; the most accurate technique within it is planned.
+    /// Returns a bound of the memory. The plan is the most accurate technique within it.
     pub fn bytes(max_bytes: u64) -> Self {
         Self {
             max_bytes: Some(max_bytes),
@@ -70,19 +70,19 @@ impl Bounds {
         }
     }
 
-    /// Whether cost and memory are within their bounds.
+    /// Returns whether cost and memory are within their bounds.
     pub fn affords(&self, milliseconds: f64, bytes: u64) -> bool {
         self.max_ms.is_none_or(|max| milliseconds <= max)
             && self.max_bytes.is_none_or(|max| bytes <= max)
     }
 
-    /// Whether there is a bound of the error, by itself or relative to the shadow that is there.
+    /// Returns whether there is a bound of the error, absolute or relative.
     pub fn has_error(&self) -> bool {
         self.max_error.is_some() || self.max_relative_error.is_some()
     }
 
-    /// Whether a setting is within the bounds of grain and shimmer. What was not measured is
-    /// within.
+    /// Returns whether a setting is within the bounds of grain and shimmer. Figures that were not
+    /// measured count as within.
     pub fn endures(&self, grain: Option<f64>, shimmer: Option<f64>) -> bool {
         let is_within = |figure: Option<f64>, max: Option<f64>| match (figure, max) {
             (Some(figure), Some(max)) => figure <= max,
@@ -91,7 +91,7 @@ impl Bounds {
         is_within(grain, self.max_grain) && is_within(shimmer, self.max_shimmer)
     }
 
-    /// Checks that there are bounds, and that they can be met.
+    /// Checks that bounds are given and can be met.
     ///
     /// # Errors
     /// Errors if no bound of error, time or memory is given, one is NaN or negative, or a bound of
@@ -133,7 +133,7 @@ impl std::fmt::Display for Bounds {
         let words = [
             self.max_error.map(|e| format!("error at most {e}")),
             self.max_relative_error
-                .map(|e| format!("error at most {e} of that of no shadow")),
+                .map(|e| format!("error at most {e} of that without shadows")),
             self.max_ms.map(|ms| format!("at most {ms} ms")),
             self.max_bytes.map(|bytes| format!("at most {bytes} bytes")),
             self.max_grain.map(|grain| format!("grain at most {grain}")),

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use umbrage_core::ShadowTechnique as _;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
-/// A map from presets to values. Floats can't be hashed, so presets of one technique are compared
-/// in turn. That is cheap compared with trying one. A preset with NaN is never found.
+/// Map from presets to values. Floats can't be hashed, so presets of one technique are compared
+/// linearly. That is cheap compared with evaluating a preset. A preset with NaN is never found.
 #[derive(Debug)]
 pub(super) struct ByPreset<V>(HashMap<&'static str, Vec<(TechniquePreset, V)>>);
 
@@ -16,7 +16,7 @@ impl<V> Default for ByPreset<V> {
 }
 
 impl<V> ByPreset<V> {
-    /// Returns what is known of a preset.
+    /// Returns the value of a preset.
     pub(super) fn get(&self, preset: &TechniquePreset) -> Option<&V> {
         let known = self.0.get(preset.name())?;
         known
@@ -24,7 +24,7 @@ impl<V> ByPreset<V> {
             .find_map(|(key, value)| (key == preset).then_some(value))
     }
 
-    /// Sets what is known of a preset.
+    /// Sets the value of a preset.
     pub(super) fn insert(&mut self, preset: TechniquePreset, value: V) {
         let known = self.0.entry(preset.name()).or_default();
         match known.iter_mut().find(|(key, _)| *key == preset) {
@@ -33,7 +33,7 @@ impl<V> ByPreset<V> {
         }
     }
 
-    /// Returns all values, in no order.
+    /// Returns all values, in unspecified order.
     pub(super) fn values(&self) -> impl Iterator<Item = &V> {
         self.0.values().flatten().map(|(_, value)| value)
     }
@@ -43,13 +43,13 @@ impl<V> ByPreset<V> {
         self.0.values().map(Vec::len).sum()
     }
 
-    /// Forgets all of them.
+    /// Removes all presets.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 }
 
-/// Returns the preset without its bias; as it is without a map.
+/// Returns the preset without its bias, or unchanged if it has no map.
 pub(super) fn without_bias(preset: &TechniquePreset) -> TechniquePreset {
     let unbiased = preset.map().map(|&map| ShadowMap {
         bias: Bias::NONE,

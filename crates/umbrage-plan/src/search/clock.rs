@@ -1,52 +1,53 @@
-//! Times settings by the clock, in turn, so that what slows the machine down slows all of them.
+//! Timing of settings by the clock, in turn, so that a slow machine slows all of them.
 
 use crate::{error::MeasureError, estimate::scene::PlanScene, motion::FrameMotion};
 use umbrage_core::{Backend, BackendError, Geometry, Recipe, Timings, View};
 use umbrage_techniques::TechniquePreset;
 use web_time::{Duration, Instant};
 
-/// Rounds in which every setting is played once, at most.
+/// Greatest number of rounds in which every setting runs once.
 const MAX_ROUNDS: u32 = 24;
-/// Rounds after which what is quick has been played often enough, if so many seconds have gone.
+/// Rounds and seconds after which fast settings have run often enough.
 const ENOUGH: (u32, f64) = (5, 4.0);
-/// Rounds after which what is slow has, if so many seconds have gone.
+/// Rounds and seconds after which slow settings have run often enough.
 const ENOUGH_OF_SLOW: (u32, f64) = (2, 15.0);
 
-/// Rounds after which what can no longer be the quickest by [`HOPELESS`] is played no more; before,
-/// by [`HOPELESS_AT_FIRST`].
+/// Number of rounds after which [`HOPELESS`] decides which settings are dropped. Before it,
+/// [`HOPELESS_AT_FIRST`] decides.
 const ROUNDS_BEFORE_DROPPING: u32 = 2;
-/// What took more than 1.5 times the least so far, in the best of [`ROUNDS_BEFORE_DROPPING`], can
-/// no longer be the quickest: what else runs on a machine seldom holds up each of two runs by half.
+/// A setting that takes more than 1.5 times the least time in the best of
+/// [`ROUNDS_BEFORE_DROPPING`] runs can't be the fastest. Other load seldom slows each of two runs
+/// by half.
 const HOPELESS: Hopeless = Hopeless {
     factor: 1.5,
     more_ms: 0.0,
 };
-/// The same of first plays, in which drivers may compile for a part of a second.
+/// Limit for first runs, in which drivers may compile for a fraction of a second.
 const HOPELESS_AT_FIRST: Hopeless = Hopeless {
     factor: 4.0,
     more_ms: 1000.0,
 };
 
-/// Which times are too long for the quickest, beside the least time.
+/// Limit on times that can still be the fastest, relative to the least time.
 #[derive(Clone, Copy, Debug)]
 struct Hopeless {
-    /// More than this times the least,
+    /// Factor of the least time.
     factor: f64,
-    /// and this many milliseconds more.
+    /// Milliseconds added to that.
     more_ms: f64,
 }
 
-/// Settings of which only the quickest is wanted, by their indices.
+/// Settings of which only the fastest is needed, by index.
 #[derive(Clone, Debug)]
 pub(super) struct Race {
     pub(super) settings: Vec<usize>,
-    /// The setting whose time is wanted, however slow it is.
+    /// The setting whose time is needed, however slow it is.
     pub(super) watched: Option<usize>,
 }
 
 impl Race {
-    /// Whether a setting may still be the quickest, or is watched. `best_ms` holds the least times
-    /// so far, of which `hopeless` says what is too much.
+    /// Returns whether a setting may still be the fastest, or is watched. `best_ms` holds the least
+    /// times so far.
     fn needs(&self, setting: usize, best_ms: &[f64], hopeless: Hopeless) -> bool {
         if self.watched == Some(setting) {
             return true;
@@ -61,21 +62,21 @@ impl Race {
     }
 }
 
-/// A setting that is timed.
+/// Setting that is timed.
 struct Runner {
     preset: TechniquePreset,
     recipe: Recipe,
     is_kept: bool,
-    /// What is made once for a scene and again if all moves, milliseconds.
+    /// Milliseconds of work done once per scene, and again if everything moves.
     scene_ms: f64,
-    /// The time of the first play.
+    /// Time of the first run.
     first_ms: f64,
-    /// The least of all rounds; infinite before the first.
+    /// Least time of all rounds; infinite before the first.
     best_ms: f64,
 }
 
 impl Runner {
-    /// Returns the time of a frame as far as it is known.
+    /// Returns the best known time of a frame.
     fn known_ms(&self) -> f64 {
         if self.best_ms.is_finite() {
             self.best_ms
@@ -85,11 +86,13 @@ impl Runner {
     }
 }
 
-/// Returns the time of a frame of each preset, milliseconds: the least of some rounds, since what
-/// else runs on the machine only ever adds to it. None for a preset that is not supported or that
-/// the backend can't hold. `is_kept` says of each whether what it draws is kept from frame to
-/// frame. With `races`, what no race needs any more is played in the first rounds alone, so that
-/// its time is less exact; without any, all are played in all rounds.
+/// Returns the time of a frame of each preset, milliseconds: the least of several rounds, since
+/// other load on the machine only ever adds to it.
+///
+/// Returns `None` for a preset that is unsupported or that exceeds the backend's limits. The flag
+/// of each preset reports whether its images are kept from frame to frame. With `races`, a setting
+/// that no race needs runs in the first rounds only, so its time is less exact. Without races, all
+/// settings run in all rounds.
 ///
 /// # Errors
 /// Errors if the backend fails.
@@ -101,11 +104,13 @@ pub(super) fn times(
     races: &[Race],
 ) -> Result<Vec<Option<f64>>, MeasureError> {
     let view = scene.played_view();
+    // Build each recipe and run it once.
     let mut runners: Vec<Option<Runner>> = Vec::new();
     for (preset, is_kept) in presets {
         runners.push(first_play(backend, scene, motion, preset, *is_kept)?);
     }
     let start = Instant::now();
+    // Run all needed settings in turn, and keep the least time of each.
     for round in 0..MAX_ROUNDS {
         let elapsed = start.elapsed().as_secs_f64();
         let is_enough = |(rounds, seconds)| round >= rounds && elapsed > seconds;
@@ -137,7 +142,7 @@ pub(super) fn times(
         .collect())
 }
 
-/// Returns which settings are played in a round: all without races, else those that a race needs.
+/// Returns the settings that run in a round: all without races, otherwise those that a race needs.
 fn needed(runners: &[Option<Runner>], races: &[Race], round: u32) -> Vec<bool> {
     let hopeless = if round < ROUNDS_BEFORE_DROPPING {
         HOPELESS_AT_FIRST
@@ -154,7 +159,8 @@ fn needed(runners: &[Option<Runner>], races: &[Race], round: u32) -> Vec<bool> {
         .collect()
 }
 
-/// Makes a recipe and plays it once, which compiles and uploads; none if it can't be played.
+/// Builds a recipe and runs it once, which compiles and uploads. Returns `None` if it can't be
+/// executed.
 fn first_play(
     backend: &mut dyn Backend,
     scene: &PlanScene<'_>,
@@ -165,7 +171,7 @@ fn first_play(
     let Ok(recipe) = scene.recipe(preset) else {
         return Ok(None);
     };
-    // What a recipe makes on first use is timed apart.
+    // Tables that a recipe builds on first use are timed separately.
     recipe.make_tables();
     let timings = match backend.render(&scene.played_view(), &recipe) {
         Ok(shadows) => shadows.timings,
@@ -192,8 +198,8 @@ fn first_play(
     }))
 }
 
-/// Returns how long a preset takes to make its recipe, milliseconds; without a memory of fits,
-/// which no program has across frames.
+/// Returns the time that a preset takes to build its recipe, milliseconds. Uses no fit cache, since
+/// no program keeps one across frames.
 fn time_of_recipe(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     let view = View {
         fits: None,
@@ -207,8 +213,8 @@ fn time_of_recipe(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     milliseconds(elapsed)
 }
 
-/// Returns by how many milliseconds the first recipe for fresh triangles takes longer than a later
-/// one: hierarchies, welded edges.
+/// Returns the extra time of the first recipe for new triangles over a later one, milliseconds:
+/// hierarchies and welded edges.
 fn time_of_scene(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     let fresh: Geometry = scene.geometry.without_hierarchies();
     let unfitted = View {
@@ -230,7 +236,7 @@ fn time_of_scene(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     (times[0] - times[1]).max(0.0)
 }
 
-/// Returns the time of the lookup; of all stages where the backend can't time it alone.
+/// Returns the time of the lookup, or of all stages if the backend can't time it separately.
 fn lookup_ms(timings: &Timings) -> f64 {
     milliseconds(timings.receive.unwrap_or_else(|| timings.total()))
 }
@@ -264,7 +270,7 @@ mod tests {
         ];
         let timed = |motion| {
             times(&mut Cpu::new(), &planned, motion, &presets, &[])
-                .expect("plays")
+                .expect("valid")
                 .into_iter()
                 .map(|ms| ms.expect("supported"))
                 .collect::<Vec<_>>()
@@ -285,7 +291,7 @@ mod tests {
         };
         let best_ms = [10.0, 14.9, 15.1, 400.0, 1.0];
         let needed: Vec<bool> = (0..5).map(|i| race.needs(i, &best_ms, HOPELESS)).collect();
-        // The last takes no part in this race, quick as it is.
+        // The last setting is fast but not part of this race.
         assert_eq!(needed, [true, true, false, true, false]);
         let first_ms = [10.0, 1_039.0, 1_041.0, 9_000.0, 1.0];
         let needed: Vec<bool> = (0..5)

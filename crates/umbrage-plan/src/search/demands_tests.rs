@@ -1,4 +1,4 @@
-//! What is asked of plans beside a small error: other bounds, several cameras, what moves, the
+//! Requirements on plans other than a small error: other bounds, several cameras, motion, the
 //! clock.
 
 use super::{
@@ -18,8 +18,8 @@ use umbrage_techniques::{
     Hard, MapFilter as _, MapTechnique, Pcf, ShadowMap, TechniquePreset, Traced,
 };
 
-/// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a
-/// smooth kernel is not.
+/// The default bound rejects the grain of 4 to 6 rays a pixel. It accepts that of many rays and of
+/// a smooth kernel.
 #[test]
 fn few_rays_are_grainy_and_smooth_kernels_are_not() {
     for name in ["rising-boxes", "rising-boxes-disc", "teapot-lamp"] {
@@ -27,8 +27,8 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
             let bounds = Bounds::error(1.0);
             let mut grain = |preset: TechniquePreset| {
                 let trials = &mut planner.trials;
-                let setting = trials.try_out(&preset).expect("plays").expect("supported");
-                let endured = trials.endured(setting, &bounds).expect("plays");
+                let setting = trials.try_out(&preset).expect("valid").expect("supported");
+                let endured = trials.endured(setting, &bounds).expect("valid");
                 endured.grain.expect("there are penumbrae")
             };
             let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
@@ -42,7 +42,8 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
     }
 }
 
-/// Shimmer is that of maps that move with the camera: none where the fit is stable or stands still.
+/// Shimmer comes from maps that move with the camera. It is 0 if the fit is stable or does not
+/// move.
 #[test]
 fn only_fits_that_follow_the_camera_shimmer() {
     with_planner("cubes", |mut planner| {
@@ -61,9 +62,9 @@ fn only_fits_that_follow_the_camera_shimmer() {
             let trials = &mut planner.trials;
             let setting = trials
                 .try_out(&Hard {}.on(map).into())
-                .expect("plays")
+                .expect("valid")
                 .expect("supported");
-            let endured = trials.endured(setting, &bounds).expect("plays");
+            let endured = trials.endured(setting, &bounds).expect("valid");
             endured.shimmer.expect("measured")
         };
         let [tight, stable] = [Fit::Tight, Fit::Stable { range: 30.0 }].map(&mut shimmer);
@@ -71,13 +72,13 @@ fn only_fits_that_follow_the_camera_shimmer() {
     });
 }
 
-/// A plan for two cameras keeps its bound at both; for half of them at the easier one, and for
-/// less.
+/// A plan for two cameras meets its bound at both. For half of them it meets the bound at the
+/// easier one, at a lower cost.
 #[test]
 fn a_plan_holds_for_all_cameras_or_for_a_share() {
     let scene = scene("cubes");
     let near = scene.cameras[0];
-    // From far above the shadows are a few pixels, whatever the map.
+    // From far above, the shadows cover a few pixels with any map.
     let far = Camera {
         world_from_view: near.world_from_view
             * glam::Affine3A::from_translation(glam::Vec3::Z * 40.0),
@@ -103,7 +104,7 @@ fn a_plan_holds_for_all_cameras_or_for_a_share() {
     assert!(easier.milliseconds <= chosen.milliseconds);
     let alone = of(vec![near], Hold::Worst).chosen.expect("possible");
     assert!(alone.milliseconds <= chosen.milliseconds && alone.cameras.is_empty());
-    // An unknown share is refused, and so are cameras that can't be used.
+    // Reject an invalid share.
     let options = PlanOptions {
         hold: Hold::Share(2.0),
         ..small()
@@ -111,7 +112,7 @@ fn a_plan_holds_for_all_cameras_or_for_a_share() {
     assert!(plan(&scene, &bounds, &options, &|_| {}).is_err());
 }
 
-/// A bound relative to no shadow is that share of its error.
+/// A relative bound is that share of the error of no shadow.
 #[test]
 fn relative_bounds_are_shares_of_the_shadow_that_is_there() {
     let relative = planned("cubes", &Bounds::relative_error(0.2));
@@ -121,12 +122,12 @@ fn relative_bounds_are_shares_of_the_shadow_that_is_there() {
     assert!(chosen.estimate.high <= 0.2 * none.error, "{chosen:?}");
     let absolute = planned("cubes", &Bounds::error(0.2 * none.low));
     assert_eq!(absolute.chosen.expect("possible").preset, chosen.preset);
-    // Where there is no shadow, none is needed.
+    // A scene without shadows needs no technique.
     let empty = planned("no-casters", &Bounds::relative_error(0.2));
     assert_eq!(empty.chosen.expect("possible").technique, "none");
 }
 
-/// While nothing moves the lookup alone counts, so finer maps cost nothing.
+/// While nothing moves, only the lookup counts, so finer maps cost nothing.
 #[test]
 fn what_moves_decides_what_counts() {
     let with = |motion| {
@@ -147,7 +148,7 @@ fn what_moves_decides_what_counts() {
     assert!(camera.kept_as_camera_moves.is_some());
 }
 
-/// What counts is told from what does not: the classes of the image's receivers add up to them.
+/// The classes of the image's receivers add up to the total.
 #[test]
 fn a_plan_says_for_how_many_pixels_it_holds() {
     let coverage = planned("cubes", &Bounds::error(0.1)).coverage;
@@ -169,7 +170,7 @@ fn a_plan_says_for_how_many_pixels_it_holds() {
     let certain = (whole.pixels.iter())
         .filter(|p| **p == umbrage_core::metrics::Pixel::Counted)
         .count() as u64;
-    // Twice what one in twenty differs by.
+    // Twice the deviation that one in twenty exceeds.
     let reach = 2 * coverage.certain_margin + 1;
     assert!(
         certain.abs_diff(coverage.certain) <= reach,
@@ -177,7 +178,7 @@ fn a_plan_says_for_how_many_pixels_it_holds() {
     );
 }
 
-/// Weighted samples tell the weighted error of the whole image.
+/// Weighted samples estimate the weighted error of the whole image.
 #[test]
 fn weighted_samples_tell_of_whole_images() {
     let scene = scene("lamp-in-room");
@@ -191,14 +192,14 @@ fn weighted_samples_tell_of_whole_images() {
         Planner::new(&camera, &scene.lights[0], &geometry, &options, &|_| {}).expect("valid");
     let preset = TechniquePreset::from(MapTechnique::<Hard>::default());
     let trials = &mut planner.trials;
-    let first = trials.try_out(&preset).expect("plays").expect("supported");
-    let verified = trials.verify(&first, None, &|_| {}).expect("plays");
+    let first = trials.try_out(&preset).expect("valid").expect("supported");
+    let verified = trials.verify(&first, None, &|_| {}).expect("valid");
     let view = &mut trials.views[0].scene;
     let all: Vec<u32> = (0..view.receivers.len() as u32).collect();
     let truth = view
         .truth_at(&all, &small().truth, &|_, _| {})
         .expect("valid");
-    let mask = view.preset_mask(&preset).expect("plays");
+    let mask = view.preset_mask(&preset).expect("valid");
     let mut sums = [0.0; 2];
     for (i, truth) in truth.iter().enumerate() {
         if truth.pixel == umbrage_core::metrics::Pixel::Counted {
@@ -218,7 +219,7 @@ fn weighted_samples_tell_of_whole_images() {
     }
 }
 
-/// By the clock what is quickest wins, and all finalists are told.
+/// Measured times choose the fastest setting, and all finalists are listed.
 #[test]
 fn the_clock_decides_between_finalists() {
     let scene = scene("cubes");
@@ -231,7 +232,7 @@ fn the_clock_decides_between_finalists() {
     assert!(times.len() > 1 && times.is_sorted(), "{times:?}");
     assert_eq!(chosen.measured_ms, Some(times[0]));
     assert!(plan.timed.iter().all(|s| s.estimate.is_surely_within(0.1)));
-    // A time that the clock does not allow is a miss, whatever the price list says.
+    // A measured time over the bound is a miss, whatever the price list predicts.
     let slow = Bounds {
         max_ms: Some(1e6),
         ..bounds
@@ -255,5 +256,5 @@ fn the_clock_decides_between_finalists() {
     let miss = plan_by_clock(&scene, &quick, &options, Some(&mut cpu), &|_| {})
         .expect("plans")
         .miss;
-    assert!(miss.is_some_and(|miss| miss.reason.contains("by the clock")));
+    assert!(miss.is_some_and(|miss| miss.reason.contains("when timed")));
 }

@@ -1,4 +1,4 @@
-//! The candidates: every technique with every kernel worth trying, on maps from coarse to fine.
+//! The candidates: every technique with every kernel worth evaluating, on maps from coarse to fine.
 
 use super::{
     bias::{BiasAmounts, BiasKind, bias_amounts},
@@ -11,27 +11,27 @@ use crate::{
 use umbrage_core::{Cascades, Fit, Layout, Light, math::transform};
 use umbrage_techniques::{MapFormat, ShadowMap, TechniquePreset};
 
-/// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as
-/// much.
+/// Sides of maps, texels. Half a step is hardly visible. A whole step costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
-/// Sides that differ by no more than this share count as the same.
+/// Greatest relative difference of sides that count as equal.
 const SAME_SIDE_TOLERANCE: f64 = 0.1;
-/// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the
-/// root of 2. It does more only where acne or whole casters vanish: not more than this, as sweeps
-/// show (2.5 was too little).
+/// Greatest factor by which a map of twice the side divides the error.
+///
+/// It halves the area that is wrong along edges, and so divides the error by the root of 2. It does
+/// more only where acne or whole casters vanish. Sweeps exceed 2.5 but not this limit.
 const MAX_GAIN_OF_MAPS: f64 = 4.0;
 
-/// A technique and kernel without a choice of bias, on maps from coarse to fine or with ever more
-/// rays.
+/// Technique and kernel without a choice of bias, on maps from coarse to fine or with increasing
+/// numbers of rays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
-    /// Rising in cost.
+    /// Candidates, by rising cost.
     pub(super) candidates: Vec<TechniquePreset>,
-    /// By how much the step from one candidate to the next divides the error at most.
+    /// Greatest factor by which the step from one candidate to the next divides the error.
     pub(super) max_gain: f64,
-    /// Which biases its maps may have.
+    /// Biases that its maps may have.
     planned_biases: PlannedBiases,
-    /// How far its lookups reach, texels.
+    /// Reach of its lookups, texels.
     kernel_reach: Option<f32>,
 }
 
@@ -53,13 +53,13 @@ impl Family {
         }
     }
 
-    /// Returns the kinds of bias worth trying, with their amounts.
+    /// Returns the kinds of bias worth evaluating, with their amounts.
     pub(super) fn bias_amounts(&self) -> Vec<BiasAmounts> {
         bias_amounts(self.kernel_reach, self.planned_biases)
     }
 
-    /// Returns the family with one map more, of `side` texels a side, unless it has one of about
-    /// that side or has no maps.
+    /// Returns the family with one more map of `side` x `side` texels. Returns it unchanged if it
+    /// has a map of about that side or no maps.
     fn with_side(mut self, side: u32) -> Self {
         let preset = self.preset().clone();
         if preset.map().is_none() {
@@ -78,8 +78,8 @@ impl Family {
         self
     }
 
-    /// Returns the same family of maps with a stable fit up to a distance, metres; none without
-    /// maps of a tight fit.
+    /// Returns the same family of maps with a stable fit up to a distance, metres. Returns `None`
+    /// unless all its maps have a tight fit.
     fn stable(&self, range: f32) -> Option<Self> {
         let has_tight_map =
             |preset: &TechniquePreset| preset.map().is_some_and(|map| map.fit == Fit::Tight);
@@ -97,8 +97,8 @@ impl Family {
         })
     }
 
-    /// Returns the same family of maps as cascades, each map that much smaller that they take no
-    /// more memory; none without maps.
+    /// Returns the same family of maps as cascades, each map reduced so that the memory does not
+    /// grow. Returns `None` if the family has no maps.
     fn cascaded(&self, cascades: Cascades) -> Option<Self> {
         let sides = &SIZES[..SIZES.len() - 1];
         let first = self.preset();
@@ -114,8 +114,9 @@ impl Family {
         })
     }
 
-    /// Whether a candidate's error over that of the candidate two before it shows what finer maps
-    /// are worth: its map has at least four times the side. False for rays, which always gain.
+    /// Returns whether the error ratio of a candidate to the second before it shows the benefit of
+    /// finer maps: its map has at least four times the side. Returns false for rays, which always
+    /// gain.
     pub(super) fn saturates(&self, candidate: usize) -> bool {
         let Some(two_before) = candidate.checked_sub(2) else {
             return false;
@@ -126,18 +127,18 @@ impl Family {
         }
     }
 
-    /// The side of a candidate's map, texels; none without a map.
+    /// Returns the side of a candidate's map, texels, or `None` without a map.
     fn side(&self, candidate: usize) -> Option<u32> {
         let map = self.candidates.get(candidate)?.map()?;
         Some(map.size)
     }
 
-    /// Returns the first candidate's preset, which stands for the technique and kernel of all.
+    /// Returns the first candidate's preset, which has the technique and kernel of all.
     pub(super) fn preset(&self) -> &TechniquePreset {
         &self.candidates[0]
     }
 
-    /// Returns a candidate's preset with this much bias; as it is if it has no map.
+    /// Returns a candidate's preset with this much bias, or unchanged if it has no map.
     pub(super) fn at(&self, candidate: usize, kind: BiasKind, texels: f32) -> TechniquePreset {
         let preset = &self.candidates[candidate];
         let Some(&map) = preset.map() else {
@@ -150,12 +151,12 @@ impl Family {
     }
 }
 
-/// The side of a preset's map, texels; 0 without a map.
+/// Returns the side of a preset's map, texels, or 0 without a map.
 fn map_side(preset: &TechniquePreset) -> u32 {
     preset.map().map_or(0, |map| map.size)
 }
 
-/// Returns a preset with a map of another side; as it is if it has none.
+/// Returns a preset with a map of another side, or unchanged if it has no map.
 fn with_map_side(preset: &TechniquePreset, side: u32) -> TechniquePreset {
     match preset.map() {
         Some(&map) => preset.with_map(ShadowMap { size: side, ..map }),
@@ -163,7 +164,7 @@ fn with_map_side(preset: &TechniquePreset, side: u32) -> TechniquePreset {
     }
 }
 
-/// Which families are wanted besides those that every plan has.
+/// Families needed in addition to those of every plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FamilyNeeds {
     /// Maps of 16 bits, which take half the memory.
@@ -172,10 +173,10 @@ pub(super) struct FamilyNeeds {
     pub(super) stable: bool,
 }
 
-/// How much farther than what is seen now stable maps reach: a camera that moves sees more.
+/// Factor by which stable maps reach beyond the geometry visible now: a moving camera sees more.
 const STABLE_MARGIN: f32 = 1.25;
 
-/// Returns the distances along the camera's view of all that it sees, metres, rising.
+/// Returns the rising distances of all visible receivers along the camera's view, metres.
 fn seen_distances(scene: &PlanScene<'_>) -> Vec<f32> {
     let receivers = &scene.receivers;
     let space = scene.camera.space();
@@ -187,19 +188,19 @@ fn seen_distances(scene: &PlanScene<'_>) -> Vec<f32> {
     distances
 }
 
-/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly
-/// all that it sees.
+/// Returns the distance along the camera's view up to which shadows are needed, metres: slightly
+/// more than the distance of nearly all visible receivers.
 fn farthest_seen(rising_distances: &[f32]) -> f32 {
     let nearly_all = rising_distances.len() * 99 / 100;
     let farthest = rising_distances.get(nearly_all).copied().unwrap_or(1.0);
     STABLE_MARGIN * farthest.max(f32::MIN_POSITIVE)
 }
 
-/// How many times as far as the nearest the farthest receivers must be for cascades to be tried:
-/// the texels of one map are then that many times larger nearby, in pixels, than they need to be.
+/// Least ratio of the farthest to the nearest receivers at which cascades are candidates. Without
+/// cascades, the map's texels near the camera are too large by this factor, in pixels.
 const LEAST_RANGE_OF_CASCADES: f32 = 8.0;
 
-/// Returns cascades for a view; none where what is seen is about equally far.
+/// Returns cascades for a view, or `None` if all visible receivers have similar distances.
 fn cascades_for(rising_distances: &[f32]) -> Option<Cascades> {
     let nearest = rising_distances.get(rising_distances.len() / 100)?;
     let farthest = rising_distances.get(rising_distances.len() * 99 / 100)?;
@@ -210,14 +211,14 @@ fn cascades_for(rising_distances: &[f32]) -> Option<Cascades> {
     })
 }
 
-/// Returns a positive number rounded down to two digits, which read better in presets.
+/// Returns a positive number rounded down to two digits, to keep presets readable.
 fn two_digits(value: f32) -> f32 {
     let unit = 10.0_f64.powf(f64::from(value).log10().floor() - 1.0);
     ((f64::from(value) / unit).floor() * unit) as f32
 }
 
-/// Returns all candidates for a view: those for its light, each family of maps with one more of the
-/// side that the view's pixels ask for.
+/// Returns all candidates for a view: those for its light, with one more map side that matches the
+/// view's pixels in each family.
 pub(super) fn families_for(
     catalogue: &Catalogue,
     scene: &PlanScene<'_>,
@@ -226,13 +227,15 @@ pub(super) fn families_for(
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
     let mut families = families(catalogue, scene.light, needs.small);
     let is_sun = matches!(scene.light, Light::Directional { .. });
+    // Derive cascades from the range of distances.
     let distances = seen_distances(scene);
     let cascades = cascades_for(&distances).filter(|_| is_sun);
-    // The side that the view's pixels ask for is that of one map.
+    // The side that matches the view's pixels applies to families with one map only.
     let mut cascaded: Vec<Family> = Vec::new();
     if let Some(cascades) = cascades {
         cascaded.extend(families.iter().filter_map(|f| f.cascaded(cascades)));
     }
+    // Add stable variants.
     if needs.stable && is_sun {
         let range = farthest_seen(&distances);
         let stable_cascades: Vec<Family> =
@@ -241,6 +244,7 @@ pub(super) fn families_for(
         let stable: Vec<Family> = families.iter().filter_map(|f| f.stable(range)).collect();
         families.extend(stable);
     }
+    // Add the side that matches the pixels.
     if let Some(side) = side {
         let with_side = |family: Family| family.with_side(side);
         families = families.into_iter().map(with_side).collect();
@@ -249,8 +253,8 @@ pub(super) fn families_for(
     families
 }
 
-/// Returns all candidates for a light, in the order in which equally cheap ones are tried: single
-/// settings without a map, maps, then series without a map. `small` asks for maps of 16 bits, too,
+/// Returns all candidates for a light, in the order in which equally cheap ones are evaluated:
+/// single settings without a map, maps, then series without a map. `small` adds maps of 16 bits,
 /// which take half the memory.
 pub(super) fn families(catalogue: &Catalogue, light: &Light, small: bool) -> Vec<Family> {
     let without_map = families_of(catalogue, light, MapFormat::Depth32, false);
@@ -301,7 +305,7 @@ mod tests {
         Family::new(candidate, &CatalogueEntry::of::<T>())
     }
 
-    /// A technique that is added to the catalogue must be a candidate, too.
+    /// A technique that is added to the catalogue must also be a candidate.
     #[test]
     fn every_technique_is_a_candidate() {
         let lamp = Light::Disc {
@@ -314,7 +318,7 @@ mod tests {
             .map(|f| f.preset().technique().name())
             .collect();
         for entry in umbrage_techniques::all() {
-            assert!(names.contains(entry.name), "{} is never tried", entry.name);
+            assert!(names.contains(entry.name), "{} is no candidate", entry.name);
         }
     }
 

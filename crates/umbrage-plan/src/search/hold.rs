@@ -1,17 +1,17 @@
-//! For how many of several cameras a plan holds.
+//! Share of several cameras for which a plan holds.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::Invalid;
 
-/// For how many of several cameras a plan's bounds hold.
+/// Cameras for which a plan's bounds hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
-    /// For all: the worst one decides.
+    /// All cameras: the worst one decides.
     #[default]
     Worst,
-    /// For this share of them at least, above 0 up to 1; the others may be worse. Of fewer than 20
-    /// cameras a share of .95 is all.
+    /// At least this share of the cameras, above 0 up to 1; the others may be worse. With fewer
+    /// than 20 cameras, a share of .95 means all.
     Share(f64),
 }
 
@@ -19,7 +19,7 @@ impl Hold {
     /// Checks the share.
     ///
     /// # Errors
-    /// Errors if it is not above 0 and up to 1.
+    /// Errors if the share is not above 0 and at most 1.
     pub fn validate(self) -> Result<(), Invalid> {
         match self {
             Self::Share(share) if !(share > 0.0 && share <= 1.0) => Err(Invalid::new(
@@ -31,15 +31,15 @@ impl Hold {
         }
     }
 
-    /// Returns the figure that enough of the cameras do not exceed: the least one of theirs for
-    /// which that is so; 0 of none.
+    /// Returns the least figure that the required number of cameras does not exceed, or 0 without
+    /// cameras.
     pub(super) fn of(self, mut figures: Vec<f64>) -> f64 {
         figures.sort_by(f64::total_cmp);
         let count = figures.len();
         let needed = match self {
             Self::Worst => count,
-            // A little less, so that a share that is a whole number of cameras is not rounded up to
-            // the next.
+            // Subtract a little, so that a share equal to a whole number of cameras is not rounded
+            // up.
             Self::Share(share) => (share * count as f64 - 1e-9).ceil() as usize,
         };
         figures

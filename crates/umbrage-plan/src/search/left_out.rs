@@ -1,6 +1,6 @@
-//! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that
-//! are seen less than a pixel wide, and drawing again what has not changed. Each is played, and
-//! told with what it saves and what it costs in error.
+//! Work that can be omitted in addition to choosing a cheaper technique: shadows that are not
+//! visible, casters less than a pixel wide, and redrawing unchanged images. Each omission is
+//! evaluated, and reported with its savings and its error.
 
 use super::{
     lights::{LightPlan, LightsPlan},
@@ -17,10 +17,10 @@ use glam::Vec3;
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Scene};
 use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, TechniquePreset, Update};
 
-/// Casters are small whose bounding sphere is seen less than so many pixels wide.
+/// Width in pixels below which a caster is small, by its bounding sphere.
 const SMALL_PIXELS: f32 = 1.0;
 
-/// Finds what may be left out of a plan; nothing where nothing was chosen.
+/// Finds what can be omitted from a plan. Returns an empty list if nothing was chosen.
 pub(super) fn find(
     scene: &Scene,
     cameras: &[Camera],
@@ -37,7 +37,7 @@ pub(super) fn find(
     Ok(out)
 }
 
-/// The whole shadow, if what was chosen is none.
+/// Returns the omission of the whole shadow, if the chosen technique is `none`.
 fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, MeasureError> {
     let Some(chosen) = plan.chosen.as_ref().filter(|s| s.technique == "none") else {
         return Ok(None);
@@ -55,7 +55,7 @@ fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, Mea
     }))
 }
 
-/// Returns when what a setting draws has to be drawn again.
+/// Returns when the images of a setting must be redrawn.
 fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
     let is_drawn_once = setting.draw_ms > 0.0 && motion.keeps(setting.kept_as_camera_moves);
     match motion {
@@ -66,8 +66,8 @@ fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
 }
 
 impl LightsPlan {
-    /// Returns the preset of one of its lights, with when its images are drawn again; none if
-    /// nothing is within the budget.
+    /// Returns the preset of one of its lights, with the rule for redrawing its images. Returns
+    /// `None` if nothing is within the budget.
     pub fn light_preset(&self, light: &LightPlan) -> Option<LightPreset> {
         let chosen = light.chosen.as_ref()?;
         Some(LightPreset {
@@ -80,7 +80,7 @@ impl LightsPlan {
     }
 }
 
-/// Drawing again what is kept.
+/// Returns the omission of redrawing kept images.
 fn redrawing(plan: &Plan) -> Option<LeftOut> {
     let chosen = plan.chosen.as_ref()?;
     let update = update_of(plan.motion, chosen);
@@ -93,8 +93,8 @@ fn redrawing(plan: &Plan) -> Option<LeftOut> {
     })
 }
 
-/// Casters that all cameras see less than [`SMALL_PIXELS`] wide, played without them; none where
-/// there are none, or where nothing is drawn or traced.
+/// Evaluates the plan without the casters that all cameras see less than [`SMALL_PIXELS`] wide.
+/// Returns `None` if there are none, or if nothing is drawn or traced.
 fn small_casters(
     scene: &Scene,
     cameras: &[Camera],
@@ -104,6 +104,7 @@ fn small_casters(
     let Some(chosen) = plan.chosen.as_ref().filter(|s| s.technique != "none") else {
         return Ok(None);
     };
+    // Remove the small casters.
     let mut without = scene.clone();
     let mut instances = 0;
     let mut triangles = 0;
@@ -121,6 +122,7 @@ fn small_casters(
     if instances == 0 {
         return Ok(None);
     }
+    // Evaluate the chosen setting without them.
     let geometry = Geometry::bake(&without)?;
     let trials = &mut planner.trials;
     let mut views = Vec::new();
@@ -143,7 +145,7 @@ fn small_casters(
     } else {
         draw_ms + lookup_ms
     };
-    // Against the same sample, so that they differ by what was left out alone.
+    // Compare with the same sample, so that only the omission differs.
     let before = trials.first_estimate(chosen);
     let is_within = match trials.prepare(&plan.bounds)? {
         Some(max_error) => estimate.is_surely_within(max_error),
@@ -169,8 +171,8 @@ fn bounds(scene: &Scene, instance: &Instance) -> Aabb {
     Aabb::around(scene.meshes[instance.mesh].positions.iter().map(place))
 }
 
-/// Returns how wide a camera sees the sphere around a box, pixels; infinite for one that it stands
-/// in.
+/// Returns the width at which a camera sees the sphere around a box, pixels. Returns infinity if
+/// the camera is inside the sphere.
 fn width(camera: &Camera, bounds: &Aabb) -> f32 {
     if bounds.is_empty() {
         return 0.0;
@@ -181,7 +183,7 @@ fn width(camera: &Camera, bounds: &Aabb) -> f32 {
     if distance <= 0.0 {
         return f32::INFINITY;
     }
-    // A pixel spans so many metres there: without perspective everywhere the same.
+    // Size of a pixel at that distance, metres; constant without perspective.
     let pixel = rays.origin_dx.length() + rays.dir_dx.length() / rays.dir.length() * distance;
     diameter / pixel
 }
@@ -209,7 +211,7 @@ mod tests {
         umbrage_scenes::by_argument("cubes").expect("built in")
     }
 
-    /// Cubes a millimetre wide, hundreds of them, beside those that are seen.
+    /// The plan omits hundreds of cubes a millimetre wide, but none of the visible cubes.
     #[test]
     fn specks_are_left_out_and_cubes_are_not() {
         let mut scene = cubes();

@@ -1,11 +1,11 @@
 //! All lights of a scene under one budget.
 //!
-//! Each light has a front of settings, from no shadow at all to the most accurate, which nothing
-//! else of that light beats in both time and error. One setting of each is to be picked (the
-//! multiple-choice knapsack problem). The pairs of (sum of times, sum of squared errors) that no
-//! other pair beats are found by adding one light after the other (Nemhauser and Ullmann 1969,
-//! "Discrete dynamic programming and capital allocation"); the answer is exact, since any part of a
-//! best choice is a best choice itself.
+//! Each light has a front of settings, from no shadow at all to the most accurate. No other setting
+//! of that light beats them in both time and error. One setting of each light is chosen (the
+//! multiple-choice knapsack problem). The search adds one light after the other, and keeps the
+//! pairs (sum of times, sum of squared errors) that no other pair beats (Nemhauser and Ullmann
+//! 1969, "Discrete dynamic programming and capital allocation"). The result is exact, since any
+//! part of an optimal choice is optimal itself.
 
 use super::{
     bounds::Bounds,
@@ -25,13 +25,13 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::{Backend, Geometry, Invalid, Scene};
 use umbrage_techniques::{TechniquePreset, Unshadowed};
 
-/// What all lights of a scene together may cost or err.
+/// Budget that all lights of a scene share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightsBudget {
-    /// The sum of the lights' times is at most so many milliseconds; the error is to be the least.
+    /// Greatest sum of the lights' times, milliseconds. The plan minimizes the error.
     Milliseconds(f64),
-    /// The root mean square of the lights' errors is at most this; the time is to be the least.
+    /// Greatest root mean square of the lights' errors. The plan minimizes the time.
     Error(f64),
 }
 
@@ -48,59 +48,61 @@ impl LightsBudget {
     }
 }
 
-/// What each light of a scene gets.
+/// Plan for all lights of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightsPlan {
     /// The scene's name.
     pub scene: String,
     /// Image width and height, pixels.
     pub size: [u32; 2],
-    /// For how many cameras it was made.
+    /// Number of cameras that it was made for.
     pub cameras: usize,
-    /// What moves from frame to frame.
+    /// Motion from frame to frame.
     pub motion: FrameMotion,
-    /// What it keeps.
+    /// The budget that it meets.
     pub budget: LightsBudget,
-    /// Bounds of each light beside the budget.
+    /// Bounds of each light in addition to the budget.
     pub limits: Bounds,
     /// The lights, in the scene's order.
     pub lights: Vec<LightPlan>,
-    /// The sum of the chosen settings' times, milliseconds: by the clock where they were timed.
+    /// Sum of the chosen settings' times, milliseconds; measured times if they were timed.
     pub milliseconds: f64,
     /// Root mean square of the chosen settings' errors over the lights, 0..=1.
     pub error: f64,
-    /// The same of their upper limits.
+    /// Root mean square of the chosen settings' upper error limits over the lights, 0..=1.
     pub high: f64,
-    /// Why nothing is within the budget, and what would be; none if something is.
+    /// Reason why nothing is within the budget, with the closest possible figure; `None` if
+    /// something is.
     pub miss: Option<String>,
 }
 
-/// What one light of a scene gets.
+/// Plan for one light of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightPlan {
-    /// Its number, from 1.
+    /// The light's number, from 1.
     pub number: usize,
-    /// Its kind.
+    /// The light's kind.
     pub kind: String,
-    /// The setting picked from `front`; none if nothing is within the budget.
+    /// The setting chosen from `front`; `None` if nothing is within the budget.
     pub chosen: Option<Setting>,
-    /// What no shadow at all would err by.
+    /// Error of no shadow at all.
     pub error_of_no_shadow: Estimate,
-    /// The settings that nothing tried beats in both time and error, by rising time.
+    /// The settings that no other evaluated setting beats in both time and error, by rising time.
     pub front: Vec<Setting>,
-    /// For how many pixels their errors hold.
+    /// Number of pixels for which the errors hold.
     pub coverage: Coverage,
 }
 
-/// Errors that a light's front is searched for, as shares of that of no shadow at all: each takes
-/// about the root of two less, by which a map of twice the side errs less.
+/// Error bounds for the search of a light's front, as shares of the error of no shadow. Each is
+/// less than the one before by about the root of 2, the gain of a map of twice the side.
 const RUNGS: [f64; 11] = [
     0.9, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03,
 ];
 
-/// Plans all lights of a scene under one budget. `limits` are bounds of each light beside it, such
-/// as those of grain and memory; their bounds of error and time are not asked. With a backend,
-/// fronts are played and timed in turn.
+/// Plans all lights of a scene under one budget.
+///
+/// `limits` are additional bounds of each light, such as grain and memory; its bounds of error and
+/// time are ignored. With a backend, the settings of each front run in turn and are timed.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light or is not valid, if the budget or the limits are not
@@ -120,6 +122,7 @@ pub fn plan_lights(
     let cameras = options.cameras_of(scene)?;
     let geometry = Geometry::bake(scene)?;
     let mut lights = Vec::new();
+    // Search the front of each light.
     for (i, light) in scene.lights.iter().enumerate() {
         let mut planner = Planner::of_cameras(&cameras, light, &geometry, options, on_step)?;
         let settings = planner.front(limits)?;
@@ -154,7 +157,7 @@ pub fn plan_lights(
     Ok(plan.picked())
 }
 
-/// Returns the time of a setting, milliseconds: by the clock if it was timed.
+/// Returns the time of a setting, milliseconds: the measured time if it was timed.
 fn time_of(setting: &Setting) -> f64 {
     setting.measured_ms.unwrap_or(setting.milliseconds)
 }
@@ -167,7 +170,7 @@ fn undominated(settings: Vec<Setting>) -> Vec<Setting> {
         .collect();
     let mut out: Vec<Setting> = Vec::new();
     for i in front(&points) {
-        // Of equal ones the first.
+        // Keep the first of equal settings.
         let is_new = out.last().is_none_or(|last| {
             [time_of(last), last.estimate.high]
                 != [time_of(&settings[i]), settings[i].estimate.high]
@@ -179,17 +182,17 @@ fn undominated(settings: Vec<Setting>) -> Vec<Setting> {
     out
 }
 
-/// A setting picked for each of the first lights.
+/// One setting for each of the first lights.
 #[derive(Clone, Debug)]
 struct Picks {
     milliseconds: f64,
-    /// The sum of the squares of the upper limits of the errors.
+    /// Sum of the squares of the upper error limits.
     squares: f64,
     /// Indices into the lights' fronts.
     places: Vec<usize>,
 }
 
-/// Returns all picks of one item of each list that no other pick beats in both sums, by rising
+/// Returns all choices of one item of each list that no other choice beats in both sums, by rising
 /// time. Items are (time, squared error).
 fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
     let mut best = vec![Picks {
@@ -198,6 +201,7 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
         places: Vec::new(),
     }];
     for list in lists {
+        // Combine each kept choice with each item of the list.
         let mut all: Vec<Picks> = Vec::new();
         for picks in &best {
             for (place, [milliseconds, square]) in list.iter().enumerate() {
@@ -213,7 +217,7 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
         all.sort_by(|a, b| {
             (a.milliseconds.total_cmp(&b.milliseconds)).then(a.squares.total_cmp(&b.squares))
         });
-        // By rising time, only what errs less than all before is kept.
+        // Keep only the choices with a smaller error than all cheaper ones.
         let mut least = f64::INFINITY;
         all.retain(|picks| {
             let is_better = picks.squares < least;
@@ -226,7 +230,7 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
 }
 
 impl LightsPlan {
-    /// Returns the plan with the best setting of each light picked.
+    /// Returns the plan with the best setting chosen for each light.
     fn picked(mut self) -> Self {
         let lists: Vec<Vec<[f64; 2]>> = self
             .lights
@@ -239,7 +243,7 @@ impl LightsPlan {
         let picks = best_picks(&lists);
         let count = self.lights.len() as f64;
         let found = match self.budget {
-            // The list is by rising time and falling error.
+            // The list has rising time and falling error.
             LightsBudget::Milliseconds(max) => picks.iter().rev().find(|p| p.milliseconds <= max),
             LightsBudget::Error(max) => picks.iter().find(|p| (p.squares / count).sqrt() <= max),
         };
@@ -263,16 +267,16 @@ impl LightsPlan {
         let count = self.lights.len() as f64;
         match (self.budget, picks.first(), picks.last()) {
             (LightsBudget::Milliseconds(max), Some(least), _) => format!(
-                "even without any shadow the lights take {:.3} ms, more than {max}: allow for that",
+                "even without any shadow the lights take {:.3} ms, more than {max}; allow more time",
                 least.milliseconds
             ),
             (LightsBudget::Error(max), _, Some(best)) => format!(
-                "nothing keeps the lights' error at {max}: the best errs by up to {:.4} and takes {:.3} ms; allow for that",
+                "no settings meet an error of {max} for all lights; closest: up to {:.4} in {:.3} ms; allow a greater error",
                 (best.squares / count).sqrt(),
                 best.milliseconds
             ),
             _ => {
-                "a light has no setting within its limits: allow for more grain, shimmer or memory"
+                "a light has no setting within its own limits; allow more grain, shimmer or memory"
                     .to_owned()
             }
         }
@@ -280,8 +284,8 @@ impl LightsPlan {
 }
 
 impl Planner<'_> {
-    /// Returns settings from no shadow at all to the most accurate, verified, of which each keeps a
-    /// smaller error than the one before for the least time. `limits` as in [`plan_lights`].
+    /// Returns verified settings, from no shadow at all to the most accurate. Each has the least
+    /// time for a smaller error than the one before. `limits` are those of [`plan_lights`].
     pub(super) fn front(&mut self, limits: &Bounds) -> Result<Vec<Setting>, MeasureError> {
         let of_error = |error: f64| Bounds {
             max_error: Some(error),
@@ -291,12 +295,14 @@ impl Planner<'_> {
         };
         let trials = &mut self.trials;
         trials.prepare(&of_error(1.0))?;
+        // Start with no shadow.
         let none = TechniquePreset::from(Unshadowed::default());
         let mut out: Vec<Setting> = Vec::new();
         if let Some(none) = trials.try_out(&none)? {
             out.push(trials.verify(&none, None, self.on_step)?);
         }
         let error_of_none = out.first().map_or(1.0, |none| none.estimate.high);
+        // Search the cheapest setting for each smaller error.
         for rung in RUNGS.map(|rung| (rung * error_of_none).min(1.0)) {
             if out
                 .last()
@@ -319,7 +325,7 @@ mod tests {
     use crate::motion::FrameMotion;
     use glam::UVec2;
 
-    /// Against all picks, one by one.
+    /// Compares with all possible choices.
     #[test]
     fn picks_are_the_best_of_all() {
         let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
@@ -351,7 +357,7 @@ mod tests {
 
     fn lights(budget: LightsBudget) -> LightsPlan {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
-        // The same light twice, and one that shines at nothing.
+        // The same light twice, and one that lights nothing.
         let astray = umbrage_core::Light::Spot {
             position: 50.0 * glam::Vec3::Y,
             direction: glam::Vec3::Y,
@@ -383,11 +389,11 @@ mod tests {
             .map(|light| &*light.chosen.as_ref().expect("chosen").technique)
             .collect();
         assert_ne!(names[0], "none");
-        assert_eq!(names[2], "none", "nobody sees its shadow");
-        // The time that it takes buys no less than this error.
+        assert_eq!(names[2], "none", "its shadow is not visible");
+        // The same time buys no greater error.
         let again = lights(LightsBudget::Milliseconds(plan.milliseconds));
         assert!(again.high <= plan.high && again.milliseconds <= plan.milliseconds);
-        // Halfway between that and the quickest that there is.
+        // Choose a budget halfway between that and the least time.
         let quickest = |light: &LightPlan| {
             let times = light.front.iter().map(|setting| setting.milliseconds);
             times.fold(f64::INFINITY, f64::min)

@@ -1,5 +1,5 @@
-//! What settings look like: truth and masks at an even grid of the image's pixels, for pictures
-//! beside a plan.
+//! Images of settings for display with a plan: truth and masks at an even grid of the image's
+//! pixels.
 
 use super::options::PlanOptions;
 use crate::{
@@ -12,26 +12,26 @@ use glam::UVec2;
 use umbrage_core::{Geometry, Scene, metrics::Pixel};
 use umbrage_techniques::TechniquePreset;
 
-/// Rays a pixel of truth in pictures: their noise is a grey level or two.
+/// Rays a pixel of truth in preview images. Their noise is one or two grey levels.
 const RAYS: u32 = 64;
-/// Rays a pixel for finding out what is ambiguous.
+/// Rays a pixel for finding ambiguous pixels.
 const PROBE_RAYS: u32 = 8;
 
-/// Truth and masks for pictures. Pixels are every so many-th of the image's rows and columns, as
-/// they are: nothing is averaged.
+/// Truth and masks for preview images. The pixels are every n-th of the image's rows and columns,
+/// without averaging.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// Width and height, pixels of the grid.
     pub size: UVec2,
-    /// What each of them is.
+    /// Class of each pixel.
     pub pixels: Vec<Pixel>,
-    /// Truth there, from few rays: to be looked at, not to be measured by.
+    /// Truth of each pixel, from few rays: precise enough for display, not for measurement.
     pub truth: Vec<f32>,
-    /// The mask of each preset; none where it can't be played.
+    /// Mask of each preset; `None` if it can't be executed.
     pub masks: Vec<Option<Vec<f32>>>,
 }
 
-/// Renders presets for the first camera of the options (or the scene) and its light, at a grid at
+/// Renders presets for the first camera of the options (or the scene) and its light. The grid is at
 /// most `max_width` pixels wide.
 ///
 /// # Errors
@@ -49,6 +49,7 @@ pub fn look(
     let geometry = Geometry::bake(scene)?;
     let mut seen = PlanScene::new(&cameras[0], light, &geometry, options.weighting)?;
     seen.make_recipes_from(renderer);
+    // Choose the grid.
     let full = seen.receivers.size;
     let step = full.x.div_ceil(max_width.max(1)).max(1);
     let size = UVec2::new(full.x.div_ceil(step), full.y.div_ceil(step));
@@ -59,13 +60,14 @@ pub fn look(
         samples: RAYS.min(options.truth.samples),
         penumbra_factor: 1,
         probe_samples: PROBE_RAYS,
-        // Few rays differ by chance alone.
+        // With few rays, values differ by chance alone.
         ambiguous_change: 0.5,
         ..options.truth
     };
     let truth = seen.truth_at(&grid, &few, &|done, total| {
         on_step(Step::Truth(done, total))
     })?;
+    // Evaluate each preset at the grid.
     let mut masks = Vec::new();
     for preset in presets {
         let mask = match seen.recipe(preset) {
@@ -103,7 +105,7 @@ mod tests {
             (found.size, found.truth.len()),
             (UVec2::new(54, 40), 54 * 40)
         );
-        // What receives is what receives at every third row and column of the image.
+        // The grid's receivers are those at every third row and column of the image.
         let camera = scene.cameras[0].resized(UVec2::new(161, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let whole = umbrage_cpu::Cpu::new()
@@ -122,7 +124,7 @@ mod tests {
             assert_eq!(masks[0][i], 1.0, "no shadow is light");
             assert_eq!(
                 masks[1][i], found.truth[i],
-                "rays are truth under an ideal light"
+                "rays equal truth under an ideal light"
             );
         }
         assert_eq!(seen(RendererData::CasterBox).masks[1], None);

@@ -1,17 +1,17 @@
 //! The search for a setting within bounds. From top to bottom:
 //!
-//! * [`planner`]: samples the scene, searches, and writes down the plan.
-//! * [`strategy`]: the order in which candidates are tried.
+//! * [`planner`]: samples the scene, searches, and writes the plan.
+//! * [`strategy`]: the order in which candidates are evaluated.
 //! * [`bias_search`]: the best bias of one candidate.
-//! * [`trials`]: settings tried on the samples of all cameras, each once, kept in [`by_preset`].
-//!   [`hold`]: for how many cameras a figure must hold.
-//! * [`clock`]: finalists played in turn and timed.
+//! * [`trials`]: settings evaluated on the samples of all cameras, each once, kept in
+//!   [`by_preset`]. [`hold`]: the cameras for which a figure must hold.
+//! * [`clock`]: finalists run in turn and timed.
 //!
-//! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen
-//! asks for ([`resolution`]).
-//! [`left_out`]: what more may be left out.
-//! [`lights`]: all lights of a scene under one budget. [`look`]: pictures of settings.
-//! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all
+//! Candidates come from [`families`], with amounts of [`bias`] and the map side that matches the
+//! screen resolution ([`resolution`]).
+//! [`left_out`] finds work that can be omitted.
+//! [`lights`] plans all lights of a scene under one budget. [`look`] renders images of settings.
+//! [`outcome`] and [`reasons`] form the result. [`regret`] checks it against a sweep of all
 //! candidates.
 
 mod bias;
@@ -48,12 +48,11 @@ pub use setting::{CameraFigures, Setting};
 use crate::{error::MeasureError, progress::OnStep};
 use umbrage_core::{Backend, Geometry, Scene};
 
-/// The plan for one light of a scene, seen by the cameras of the options, or else by the scene's
-/// first.
+/// Plans one light of a scene for the cameras of the options, or the scene's first camera.
 ///
 /// # Errors
-/// Errors if the scene has no camera or light or is not valid, or if bounds are missing or not
-/// valid. That no candidate is within the bounds is no error: see [`Plan::preset`].
+/// Errors if the scene has no camera or light, the scene is not valid, or bounds are missing or not
+/// valid. It is not an error if no candidate is within the bounds: see [`Plan::preset`].
 pub fn plan(
     scene: &Scene,
     bounds: &Bounds,
@@ -63,11 +62,11 @@ pub fn plan(
     plan_by_clock(scene, bounds, options, None, on_step)
 }
 
-/// As [`plan`]; with a backend, what counted costs can't tell apart is timed on it:
+/// Plans like [`plan`]. With a backend, it also times candidates whose counted costs are too close:
 /// [`Planner::plan_by_clock`].
 ///
 /// # Errors
-/// As those of [`plan`], and if the backend fails.
+/// Errors in the same cases as [`plan`], and if the backend fails.
 pub fn plan_by_clock(
     scene: &Scene,
     bounds: &Bounds,

@@ -11,37 +11,39 @@ use umbrage_core::{Camera, Invalid, Light, Scene};
 /// Options of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
-    /// The techniques that are tried.
+    /// Techniques to evaluate.
     pub catalogue: Catalogue,
-    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose
-    /// truth takes one ray each. Several cameras share them, down to a quarter of them each.
+    /// Number of receivers sampled under lights with an extent. Ideal lights sample four times as
+    /// many, since their truth takes one ray each. Several cameras share the samples; each gets at
+    /// least a quarter of them.
     pub samples: u32,
-    /// Which sample: the same seed gives the same plan.
+    /// Seed of the sample; the same seed returns the same plan.
     pub seed: u32,
-    /// How truth is traced.
+    /// Options for tracing truth.
     pub truth: TruthOptions,
-    /// What work costs.
+    /// Prices of work.
     pub cost: CostModel,
-    /// Which of the scene's lights, from 0.
+    /// Index of the scene's light.
     pub light: usize,
-    /// The cameras that a plan is made for, such as those along a path; none: the scene's first.
+    /// The cameras that a plan is made for, such as those along a path; if empty, the scene's
+    /// first.
     pub cameras: Vec<Camera>,
-    /// Image size in place of the cameras' own, pixels.
+    /// Image size that replaces the cameras' own, pixels.
     pub size: Option<UVec2>,
-    /// What moves from frame to frame: which work each frame does, and so what a setting costs.
+    /// Motion from frame to frame. It decides which work each frame does, and so a setting's cost.
     pub motion: FrameMotion,
-    /// For how many of several cameras the bounds hold.
+    /// Cameras for which the bounds hold.
     pub hold: Hold,
-    /// How much each pixel's error counts.
+    /// Weight of each pixel's error.
     pub weighting: Weighting,
-    /// Who calls the plan off.
+    /// Cancellation flag.
     pub cancel: Cancel,
 }
 
 impl Default for PlanOptions {
     fn default() -> Self {
-        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that
-        // are told apart.
+        // A quarter of the rays of a comparison. Their noise of about .005 is far below the error
+        // differences that matter.
         let truth = TruthOptions {
             samples: 256,
             ..TruthOptions::default()
@@ -64,7 +66,7 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
-    /// Returns the light that the options are about.
+    /// Returns the light of the options.
     pub(crate) fn light_of<'a>(&self, scene: &'a Scene) -> Result<&'a Light, Invalid> {
         let count = scene.lights.len();
         scene.lights.get(self.light).ok_or_else(|| match count {
@@ -72,12 +74,12 @@ impl PlanOptions {
             _ => Invalid::new(
                 format!("scene `{}`", scene.name),
                 format!("has no light {}", self.light + 1),
-                format!("ask for one from 1 to {count}"),
+                format!("use 1 to {count}"),
             ),
         })
     }
 
-    /// Returns the cameras that the options are about: their own, or else the scene's first.
+    /// Returns the cameras of the options, or the scene's first if they have none.
     pub(crate) fn cameras_of(&self, scene: &Scene) -> Result<Vec<Camera>, Invalid> {
         let own = match &self.cameras[..] {
             [] => &scene.cameras[..scene.cameras.len().min(1)],

@@ -1,4 +1,4 @@
-//! The result of a planner.
+//! Result of the planner.
 
 use super::{bias::BiasKind, bounds::Bounds, setting::Setting};
 use crate::{
@@ -8,51 +8,51 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use umbrage_techniques::{FrameRules, LightPreset, TechniquePreset, Update};
 
-/// A plan: what to use, and why.
+/// A plan: the setting to use, and the reasons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// The scene's name; empty for plans of a camera and light alone.
+    /// The scene's name; empty for plans made from a camera and light only.
     pub scene: String,
     /// The light's kind.
     pub light: String,
-    /// Which of the scene's lights it is, from 1.
+    /// Number of the light in the scene, from 1.
     pub light_number: usize,
     /// Image width and height, pixels.
     pub size: [u32; 2],
-    /// For how many cameras it was made.
+    /// Number of cameras that it was made for.
     pub cameras: usize,
-    /// What moves from frame to frame.
+    /// Motion from frame to frame.
     pub motion: FrameMotion,
-    /// The bounds that it keeps.
+    /// The bounds that it meets.
     pub bounds: Bounds,
-    /// The cheapest setting within the bounds (without a bound of the error, the most accurate);
-    /// none if nothing is.
+    /// The cheapest setting within the bounds, or the most accurate one without a bound of the
+    /// error. `None` if nothing is within the bounds.
     pub chosen: Option<Setting>,
-    /// If nothing is within the bounds: which bound fails, and by how much.
+    /// The bound that fails and by how much, if nothing is within the bounds.
     pub miss: Option<Miss>,
-    /// Other settings tried, that nothing else tried beats at both cost and error; by rising cost.
+    /// Other evaluated settings that no other one beats in both cost and error, by rising cost.
     pub runners_up: Vec<Setting>,
-    /// Cheaper settings that come nearest to the bounds and break one: two at most, of different
+    /// Cheaper settings that are closest to the bounds and break one: at most two, of different
     /// techniques, the better first.
     pub failing: Vec<Setting>,
-    /// What was timed by the clock, the quickest first; empty if nothing was.
+    /// Settings timed by the clock, the fastest first; empty if none was timed.
     pub timed: Vec<Setting>,
-    /// What no shadow at all would err by, by the first sample.
+    /// Error of no shadow at all, from the first sample.
     pub error_of_no_shadow: Estimate,
-    /// Why, in plain words, built from what was measured.
+    /// Reasons for the choice in plain words, built from measurements.
     pub reasons: Vec<String>,
-    /// What more a renderer may leave out; of plans of a camera and light alone nothing is known.
+    /// Further work that a renderer can omit; empty for plans made from a camera and light only.
     pub left_out: Vec<LeftOut>,
-    /// The chosen setting with other biases; empty for techniques without.
+    /// The chosen setting with other biases; empty for techniques without a bias.
     pub curve: Vec<CurvePoint>,
-    /// For how many pixels it holds.
+    /// Number of pixels for which the plan holds.
     pub coverage: Coverage,
-    /// The sample that it comes from.
+    /// The sample that it was computed from.
     pub sampled: Sampled,
 }
 
 impl Plan {
-    /// The setting to use.
+    /// Returns the setting to use.
     ///
     /// # Errors
     /// Errors if nothing is within the bounds.
@@ -63,7 +63,7 @@ impl Plan {
             .ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
     }
 
-    /// The setting to use, with what of its work may be left out.
+    /// Returns the setting to use, with the rules for work that can be omitted.
     ///
     /// # Errors
     /// Errors if nothing is within the bounds.
@@ -74,7 +74,7 @@ impl Plan {
         })
     }
 
-    /// Returns what of its light's work may be left out: the rules of its
+    /// Returns the rules for work of its light that can be omitted, as in its
     /// [`LightPreset`](umbrage_techniques::LightPreset).
     pub fn frame_rules(&self) -> FrameRules {
         let mut rules = FrameRules::default();
@@ -91,104 +91,104 @@ impl Plan {
     }
 }
 
-/// Work that a renderer may leave out, and what that changes.
+/// Work that a renderer can omit, and the effect on time and error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
-    /// What is left out.
+    /// The omitted work.
     pub what: Omission,
-    /// What that saves a frame, milliseconds by the price list.
+    /// Time saved per frame, milliseconds by the price list.
     pub saved_ms: f64,
-    /// The error with all of it.
+    /// Error without the omission.
     pub error_before: f64,
-    /// The error without.
+    /// Error with the omission.
     pub estimate: Estimate,
-    /// Whether the plan's preset leaves it out: the error stays within the bounds.
+    /// True if the plan's preset omits it: the error stays within the bounds.
     pub is_taken: bool,
 }
 
-/// Something that may be left out.
+/// Work that can be omitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Omission {
-    /// The light's whole shadow, since nobody sees it. It saves what a default map would take.
+    /// The light's whole shadow, since it is not visible. The saving is the cost of a default map.
     Shadow,
-    /// Casters that are seen less than so many pixels wide.
+    /// Casters that are less than this many pixels wide.
     SmallCasters {
         /// The width, pixels.
         below_pixels: f32,
-        /// How many instances that are.
+        /// Number of instances.
         instances: usize,
-        /// How many triangles they have.
+        /// Number of their triangles.
         triangles: usize,
     },
-    /// Drawing again in frames in which nothing of it changes.
+    /// Redrawing in frames in which nothing changes.
     Redrawing(Update),
 }
 
 impl LeftOut {
-    /// Returns it in words, for people.
+    /// Returns a description for display.
     pub fn words(&self) -> String {
         let saved_ms = self.saved_ms;
         let errors = format!(
-            "error {:.4}, with it {:.4}",
+            "error {:.4} instead of {:.4}",
             self.estimate.error, self.error_before
         );
         let what = match self.what {
-            Omission::Shadow => "the shadow as a whole, which nobody sees".to_owned(),
+            Omission::Shadow => "the whole shadow, which is not visible".to_owned(),
             Omission::SmallCasters {
                 below_pixels,
                 instances,
                 triangles,
             } => format!(
-                "{instances} casters of {triangles} triangles that are seen less than {below_pixels} pixels wide"
+                "{instances} casters ({triangles} triangles) less than {below_pixels} pixels wide"
             ),
-            Omission::Redrawing(Update::Once) => "drawing again: nothing moves".to_owned(),
-            Omission::Redrawing(_) => "drawing again while the camera alone moves".to_owned(),
+            Omission::Redrawing(Update::Once) => "redrawing, since nothing moves".to_owned(),
+            Omission::Redrawing(_) => "redrawing while only the camera moves".to_owned(),
         };
         let verb = if self.is_taken {
-            "left out"
+            "omitted"
         } else {
-            "could be left out, but is not"
+            "could be omitted, but is not"
         };
         format!("{verb}: {what}; saves {saved_ms:.3} ms a frame ({errors})")
     }
 }
 
-/// A point of the curve that proves a bias: acne falls with it, the gap grows.
+/// Point of the error curve over the bias: acne falls as the bias grows, and the gap grows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// The kind of bias.
     pub kind: BiasKind,
     /// The amount of bias, texels.
     pub texels: f32,
-    /// Too dark: acne. Too light: the gap. By the first sample; of what was chosen by its second.
+    /// Estimate from the first sample, or from the second sample for the chosen bias. `too_dark` is
+    /// acne; `too_light` is the gap.
     pub estimate: Estimate,
-    /// Whether this is the bias chosen.
+    /// True if this is the chosen bias.
     pub chosen: bool,
 }
 
-/// Why nothing is within the bounds.
+/// Reason why nothing is within the bounds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{reason}")]
 pub struct Miss {
-    /// Which bound fails and by how much, and how to help.
+    /// The bound that fails, by how much, and what to change.
     pub reason: String,
-    /// The best that was found: within the other bounds the most accurate.
+    /// The closest setting: the most accurate one within the other bounds.
     pub best: Option<Setting>,
 }
 
-/// The sample and the trials that a plan comes from.
+/// Sample and evaluations that a plan was computed from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
-    /// Receivers sampled that count.
+    /// Number of sampled receivers that count.
     pub receivers: usize,
-    /// Receivers whose truth was traced in all: second looks at what was about to be chosen take
-    /// more.
+    /// Number of receivers whose truth was traced, including those of verification samples.
     pub traced: usize,
-    /// Settings tried on them.
+    /// Number of settings evaluated on them.
     pub settings: usize,
     /// Seconds for receivers, sample and truth.
     pub looking: f64,
-    /// Seconds for trying.
+    /// Seconds for evaluating settings.
     pub trying: f64,
 }

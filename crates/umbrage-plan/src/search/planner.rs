@@ -1,4 +1,4 @@
-//! The planner, once it has sampled a scene: bounds can be asked about one after the other.
+//! The planner. It samples a scene once and then plans for any number of bounds.
 
 use super::{
     bias_search::{Biased, all_biases},
@@ -30,24 +30,25 @@ use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
 use umbrage_techniques::TechniquePreset;
 use web_time::Instant;
 
-/// Some cameras' views of a scene with their samples, and what was tried on them.
+/// Views of a scene with their samples, and the settings evaluated on them.
 pub struct Planner<'a> {
     pub(super) trials: Trials<'a>,
     /// The candidates of the last search.
     pub(super) families: Vec<Family>,
     pub(super) on_step: &'a OnStep<'a>,
     pub(super) cancel: Cancel,
-    /// Whether what is found will be timed.
+    /// True if the found settings will be timed.
     pub(super) is_timed: bool,
-    /// Seconds that receivers, sample and truth took.
+    /// Seconds for receivers, sample and truth.
     pub(super) sampling_seconds: f64,
 }
 
-/// Ideal lights take one ray a receiver where others take hundreds: so many times more are sampled.
+/// Factor on the number of samples under ideal lights, which take one ray a receiver instead of
+/// hundreds.
 const IDEAL_LIGHT_FACTOR: usize = 4;
-/// Several cameras share the samples, but each has at least this part of them.
+/// Several cameras share the samples, but each gets at least one n-th of them.
 const MIN_SHARE_OF_SAMPLES: usize = 4;
-/// Runners-up in a plan, at most.
+/// Greatest number of runners-up in a plan.
 const RUNNERS_UP: usize = 8;
 
 impl std::fmt::Debug for Planner<'_> {
@@ -79,8 +80,8 @@ impl<'a> Planner<'a> {
         )
     }
 
-    /// Samples the receivers that each of some cameras sees and traces their truth. Plans hold for
-    /// as many of them as [`PlanOptions::hold`] says.
+    /// Samples the receivers that each camera sees and traces their truth. Plans hold for the
+    /// cameras that [`PlanOptions::hold`] requires.
     ///
     /// # Errors
     /// Errors if there is no camera, or a camera or the light is not valid.
@@ -100,6 +101,7 @@ impl<'a> Planner<'a> {
         let shared = (options.samples as usize).div_ceil(cameras.len());
         let samples = shared.max(options.samples as usize / MIN_SHARE_OF_SAMPLES);
         let mut views = Vec::new();
+        // Sample each camera's view.
         for camera in cameras {
             camera.validate()?;
             options.cancel.check()?;
@@ -124,22 +126,24 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// Finds the cheapest setting within the bounds; without a bound of the error, the most
-    /// accurate. Costs are counted and priced, so that the same scene has the same plan on every
-    /// run.
+    /// Finds the cheapest setting within the bounds, or the most accurate one without a bound of
+    /// the error. Costs are counted and priced, so the same scene has the same plan on every run.
     ///
     /// # Errors
-    /// Errors if bounds are missing or bad.
+    /// Errors if bounds are missing or not valid.
     pub fn plan(&mut self, bounds: &Bounds) -> Result<Plan, MeasureError> {
         self.plan_by_clock(bounds, None)
     }
 
-    /// As [`Planner::plan`]; with a backend, what counted costs can't tell apart is played on it
-    /// and timed in turn, with the first camera, and the least by the clock is chosen. Without a
-    /// bound of the error, the most accurate whose time by the clock is within the bounds.
+    /// Plans like [`Planner::plan`]. With a backend, it also times candidates whose counted costs
+    /// are too close.
+    ///
+    /// These run in turn for the first camera, and the one with the least measured time is chosen.
+    /// Without a bound of the error, it chooses the most accurate one whose measured time is within
+    /// the bounds.
     ///
     /// # Errors
-    /// Errors if bounds are missing or bad, or the backend fails.
+    /// Errors if bounds are missing or not valid, or if the backend fails.
     pub fn plan_by_clock(
         &mut self,
         bounds: &Bounds,
@@ -151,8 +155,10 @@ impl<'a> Planner<'a> {
         let spread = clock.as_ref().map_or(1.0, |backend| {
             CostModel::factor_of_nine_in_ten(backend.kind())
         });
+        // Search by counted costs.
         let (max_error, found) = self.searched(bounds, spread)?;
         let mut timed = Vec::new();
+        // Time the finalists.
         let found = match (found, clock) {
             (Found::Chosen(finalists), Some(backend)) => {
                 let (found, others) = self.quickest(finalists, bounds, backend)?;
@@ -162,6 +168,7 @@ impl<'a> Planner<'a> {
             (found, _) => found,
         };
         (self.on_step)(Step::Explaining);
+        // Choose the best bias.
         let (chosen, curve, miss) = match found {
             Found::Chosen(mut best) => {
                 let (place, setting) = best.swap_remove(0);
@@ -170,6 +177,7 @@ impl<'a> Planner<'a> {
             }
             Found::Missed(miss) => (None, Vec::new(), Some(*miss)),
         };
+        // Collect the reasons.
         let none = self.trials.error_of_no_shadow()?;
         let trials = &self.trials;
         let facts = Facts::find(trials, &trials.counting.truth)?;
@@ -214,8 +222,8 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// Searches for what is within the bounds. Returns with it the bound of the error of the
-    /// strictest camera. `spread` as in [`Planner::cheapest`].
+    /// Searches the candidates within the bounds. Also returns the error bound of the strictest
+    /// camera. `spread` is that of [`Planner::cheapest`].
     fn searched(
         &mut self,
         bounds: &Bounds,
@@ -235,15 +243,15 @@ impl<'a> Planner<'a> {
         Ok((max_error, found))
     }
 
-    /// Searches for what is within the bounds by counted costs.
+    /// Searches the candidates within the bounds by counted costs.
     pub(super) fn search_for(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
         self.is_timed = false;
         let (_, found) = self.searched(bounds, 1.0)?;
         Ok(found)
     }
 
-    /// Returns the settings with their times by the clock; those that the backend can't play are
-    /// left out.
+    /// Returns the settings with their measured times. Settings that the backend can't execute are
+    /// removed.
     pub(super) fn timed(
         &mut self,
         settings: Vec<Setting>,
@@ -274,14 +282,15 @@ impl<'a> Planner<'a> {
         Ok(timed)
     }
 
-    /// Times finalists in turn. Returns the one that is best by the clock, and all of them with
-    /// their times, the quickest first.
+    /// Times finalists in turn. Returns the best one by measured time, and all of them with their
+    /// times, the fastest first.
     fn quickest(
         &mut self,
         finalists: Vec<(Place, Setting)>,
         bounds: &Bounds,
         backend: &mut dyn Backend,
     ) -> Result<(Found, Vec<Setting>), MeasureError> {
+        // Run and sort the finalists.
         let (places, settings): (Vec<Place>, Vec<Setting>) = finalists.into_iter().unzip();
         let all = self.timed(settings.clone(), backend)?;
         let place_of = |timed: &Setting| {
@@ -295,6 +304,7 @@ impl<'a> Planner<'a> {
         };
         timed.sort_by(|(_, a), (_, b)| quickest(a, b));
         let all: Vec<Setting> = timed.iter().map(|(_, setting)| setting.clone()).collect();
+        // Keep those within the bounds.
         timed.retain(|(_, setting)| {
             let ms = setting.measured_ms.unwrap_or(f64::INFINITY);
             bounds.affords(ms, setting.bytes)
@@ -305,23 +315,24 @@ impl<'a> Planner<'a> {
         if !timed.is_empty() {
             return Ok((Found::Chosen(timed), all));
         }
+        // Report the fastest one as a miss.
         let reason = match all.first() {
             Some(least) => format!(
-                "by the clock nothing is within {bounds}: the quickest, {}, takes {:.3} ms; allow for that",
+                "when timed, no setting is within {bounds}; fastest: {} in {:.3} ms; allow more time",
                 least.label(),
                 least.measured_ms.unwrap_or(f64::NAN)
             ),
             None => {
-                "the backend can play none of the settings that are within the bounds".to_owned()
+                "the backend supports none of the settings that are within the bounds".to_owned()
             }
         };
         let best = all.first().cloned();
         Ok((Found::Missed(Box::new(Miss { reason, best })), all))
     }
 
-    /// Returns the two cheaper settings that come nearest to the bounds and break one, the better
-    /// first; one of each technique. Where frames cost the same, those are cheaper that take less
-    /// to draw.
+    /// Returns the two cheaper settings that are closest to the bounds and break one, the better
+    /// first, of different techniques. Among equal frame costs, the one that is cheaper to draw
+    /// counts as cheaper.
     fn failing(
         &self,
         chosen: Option<&Setting>,
@@ -349,7 +360,7 @@ impl<'a> Planner<'a> {
         best.into_iter().take(2).cloned().collect()
     }
 
-    /// Returns the chosen setting with the best of all biases, and what all of them do.
+    /// Returns the chosen setting with the best of all biases, and the error curve over all biases.
     fn with_best_bias(
         &mut self,
         place: Place,
@@ -364,6 +375,7 @@ impl<'a> Planner<'a> {
             ..
         } = self;
         let family = &families[place.family];
+        // Evaluate all biases.
         let points = if family.preset().map().is_some() {
             all_biases(trials, family, place.candidate)?
         } else {
@@ -378,13 +390,13 @@ impl<'a> Planner<'a> {
         if let Some(other) = best
             && other.estimate.error < best_setting.estimate.error
         {
-            // What was chosen was verified: another bias must hold as well.
+            // The chosen setting was verified: another bias must be verified, too.
             let other = trials.verify(other, max_error, *on_step)?;
             let other = trials.endured(other, bounds)?;
             let is_within = max_error.is_none_or(|error| other.estimate.is_surely_within(error))
                 && bounds.endures(other.grain, other.shimmer);
             if is_within && other.estimate.error < best_setting.estimate.error {
-                // A bias hardly changes the time.
+                // A bias has almost no effect on the time.
                 let measured_ms = best_setting.measured_ms;
                 best_setting = Setting {
                     measured_ms,
@@ -392,7 +404,7 @@ impl<'a> Planner<'a> {
                 };
             }
         }
-        // One point is no curve: there was nothing to find.
+        // A single point is not a curve.
         let curve = if points.len() > 1 {
             points
                 .iter()
@@ -404,8 +416,8 @@ impl<'a> Planner<'a> {
         Ok((best_setting, curve))
     }
 
-    /// Of each technique and map the best bias; of these the front of cost and error, nearest to
-    /// the chosen one.
+    /// Returns the runners-up: the best bias of each technique and map, then the front of cost and
+    /// error closest to the chosen setting.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
         let mut best: Vec<(TechniquePreset, &Setting)> = Vec::new();
         for setting in self
@@ -437,7 +449,7 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// Samples what a camera sees and traces truth there.
+/// Samples the receivers that a camera sees and traces their truth.
 fn sampled_view<'a>(
     mut scene: PlanScene<'a>,
     samples: usize,
@@ -467,14 +479,14 @@ fn sampled_view<'a>(
     Ok(SampledView::new(scene, sampled, verifier))
 }
 
-/// By how many times one setting costs more or less than another: the logarithm of the ratio, 0 for
-/// the same cost.
+/// Returns the distance of two settings in cost: the absolute logarithm of their ratio, 0 for equal
+/// costs.
 fn cost_distance(setting: &Setting, chosen: &Setting) -> f64 {
     let ratio = setting.milliseconds / chosen.milliseconds.max(1e-9);
     ratio.ln().abs()
 }
 
-/// A point of the curve; the one of the chosen setting has its second estimate.
+/// Returns a point of the curve. The chosen setting has its verified estimate.
 fn curve_point(point: &Biased, best: &Setting) -> CurvePoint {
     let chosen = point.setting.preset == best.preset;
     let estimate = if chosen {

@@ -1,4 +1,4 @@
-//! Reasons in plain words, built from what was measured.
+//! Reasons for a plan in plain words, built from measurements.
 
 use super::{
     bounds::Bounds, families::SIZES, outcome::CurvePoint, setting::Setting, trials::Trials,
@@ -17,19 +17,19 @@ use crate::{
 use umbrage_core::metrics::PENUMBRA;
 use umbrage_techniques::{Hard, MapFilter as _, ShadowMap, TechniquePreset};
 
-/// What was measured of the scene itself.
+/// Measurements of the scene itself.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Facts {
-    /// Share of what counts that is not wholly lit, 0..=1.
+    /// Share of the counted pixels that are not fully lit, 0..=1.
     shadowed: f64,
-    /// Share in penumbra.
+    /// Share of the counted pixels in penumbra, 0..=1.
     in_penumbra: f64,
     penumbrae: Vec<Penumbra>,
 }
 
-/// How many cheaper techniques the reasons name.
+/// Greatest number of cheaper techniques in the reasons.
 const NAMED: usize = 3;
-/// What would take at most this share of the chosen time is worth a word.
+/// Greatest share of the chosen time at which a cheaper setting is mentioned.
 const WORTHWHILE: f64 = 0.8;
 
 impl Facts {
@@ -45,7 +45,7 @@ impl Facts {
         })
     }
 
-    /// Why this was chosen, or why nothing was.
+    /// Returns the reasons why this setting was chosen, or why none was.
     pub(super) fn reasons(
         &self,
         trials: &Trials<'_>,
@@ -69,10 +69,10 @@ impl Facts {
 
     fn shadows(&self, trials: &Trials<'_>) -> String {
         if trials.views[0].sampled.truth.is_empty() {
-            return "nothing that is seen receives the light".to_owned();
+            return "no visible surface receives the light".to_owned();
         }
         if self.shadowed == 0.0 {
-            return "nothing casts on what is seen".to_owned();
+            return "nothing casts on visible surfaces".to_owned();
         }
         let shadowed_percent = 100.0 * self.shadowed;
         let softness = if trials.views[0].scene.light.is_ideal() {
@@ -81,10 +81,10 @@ impl Facts {
             let penumbra_percent = 100.0 * self.in_penumbra;
             format!(", {penumbra_percent:.1} % in penumbra")
         };
-        format!("{shadowed_percent:.1} % of what is seen lies in shadow{softness}")
+        format!("{shadowed_percent:.1} % of the visible receivers are in shadow{softness}")
     }
 
-    /// How wide penumbrae are on the chosen map, or on one of 512.
+    /// Returns the widths of penumbrae on the chosen map, or on one of 512 texels.
     fn widths(
         &self,
         trials: &Trials<'_>,
@@ -106,7 +106,7 @@ impl Facts {
         Ok(widths.map(|[narrow, wide]| {
             let whose = if own.is_some() { "this map" } else { "a map" };
             format!(
-                "penumbrae are {narrow:.1} to {wide:.1} texels wide on {whose} of {size} (but for a tenth on each side)"
+                "penumbrae are {narrow:.1} to {wide:.1} texels wide (10 % to 90 %) on {whose} of {size}"
             )
         }))
     }
@@ -126,7 +126,7 @@ fn share(sampled: &SampledTruth, is_met: impl Fn(f32) -> bool) -> f64 {
     met / all.max(f64::MIN_POSITIVE)
 }
 
-/// What is known of techniques without a map.
+/// Returns the reason for a chosen technique without a map.
 fn exactness(
     trials: &Trials<'_>,
     catalogue: &Catalogue,
@@ -140,7 +140,7 @@ fn exactness(
     Ok(entry.and_then(|entry| (entry.why_chosen)(&chosen.preset, chosen.estimate.error, &recipe)))
 }
 
-/// Says how well a chosen map is used; none without one.
+/// Returns how well a chosen map is used, or `None` without a map.
 fn map_use(
     scene: &PlanScene<'_>,
     chosen: &Setting,
@@ -152,10 +152,10 @@ fn map_use(
     Ok(found.map(|footprint| footprint.total.words()))
 }
 
-/// The same kernel on the next coarser map that was tried.
+/// Returns the error of the same kernel on the next coarser map that was evaluated.
 fn smaller_map(all: &[&Setting], chosen: &Setting) -> Option<String> {
     let map = *chosen.preset.map()?;
-    // What differs in its map alone, and has a smaller one: its side and the setting.
+    // Collect the settings that differ only in a smaller map, with its side.
     let mut smaller: Vec<(u32, &Setting)> = Vec::new();
     for &setting in all {
         let Some(own_map) = setting.preset.map() else {
@@ -171,12 +171,12 @@ fn smaller_map(all: &[&Setting], chosen: &Setting) -> Option<String> {
         .filter(|(size, _)| *size == largest)
         .min_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error))?;
     Some(format!(
-        "on a map of {largest} it errs by {:.4}, on this one of {} by {:.4}",
+        "its error is {:.4} on a map of {largest}, and on this one of {} it is {:.4}",
         best.estimate.error, map.size, chosen.estimate.error
     ))
 }
 
-/// The best of each technique that is cheaper and was left out.
+/// Returns the best setting of each technique that is cheaper and was rejected.
 fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
     let mut best: Vec<&Setting> = Vec::new();
     let left = all
@@ -198,7 +198,7 @@ fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
 
 fn cheaper_line(setting: &Setting, bounds: &Bounds) -> String {
     let mut line = format!(
-        "{} is cheaper ({:.3} ms) and errs by {:.4}",
+        "{} is cheaper ({:.3} ms) with an error of {:.4}",
         setting.label(),
         setting.milliseconds,
         setting.estimate.error
@@ -206,18 +206,18 @@ fn cheaper_line(setting: &Setting, bounds: &Bounds) -> String {
     if let Some(max_error) = bounds.max_error
         && setting.estimate.high > max_error
     {
-        line += &format!(", more than {max_error} with its uncertainty");
+        line += &format!(", above {max_error} including its uncertainty");
     }
     if let (Some(grain), Some(max)) = (setting.grain, bounds.max_grain)
         && grain > max
     {
-        line += &format!("; its grain is {grain:.3}, more than {max}");
+        line += &format!("; its grain of {grain:.3} is above {max}");
     }
     line
 }
 
-/// What a greater error would save: of the settings that take at most [`WORTHWHILE`] of the time,
-/// the one with the least error.
+/// Returns the saving of a greater error bound: among the settings that take at most [`WORTHWHILE`]
+/// of the time, the one with the least error.
 fn next_bound(all: &[&Setting], chosen: &Setting) -> Option<String> {
     let cheaper = all
         .iter()
@@ -226,13 +226,13 @@ fn next_bound(all: &[&Setting], chosen: &Setting) -> Option<String> {
     let saved = chosen.milliseconds - cheaper.milliseconds;
     let percent = 100.0 * saved / chosen.milliseconds.max(f64::MIN_POSITIVE);
     Some(format!(
-        "a bound of {:.3} instead would save {saved:.2} ms ({percent:.0} %): {}",
+        "an error bound of {:.3} would save {saved:.2} ms ({percent:.0} %): {}",
         cheaper.estimate.high,
         cheaper.label()
     ))
 }
 
-/// What was timed, and how the clock's choice differs from that of the counted costs.
+/// Returns the measured times, and how their choice differs from that of the counted costs.
 pub(super) fn by_the_clock(chosen: Option<&Setting>, timed: &[Setting]) -> Vec<String> {
     let Some(chosen) = chosen.filter(|_| !timed.is_empty()) else {
         return Vec::new();
@@ -243,20 +243,20 @@ pub(super) fn by_the_clock(chosen: Option<&Setting>, timed: &[Setting]) -> Vec<S
         .iter()
         .min_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
     let mut out = vec![format!(
-        "{} played in turn by the clock: {}",
+        "{} candidates were timed: {}",
         timed.len(),
         named.join("; ")
     )];
     if let Some(counted) = counted.filter(|s| s.technique != chosen.technique) {
         out.push(format!(
-            "counted costs alone would have chosen {}",
+            "by estimated costs the choice would be {}",
             words(counted)
         ));
     }
     out
 }
 
-/// What less and more bias would do.
+/// Returns the errors with the least and the greatest bias.
 fn bias(curve: &[CurvePoint]) -> Option<String> {
     let chosen = curve.iter().find(|p| p.chosen)?;
     let of_kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
@@ -266,7 +266,7 @@ fn bias(curve: &[CurvePoint]) -> Option<String> {
         .map(|end| bias_errors(end))
         .collect();
     Some(format!(
-        "of all biases tried {} has the least estimated error: {} (others: {})",
+        "least estimated error of all biases: {}, {} (others: {})",
         chosen.kind.name(),
         bias_errors(chosen),
         ends.join("; ")

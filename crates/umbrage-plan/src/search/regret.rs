@@ -1,5 +1,5 @@
-//! Compares plans with an exhaustive sweep of the same candidates over the whole image, by counted
-//! costs and by the clock.
+//! Comparison of plans with an exhaustive sweep of the same candidates over the whole image, by
+//! counted costs and by the clock.
 
 use super::{
     bias_search::best_bias,
@@ -23,48 +23,48 @@ use umbrage_core::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// One scene, light and bound.
+/// Comparison of a plan with the sweep, for one scene, light and bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Regret {
     /// The scene's name.
     pub scene: String,
     /// The light's kind.
     pub light: String,
-    /// Which of the scene's lights it is, from 1.
+    /// Number of the light in the scene, from 1.
     pub light_number: usize,
     /// The bound of the error.
     pub bound: f64,
-    /// What was planned; none if nothing was found.
+    /// The planned setting; `None` if nothing was found.
     pub chosen: Option<Setting>,
-    /// Its error over the whole image; NaN without a choice.
+    /// Error of the planned setting over the whole image; NaN without one.
     pub error: f64,
-    /// The cheapest that meets the bound on the whole image, of all candidates with all biases;
-    /// none if none does.
+    /// The cheapest setting that meets the bound on the whole image, of all candidates with all
+    /// biases; `None` if none does.
     pub cheapest: Option<String>,
-    /// What that costs, milliseconds.
+    /// Cost of the cheapest setting, milliseconds.
     #[serde(rename = "least_milliseconds")]
     pub min_milliseconds: f64,
-    /// The same by the clock; none if nothing was timed or planned.
+    /// Comparison by the clock; `None` if nothing was timed or planned.
     pub clock: Option<ClockRegret>,
-    /// Seconds that the plan took, with its sample.
+    /// Seconds for the plan, including its sample.
     pub seconds: f64,
 }
 
-/// A plan beside all candidates that keep its bounds, played in turn with them.
+/// Comparison of a plan with all candidates that meet its bounds, by times measured in turn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClockRegret {
-    /// The time of what was planned, milliseconds.
+    /// Time of the planned setting, milliseconds.
     pub chosen_ms: f64,
-    /// The least time of a candidate, milliseconds.
+    /// Least time of a candidate, milliseconds.
     pub least_ms: f64,
-    /// Which one that was.
+    /// Label of the fastest candidate.
     pub quickest: String,
-    /// How many candidates were timed.
+    /// Number of candidates timed.
     pub candidates: usize,
 }
 
 impl ClockRegret {
-    /// Returns the plan's time over the least.
+    /// Returns the ratio of the plan's time to the least time.
     pub fn ratio(&self) -> f64 {
         if self.least_ms > 0.0 {
             self.chosen_ms / self.least_ms
@@ -74,13 +74,14 @@ impl ClockRegret {
     }
 }
 
-/// Plans may cost at most this many times the least.
+/// Greatest ratio of a plan's cost to the least cost.
 pub const MAX_REGRET: f64 = 1.25;
-/// The share of cases in which the bound must be kept on the whole image.
+/// Least share of cases in which the bound must hold on the whole image.
 pub const MIN_KEPT: f64 = 0.95;
 
 impl Regret {
-    /// Whether the choice keeps the bound on the whole image, or rightly nothing was chosen.
+    /// Returns whether the choice meets the bound on the whole image, or rightly nothing was
+    /// chosen.
     pub fn keeps(&self) -> bool {
         match &self.chosen {
             Some(_) => self.error <= self.bound,
@@ -88,7 +89,7 @@ impl Regret {
         }
     }
 
-    /// Returns the plan's cost over the least; none where either is missing.
+    /// Returns the ratio of the plan's cost to the least cost; `None` if either is missing.
     pub fn ratio(&self) -> Option<f64> {
         let chosen = self.chosen.as_ref()?;
         self.cheapest.as_ref()?;
@@ -99,22 +100,24 @@ impl Regret {
         })
     }
 
-    /// Whether the plan is wrong: it breaks the bound, or costs more than [`MAX_REGRET`] times the
-    /// least.
+    /// Returns whether the plan is wrong: it breaks the bound, or costs more than [`MAX_REGRET`]
+    /// times the least.
     pub fn misses(&self) -> bool {
         !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MAX_REGRET)
     }
 }
 
-/// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising
-/// cost until the least bound is met. With a backend, plans are made by the clock, and all
-/// candidates that keep a bound are played and timed in turn.
+/// Plans for each error bound independently, and sweeps all candidates by rising cost until the
+/// least bound is met.
 ///
-/// Under ideal lights, whose truth takes one ray a pixel, the whole image is judged: hard shadows
-/// err at few pixels, and a plan may come within a thousandth of its bound, which no sample of the
-/// image tells. Under lights with an extent the image is judged at one pixel of each block
+/// With a backend, plans are made by the clock, and all candidates that meet a bound run in turn
+/// and are timed.
+///
+/// Under ideal lights, whose truth takes one ray a pixel, errors cover the whole image. Hard
+/// shadows are wrong at few pixels, and a plan may be within a thousandth of its bound, which no
+/// sample can resolve. Under lights with an extent, errors cover one pixel of each block
 /// ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are larger
-/// than a pixel, candidates are swept with their best bias each, not with all of them.
+/// than a pixel, each candidate is swept with its best bias only.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light, or is not valid, or if a backend fails.
@@ -132,10 +135,12 @@ pub fn regret(
     let planner = Planner::new(camera, light, &geometry, options, on_step)?;
     let sampling_seconds = planner.sampling_seconds;
     let mut sweep = Sweep::new(planner, options)?;
+    // Plan for each bound.
     let mut out = Vec::new();
     for &bound in bounds {
         let planner = &mut sweep.planner;
-        // Samples and their truth hang on no bound; what was tried for another one would help.
+        // Samples and their truth do not depend on the bound. Settings evaluated for another bound
+        // would help, so remove them.
         planner.trials.forget();
         let plan = match &mut clock {
             Some(backend) => planner.plan_by_clock(&Bounds::error(bound), Some(&mut **backend))?,
@@ -158,6 +163,7 @@ pub fn regret(
             seconds: sampling_seconds + plan.sampled.trying,
         });
     }
+    // Sweep the candidates.
     if sweep.is_thorough && clock.is_none() {
         sweep.run(&mut out)?;
     } else {
@@ -166,22 +172,23 @@ pub fn regret(
     Ok(out)
 }
 
-/// How many times the error of one in twenty estimates is out of the question: nearly five standard
-/// errors, not once in a million.
+/// Factor on the error that one in twenty estimates exceeds. Three times it is nearly five standard
+/// errors, exceeded less than once in a million.
 const FAR: f64 = 3.0;
 
-/// Rays a pixel at most where one pixel of each block is judged, under lights with an extent: they
-/// err by .5 % in a penumbra with one straight edge, which adds nothing to errors of some percent.
+/// Greatest number of rays a pixel if errors cover one pixel of each block, under lights with an
+/// extent. They are off by .5 % in a penumbra with one straight edge, negligible compared with
+/// errors of some percent.
 const JUDGED_SAMPLES: u32 = 256;
 
-/// The candidates' errors over the whole image.
+/// Errors of the candidates over the whole image.
 struct Sweep<'a> {
     planner: Planner<'a>,
-    /// The pixels that are judged.
+    /// The evaluated pixels.
     judged: Vec<u32>,
     truth: Vec<f32>,
     pixels: Vec<Pixel>,
-    /// Whether candidates are swept with all biases.
+    /// True if candidates are swept with all biases.
     is_thorough: bool,
 }
 
@@ -222,14 +229,15 @@ impl<'a> Sweep<'a> {
         let scene = &mut self.planner.trials.views[0].scene;
         let recipe = scene.recipe(preset)?;
         let mask = scene.mask_at(&recipe, &self.judged)?;
-        // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
+        // Use a single row: only errors of neighbours depend on the image's shape, and they are not
+        // used.
         let size = UVec2::new(self.judged.len() as u32, 1);
         let errors = Errors::measure(size, &mask, &self.truth, &self.pixels)?;
         Ok(errors.rmse)
     }
 
-    /// Returns a candidate's error over the judged pixels; none if its images are larger than the
-    /// backend can hold, or if it has more grain than plans for errors allow.
+    /// Returns a candidate's error over the evaluated pixels. Returns `None` if its images exceed
+    /// the backend's limits, or if it has more grain than error bounds allow.
     fn error_of_candidate(&mut self, setting: &Setting) -> Result<Option<f64>, MeasureError> {
         let error = match self.error(&setting.preset) {
             Ok(error) => error,
@@ -242,8 +250,8 @@ impl<'a> Sweep<'a> {
         Ok(is_fine.then_some(error))
     }
 
-    /// Tries every candidate with its best bias. Those that keep a bound are timed, if there is a
-    /// backend.
+    /// Evaluates every candidate with its best bias. With a backend, those that meet a bound are
+    /// timed.
     fn run_with_best_biases(
         &mut self,
         regrets: &mut [Regret],
@@ -256,7 +264,7 @@ impl<'a> Sweep<'a> {
             scene,
             FamilyNeeds::default(),
         );
-        // What keeps the loosest bound, with its error.
+        // Collect the candidates that meet the loosest bound, with their errors.
         let mut keeping: Vec<(Setting, f64)> = Vec::new();
         for family in &families {
             for candidate in 0..family.candidates.len() {
@@ -276,7 +284,7 @@ impl<'a> Sweep<'a> {
                 }
             }
         }
-        // What was planned is a candidate, too, with its own bias.
+        // Add the planned settings with their own bias.
         for regret in regrets.iter() {
             if let Some(chosen) = &regret.chosen
                 && keeping.iter().all(|(s, _)| s.preset != chosen.preset)
@@ -284,6 +292,7 @@ impl<'a> Sweep<'a> {
                 keeping.push((chosen.clone(), regret.error));
             }
         }
+        // Time the candidates in races, one per bound.
         let times = match clock {
             Some(backend) => {
                 let races: Vec<Race> = regrets.iter().map(|r| race(r, &keeping)).collect();
@@ -291,6 +300,7 @@ impl<'a> Sweep<'a> {
             }
             None => Vec::new(),
         };
+        // Find the cheapest and the fastest candidate for each bound.
         for regret in regrets {
             let keeps = |i: &usize| keeping[*i].1 <= regret.bound;
             let cheapest = (0..keeping.len()).filter(keeps).min_by(|&a, &b| {
@@ -353,7 +363,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Returns every candidate with every size and bias, by rising cost. A bias changes the cost
-    /// only by a rounding of the map's fit, so the first one is priced.
+    /// only through rounding in the map's fit, so only the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
         let scene = &self.planner.trials.views[0].scene;
@@ -382,7 +392,7 @@ impl<'a> Sweep<'a> {
             .collect())
     }
 
-    /// Tries candidates by rising cost, until the cheapest within each bound is found.
+    /// Evaluates candidates by rising cost, until the cheapest within each bound is found.
     fn run(&mut self, regrets: &mut [Regret]) -> Result<(), MeasureError> {
         for preset in self.candidates()? {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
@@ -412,8 +422,8 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Returns the race of all settings that keep a bound; what was planned for it is watched.
-/// `settings` come with their errors.
+/// Returns the race of all settings that meet a bound, and watches the planned one. `settings` come
+/// with their errors.
 fn race(regret: &Regret, settings: &[(Setting, f64)]) -> Race {
     let keeping = (0..settings.len()).filter(|&i| settings[i].1 <= regret.bound);
     let is_chosen = |(setting, _): &(Setting, f64)| {
@@ -425,8 +435,8 @@ fn race(regret: &Regret, settings: &[(Setting, f64)]) -> Race {
     }
 }
 
-/// Whether the sample alone shows that a setting meets none of the bounds that are still open: its
-/// mean square error is above them by more than [`FAR`] times the uncertainty. This avoids most
+/// Returns whether the sample alone shows that a setting meets none of the open bounds: its mean
+/// square error exceeds them by more than [`FAR`] times the uncertainty. This avoids most
 /// renderings of the whole image.
 fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
     let error = setting.estimate.error;
@@ -447,7 +457,7 @@ mod tests {
     use crate::search::tests::{scene, small};
     use umbrage_techniques::{Hard, MapTechnique};
 
-    /// Under ideal lights errors are those of whole images, however large the blocks are.
+    /// Under ideal lights, errors cover whole images for any block size.
     #[test]
     fn under_ideal_lights_whole_images_are_judged() {
         let scene = scene("cubes");
@@ -462,7 +472,7 @@ mod tests {
             let mut sweep = Sweep::new(planner, &options).expect("can be traced");
             let error = sweep
                 .error(&MapTechnique::<Hard>::default().into())
-                .expect("plays");
+                .expect("valid");
             (sweep.judged.len(), error)
         };
         assert!(scene.lights[0].is_ideal());

@@ -1,10 +1,10 @@
-//! The side of a map that is as fine as the screen.
+//! Map side that matches the screen resolution.
 
 use crate::{estimate::scene::PlanScene, footprint::QUANTILE};
 use umbrage_techniques::ShadowMap;
 
-/// The side of a map of default fit on which, for nine in ten of the receivers that face the light,
-/// no texel is larger than a pixel; none where the light has no map.
+/// Returns the side of a map of default fit whose texels are no larger than a pixel, for 9 of 10
+/// receivers that face the light. Returns `None` if the light has no map.
 pub(super) fn side(scene: &PlanScene<'_>) -> Option<u32> {
     ShadowMap::default()
         .sized_for(&scene.view(), &scene.receivers, QUANTILE)
@@ -31,7 +31,7 @@ mod tests {
         f(PlanScene::new(&camera, light, &geometry, Weighting::Even).unwrap())
     }
 
-    /// Sides of the candidates that the sizes of all views lack.
+    /// Returns the candidates' sides that are not in [`SIZES`].
     fn more(name: &str, size: UVec2) -> Vec<u32> {
         with_scene(name, size, |scene| {
             let families = families_for(
@@ -60,11 +60,10 @@ mod tests {
         })
     }
 
-    /// The more pixels, the finer the map; never coarser than the coarsest nor finer than the
-    /// finest.
+    /// The side grows with the number of pixels, within the coarsest and the finest map.
     #[test]
     fn the_side_that_pixels_ask_for_is_a_candidate() {
-        // Another size could ask for a side close to one that is there.
+        // Another image size could need a side close to an existing one.
         let size = UVec2::new(240, 180);
         let side = with_scene("cubes", size, |scene| side(&scene)).unwrap();
         assert_eq!(more("cubes", size), [side]);

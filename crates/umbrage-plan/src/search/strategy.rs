@@ -1,53 +1,53 @@
-//! The order in which candidates are tried: from the cheapest up until one keeps the bound of the
-//! error, or the finest ones that can be afforded.
+//! Order in which candidates are evaluated: from the cheapest up until one meets the error bound,
+//! or the finest ones that are affordable.
 
 use super::{
     bias_search::best_bias, bounds::Bounds, outcome::Miss, planner::Planner, setting::Setting,
 };
 use crate::{error::MeasureError, progress::Step};
 
-/// The place of a candidate in the list of families.
+/// Index of a candidate in the list of families.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     pub(super) family: usize,
-    /// From the coarsest map or the fewest rays on.
+    /// Index within the family, from the coarsest map or the fewest rays up.
     pub(super) candidate: usize,
 }
 
-/// The end of a search.
+/// Result of a search.
 pub(super) enum Found {
-    /// What is within the bounds, the best by counted costs first; at least one.
+    /// The candidates within the bounds, the best by counted costs first; at least one.
     Chosen(Vec<(Place, Setting)>),
     Missed(Box<Miss>),
 }
 
-/// Settings whose verified errors are compared by the clock, at most, where the most accurate is
-/// wanted.
+/// Greatest number of settings with verified errors that are compared by the clock, if the most
+/// accurate one is wanted.
 const MOST_ACCURATE: usize = 4;
 
-/// The next candidate of a family.
+/// Next candidate of a family.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     place: Place,
     milliseconds: f64,
-    /// The error of the candidate before; infinite without one.
+    /// Error of the previous candidate; infinite without one.
     last_error: f64,
-    /// The error of the candidate before that; infinite without one.
+    /// Error of the candidate before the previous one; infinite without one.
     error_before: f64,
 }
 
-/// Verified biases of one kernel and map, at most.
+/// Greatest number of verified biases of one kernel and map.
 const MAX_BIASES: usize = 3;
-/// A kernel on maps whose error has fallen by less than this over two doublings is limited by its
-/// width, not by the map.
+/// Ratio of errors over two doublings of the map above which the kernel's width limits the error,
+/// not the map.
 const SATURATED: f64 = 0.95;
-/// Of each family so many of its finest candidates are tried for accuracy.
+/// Number of finest candidates of each family evaluated for accuracy.
 const FINEST: usize = 2;
 
 impl Planner<'_> {
-    /// Finds the cheapest candidate whose error is surely within its bound, and that is within the
-    /// others. After it, those of other families that cost up to `spread` times as much: 1 or more,
-    /// by how much prices may be wrong.
+    /// Finds the cheapest candidate whose error is surely within its bound and that meets the other
+    /// bounds. Also returns candidates of other families that cost up to `spread` times as much.
+    /// `spread` is 1 or more: the factor by which prices may be wrong.
     pub(super) fn cheapest(
         &mut self,
         bounds: &Bounds,
@@ -62,10 +62,11 @@ impl Planner<'_> {
             };
             candidates.extend(self.supported_from(coarsest, [f64::INFINITY; 2])?);
         }
-        // Within the error's bound, but not within the others'.
+        // Settings within the error bound that break another bound.
         let mut too_dear: Option<Setting> = None;
         let mut refused: Option<Setting> = None;
         let mut found: Vec<(Place, Setting)> = Vec::new();
+        // Evaluate candidates from the cheapest up.
         while let Some(candidate) = take_cheapest(&mut candidates) {
             if let Some((_, least)) = found.first()
                 && (spread <= 1.0 || candidate.milliseconds > spread * least.milliseconds)
@@ -112,8 +113,8 @@ impl Planner<'_> {
         Ok(Found::Chosen(found))
     }
 
-    /// Verifies a setting; if it does not keep the bound, returns the first of those that differ in
-    /// bias alone that does. Of some that err alike, a shared sample may well prefer the wrong one.
+    /// Verifies a setting. If it breaks the bound, returns the first setting with another bias that
+    /// meets it. Among biases of similar error, a shared sample can prefer the wrong one.
     fn verified(&mut self, setting: Setting, max_error: f64) -> Result<Setting, MeasureError> {
         let mut others = self
             .trials
@@ -141,8 +142,8 @@ impl Planner<'_> {
         })
     }
 
-    /// Finds the most accurate candidate within the bounds of time and memory: of each family the
-    /// finest two that are.
+    /// Finds the most accurate candidate within the bounds of time and memory, from the two finest
+    /// affordable ones of each family.
     pub(super) fn most_accurate(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
         let mut affordable = Vec::new();
         for family in 0..self.families.len() {
@@ -172,7 +173,7 @@ impl Planner<'_> {
         if !best.is_empty() {
             return Ok(Found::Chosen(best));
         }
-        // The least of all is priced, so that the answer can say what is missing.
+        // Price the cheapest candidate, so that the message can state the shortfall.
         let least = Place {
             family: 0,
             candidate: 0,
@@ -181,15 +182,16 @@ impl Planner<'_> {
         Ok(Found::Missed(Box::new(self.miss(bounds, 0.0, None, None))))
     }
 
-    /// Returns the candidates with the least errors after they were verified, the best first: as
-    /// many are verified as may be better than the best, and [`MOST_ACCURATE`] at least if there
-    /// are. Those that are not within the bounds of grain and shimmer are left out.
+    /// Returns the candidates with the least errors after verification, the best first.
+    ///
+    /// Verifies all candidates that may be better than the best, and at least [`MOST_ACCURATE`] if
+    /// the clock decides. Removes those outside the bounds of grain and shimmer.
     fn best_of(
         &mut self,
         mut left: Vec<(Place, Setting)>,
         bounds: &Bounds,
     ) -> Result<Vec<(Place, Setting)>, MeasureError> {
-        // The best one last, to be taken first.
+        // Sort the best one last, since `pop` takes the last.
         left.sort_by(|(_, a), (_, b)| by_error_then_cost(b, a));
         let mut best: Vec<(Place, Setting)> = Vec::new();
         while let Some((place, first)) = left.pop() {
@@ -209,14 +211,14 @@ impl Planner<'_> {
         Ok(best)
     }
 
-    /// How many of the most accurate candidates are wanted: one, unless the clock is to choose
-    /// between them.
+    /// Returns the number of most accurate candidates needed: one, unless the clock decides between
+    /// them.
     fn most_accurate_wanted(&self) -> usize {
         if self.is_timed { MOST_ACCURATE } else { 1 }
     }
 
-    /// Tries a candidate with its best bias; none if it isn't supported. `error_limit` as in
-    /// [`best_bias`].
+    /// Evaluates a candidate with its best bias. Returns `None` if it is not supported.
+    /// `error_limit` is that of [`best_bias`].
     fn try_out(
         &mut self,
         place: Place,
@@ -229,8 +231,8 @@ impl Planner<'_> {
         best_bias(&mut self.trials, family, place.candidate, error_limit)
     }
 
-    /// Returns the first of a family's candidates from `place` on that is supported. `last_errors`
-    /// are those of the two candidates before, the finer one first.
+    /// Returns the first supported candidate of a family from `place` on. `last_errors` are those
+    /// of the two candidates before, the finer one first.
     fn supported_from(
         &mut self,
         place: Place,
@@ -245,7 +247,7 @@ impl Planner<'_> {
         Ok(None)
     }
 
-    /// Returns the candidate at `place`, priced; none if it isn't supported.
+    /// Returns the candidate at `place` with its price, or `None` if it is not supported.
     fn supported(
         &mut self,
         place: Place,
@@ -263,8 +265,8 @@ impl Planner<'_> {
         }))
     }
 
-    /// Returns the next candidate of a family that may be within the bound, if any, after one that
-    /// errs by `error`.
+    /// Returns the next candidate of a family that may be within the bound after one with this
+    /// `error`, if any.
     fn finer(
         &mut self,
         candidate: &Candidate,
@@ -281,15 +283,14 @@ impl Planner<'_> {
         if stalls && family.saturates(at) && error > 1.3 * max_error {
             return Ok(None);
         }
-        // The least error that the next candidate can have. Those whose least error is above the
-        // bound are skipped.
+        // Skip candidates whose least possible error exceeds the bound.
         let mut next = at + 1;
         let mut reachable = error / family.max_gain;
         while error.is_finite() && reachable > max_error && next + 1 < family.candidates.len() {
             next += 1;
             reachable /= family.max_gain;
         }
-        // Where some were skipped, two doublings can't be compared.
+        // After a skip, two doublings can't be compared.
         let last_errors = if next == at + 1 {
             [error, candidate.last_error]
         } else {
@@ -302,8 +303,8 @@ impl Planner<'_> {
         self.supported_from(place, last_errors)
     }
 
-    /// Says which bound fails, and by how much. `max_error` is the bound of the error of the
-    /// strictest camera; `refused` is within all bounds but those of grain and shimmer.
+    /// Returns the bound that fails, and by how much. `max_error` is the error bound of the
+    /// strictest camera. `refused` meets all bounds except those of grain and shimmer.
     fn miss(
         &self,
         bounds: &Bounds,
@@ -330,30 +331,30 @@ impl Planner<'_> {
             (_, Some(dear), Some(error)) => {
                 let (label, ms, bytes) = (dear.label(), dear.milliseconds, dear.bytes);
                 format!(
-                    "an error of {error} takes {label} at {ms:.3} ms and {bytes} bytes: allow for that, or for a greater error"
+                    "an error of {error} needs {label} with {ms:.3} ms and {bytes} bytes; allow these, or a greater error"
                 )
             }
             (Some(best), _, Some(error)) => format!(
-                "no technique keeps the error at {error}: the best, {}, errs by {:.4} (up to {:.4}); allow for that",
+                "no technique meets an error of {error}; closest: {} at {:.4} (up to {:.4}); allow a greater error",
                 best.label(),
                 best.estimate.error,
                 best.estimate.high
             ),
             _ => match self.trials.all().first() {
                 Some(least) => format!(
-                    "not even {} is within {bounds}: it takes {:.3} ms and {} bytes",
+                    "no setting is within {bounds}; cheapest: {} with {:.3} ms and {} bytes; allow more",
                     least.label(),
                     least.milliseconds,
                     least.bytes
                 ),
-                None => format!("nothing is within {bounds}: allow for more"),
+                None => format!("no setting is within {bounds}; allow more"),
             },
         };
         Miss { reason, best }
     }
 }
 
-/// Says which of the bounds of grain and shimmer a setting is not within, and what would help.
+/// Returns a message with the bounds of grain and shimmer that a setting breaks.
 fn refusal(setting: &Setting, bounds: &Bounds) -> String {
     let mut why = Vec::new();
     let figures = [
@@ -364,17 +365,17 @@ fn refusal(setting: &Setting, bounds: &Bounds) -> String {
         if let (Some(figure), Some(max)) = (figure, max)
             && figure > max
         {
-            why.push(format!("its {name} is {figure:.4}, more than {max}"));
+            why.push(format!("its {name} of {figure:.4} is above {max}"));
         }
     }
     format!(
-        "{} keeps the error, but {}: allow for that",
+        "{} meets the error bound, but {}; allow more",
         setting.label(),
         why.join(" and ")
     )
 }
 
-/// The cheapest candidate; of equally cheap ones the first.
+/// Removes and returns the cheapest candidate; the first one of equal cost.
 fn take_cheapest(candidates: &mut Vec<Candidate>) -> Option<Candidate> {
     let cheapest = (0..candidates.len()).min_by(|&a, &b| {
         let a = &candidates[a];

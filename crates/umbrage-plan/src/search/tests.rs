@@ -1,4 +1,4 @@
-//! Plans of scenes whose best technique is known, and samples that must tell what whole images do.
+//! Plans of scenes whose best technique is known, and comparisons of samples with whole images.
 
 use super::{
     bias_search::best_bias,
@@ -26,7 +26,7 @@ pub(super) fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
 }
 
-/// Small images: quick, and as hard to plan for.
+/// Small images: fast, and as hard to plan for.
 pub(super) fn small() -> PlanOptions {
     PlanOptions {
         samples: 1024,
@@ -63,8 +63,7 @@ fn where_nothing_casts_there_is_no_shadow_to_make() {
     }
 }
 
-/// On flat receivers under an ideal light several techniques are exact, and the cheapest of them
-/// wins.
+/// On flat receivers under an ideal light several techniques are exact, and the cheapest one wins.
 #[test]
 fn exact_techniques_are_told_apart_by_cost() {
     let exact = |plan: Plan| plan.chosen.expect("rays are exact");
@@ -73,10 +72,10 @@ fn exact_techniques_are_told_apart_by_cost() {
         (chosen.technique.as_str(), chosen.estimate.high),
         ("planar", 0.0)
     );
-    // Where images are dear, those win that have none: rays or lists, whichever costs less.
+    // If images are expensive, techniques without images win: rays or lists, whichever costs less.
     for (dear, winner) in [
         ("tap", "traced"),
-        ("ray, a level of the hierarchy", "exact"),
+        ("ray, per level of the hierarchy", "exact"),
     ] {
         let mut cost = CostModel {
             nanoseconds: [1e-3; KINDS],
@@ -90,11 +89,11 @@ fn exact_techniques_are_told_apart_by_cost() {
             plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {})
                 .expect("can be planned"),
         );
-        assert_eq!(other.technique, winner, "where each {dear} is dear");
+        assert_eq!(other.technique, winner, "if each {dear} is expensive");
     }
 }
 
-/// Penumbrae of many widths: the kernel that knows widths errs less than those of one width.
+/// With penumbrae of many widths, the kernel of variable width has a smaller error than fixed ones.
 #[test]
 fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
@@ -110,7 +109,7 @@ fn a_soft_lamp_needs_soft_shadows() {
                 .collect();
             let best_of = |f: &&Family| {
                 best_bias(&mut planner.trials, f, 4, None)
-                    .expect("plays")
+                    .expect("valid")
                     .map(|s| s.estimate.error)
             };
             mine.iter()
@@ -122,8 +121,8 @@ fn a_soft_lamp_needs_soft_shadows() {
     });
 }
 
-/// What a sample says of a whole image holds for it: within twice the bounds of nine in ten, on
-/// every scene and setting.
+/// Estimates from a sample hold for the whole image, within twice the 90 % bounds, on every scene
+/// and setting.
 #[test]
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
@@ -136,13 +135,13 @@ fn samples_tell_of_whole_images() {
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in [64, 512].into_iter().flat_map(sized) {
-                let Some(setting) = planner.trials.try_out(&preset).expect("plays") else {
+                let Some(setting) = planner.trials.try_out(&preset).expect("valid") else {
                     continue;
                 };
                 let mask = planner.trials.views[0]
                     .scene
                     .preset_mask(&preset)
-                    .expect("plays");
+                    .expect("valid");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
                     .expect("fits")
                     .rmse;
@@ -160,7 +159,7 @@ fn samples_tell_of_whole_images() {
     }
 }
 
-/// Every technique with its defaults but for the size of its map.
+/// Returns every technique with its defaults except for the size of its map.
 fn sized(size: u32) -> Vec<TechniquePreset> {
     let at = |p: TechniquePreset| match p.map() {
         Some(&map) => p.with_map(umbrage_techniques::ShadowMap { size, ..map }),
@@ -169,13 +168,13 @@ fn sized(size: u32) -> Vec<TechniquePreset> {
     TechniquePreset::defaults().into_iter().map(at).collect()
 }
 
-/// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays
-/// of all, does.
+/// A shadow between the samples may be missed by all sampled receivers. The pilot finds it, since
+/// it traces rays at all receivers.
 #[test]
 fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
         with_planner(name, |mut planner| {
-            // A sample that has seen nothing but light.
+            // Use a sample that contains only lit receivers.
             let sampled = &mut planner.trials.views[0].sampled;
             let lit: Vec<usize> = (0..sampled.truth.len())
                 .filter(|&k| sampled.truth[k].visibility == 1.0)
@@ -187,21 +186,21 @@ fn what_no_sample_shows_a_second_look_does() {
             let blind = planner
                 .trials
                 .try_out(&none)
-                .expect("plays")
+                .expect("valid")
                 .expect("supported");
             assert_eq!(blind.estimate.high, 0.0, "{name}");
             let seen = planner
                 .trials
                 .verify(&blind, None, &|_| {})
-                .expect("plays")
+                .expect("valid")
                 .estimate;
             assert!(seen.error > 0.1, "{name}: {seen:?}");
         });
     }
 }
 
-/// Second looks know whole images better than the first sample does: their bounds hold as often as
-/// they say, and under ideal lights all that they don't know is how many pixels count.
+/// Verified estimates are more precise than those of the first sample. Their bounds hold as often
+/// as stated. Under ideal lights, the only uncertainty is the number of pixels that count.
 #[test]
 fn second_looks_tell_of_whole_images() {
     let (mut compared, mut within) = (0, 0);
@@ -221,22 +220,22 @@ fn second_looks_tell_of_whole_images() {
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in sized(64) {
-                let Some(setting) = planner.trials.try_out(&preset).expect("plays") else {
+                let Some(setting) = planner.trials.try_out(&preset).expect("valid") else {
                     continue;
                 };
                 let mask = planner.trials.views[0]
                     .scene
                     .preset_mask(&preset)
-                    .expect("plays");
+                    .expect("valid");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
                     .expect("fits")
                     .rmse;
                 let e = planner
                     .trials
                     .verify(&setting, None, &|_| {})
-                    .expect("plays")
+                    .expect("valid")
                     .estimate;
-                // Three times what one in twenty errs by: five standard errors.
+                // Three times the error that one in twenty exceeds: five standard errors.
                 let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + 1e-9;
                 let off = (whole.powi(2) - e.error.powi(2)).abs();
                 assert!(
@@ -249,25 +248,25 @@ fn second_looks_tell_of_whole_images() {
             }
         });
     }
-    // Nine in ten are expected. Settings of one scene share a sample and err together, so a fifth
-    // may lie outside.
+    // Nine in ten are expected. Settings of one scene share a sample and their errors are
+    // correlated, so up to a fifth may be outside.
     assert!(
         compared > 40 && within * 5 >= compared * 4,
         "{within} of {compared}"
     );
 }
 
-/// A second look that is taken again, even with the last of all seeds, says the same: it forgets
-/// nothing of the first sample.
+/// A repeated verification returns the same estimate, even with the greatest seed. It keeps
+/// everything from the first sample.
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
         planner.trials.views[0].verifier.sampling.seed = u32::MAX;
-        // Spoilt to be without a fault, as rare faults are.
+        // Set the error to 0, as in a sample that misses rare artefacts.
         let hard = planner
             .trials
             .try_out(&TechniquePreset::defaults()[1])
-            .expect("plays")
+            .expect("valid")
             .expect("supported");
         let blind = Setting {
             estimate: Estimate::default(),
@@ -276,17 +275,17 @@ fn second_looks_can_be_repeated() {
         let once = planner
             .trials
             .verify(&blind, Some(1e-3), &|_| {})
-            .expect("plays");
+            .expect("valid");
         assert!(once.estimate.error > 0.0);
         let twice = planner
             .trials
             .verify(&once, Some(1e-3), &|_| {})
-            .expect("plays");
+            .expect("valid");
         assert_eq!(twice, once);
     });
 }
 
-/// Without rays the first sample is all there is, and of what it finds nothing is forgotten.
+/// Without rays, only the first sample is available, and its estimates are kept.
 #[test]
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
@@ -296,36 +295,36 @@ fn without_a_pilot_the_first_sample_must_do() {
             let first = planner
                 .trials
                 .try_out(&preset)
-                .expect("plays")
+                .expect("valid")
                 .expect("supported");
             let again = planner
                 .trials
                 .verify(&first, Some(0.1), &|_| {})
-                .expect("plays");
+                .expect("valid");
             assert!(first.estimate.error > 0.0);
             assert_eq!(again.estimate, first.estimate);
         }
-        // What was verified remembers its first estimate.
+        // A verified setting keeps its first estimate.
         planner.trials.forget();
         let blind = Setting {
             estimate: Estimate::default(),
             ..planner
                 .trials
                 .try_out(&none)
-                .expect("plays")
+                .expect("valid")
                 .expect("supported")
         };
         let again = planner
             .trials
             .verify(&blind, None, &|_| {})
-            .expect("plays")
+            .expect("valid")
             .estimate;
         assert!(again.error == 0.0 && again.high > 0.01, "{again:?}");
     });
 }
 
-/// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three
-/// of their number.
+/// Without casters, few rays can't prove that nothing casts. All rays of a pilot prove it within 3
+/// divided by their number.
 #[test]
 fn none_of_n_rays_is_not_never() {
     let lamp = Light::Disc {
@@ -344,13 +343,14 @@ fn none_of_n_rays_is_not_never() {
         estimate.high
     };
     assert_eq!(high(scene("no-casters").lights[0]), 0.0);
-    // 3 of 2 rays of each of at most 160 x 120 receivers, and of at least a third of them.
+    // Rule of three: 3 / n, with 2 rays at each of at most 160 x 120 receivers, and at least a
+    // third of them.
     let least = (3.0 / 38_400.0_f64).sqrt();
     let high = high(lamp);
     assert!(least <= high && high <= 3.0_f64.sqrt() * least, "{high}");
 }
 
-/// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too,
+/// Truth decides the choice. If truth is set to almost lit everywhere, including for verification,
 /// no shadow is needed.
 #[test]
 fn spoilt_truth_changes_the_choice() {
@@ -404,7 +404,7 @@ fn what_cannot_be_is_told_with_the_bound_that_fails() {
     };
     let error = miss(&Bounds::error(0.0));
     assert!(
-        error.reason.contains("no technique keeps the error at 0"),
+        error.reason.contains("no technique meets an error of 0"),
         "{error}"
     );
     assert!(error.best.is_some_and(|best| best.estimate.error < 0.05));
@@ -415,7 +415,7 @@ fn what_cannot_be_is_told_with_the_bound_that_fails() {
         max_ms: Some(1e-3),
         ..Bounds::default()
     });
-    assert!(both.reason.contains("an error of 0.1 takes"), "{both}");
+    assert!(both.reason.contains("an error of 0.1 needs"), "{both}");
 }
 
 #[test]
@@ -437,8 +437,8 @@ fn within_a_time_the_most_accurate_is_chosen() {
     );
 }
 
-/// Asked alone, a receiver gets the same answer, bit by bit, as within the whole image, whatever
-/// patterns hang on its place.
+/// A receiver evaluated alone returns the same bits as in the whole image, also with patterns that
+/// depend on its position.
 #[test]
 fn receivers_asked_alone_answer_the_same() {
     for name in ["cubes", "rising-boxes-disc", "lamp-in-room"] {
@@ -458,8 +458,8 @@ fn receivers_asked_alone_answer_the_same() {
                 Err(RecipeError::Unsupported(_)) => continue,
                 Err(e) => panic!("{name}: {}: {e}", technique.name()),
             };
-            let whole = cpu.render(&view, &recipe).expect("plays").mask;
-            let alone = cpu.render_pixels(&view, &recipe, &pixels).expect("plays");
+            let whole = cpu.render(&view, &recipe).expect("valid").mask;
+            let alone = cpu.render_pixels(&view, &recipe, &pixels).expect("valid");
             let same = pixels
                 .iter()
                 .zip(&alone)
@@ -512,7 +512,8 @@ fn some_pixels_have_the_truth_of_all() {
     );
 }
 
-/// The walk skips and stops early; on this scene a sweep of everything finds nothing cheaper.
+/// The search skips candidates and stops early. On this scene an exhaustive sweep finds nothing
+/// cheaper.
 #[test]
 fn a_sweep_finds_nothing_much_cheaper() {
     let found = regret(&scene("cubes"), &[0.08], &small(), None, &|_| {}).expect("can be planned");
@@ -529,7 +530,7 @@ fn a_sweep_finds_nothing_much_cheaper() {
     assert!(dear.misses());
 }
 
-/// Each kind of bias is played as it is named.
+/// Each kind of bias applies the bias that it names.
 #[test]
 fn biases_are_those_of_their_kinds() {
     for family in families(
@@ -551,9 +552,8 @@ fn biases_are_those_of_their_kinds() {
     }
 }
 
-/// What is unlit is no part of a sample: under a spot that lights a tenth of the image, where
-/// techniques answer otherwise than rays outside of the cone, second looks see the errors within
-/// it.
+/// Unlit receivers are not part of a sample. Under a spot that lights a tenth of the image,
+/// techniques differ from rays outside the cone. Verification measures the errors within it.
 #[test]
 fn second_looks_under_a_spot_see_what_it_lights() {
     let scene = scene("night-room");
@@ -579,10 +579,10 @@ fn second_looks_under_a_spot_see_what_it_lights() {
     let map = hard.map().copied().expect("has a map");
     for size in [64, 128, 256] {
         let preset = hard.with_map(umbrage_techniques::ShadowMap { size, ..map });
-        let setting = planner.trials.try_out(&preset).expect("plays");
+        let setting = planner.trials.try_out(&preset).expect("valid");
         let mask = (planner.trials.views[0].scene)
             .preset_mask(&preset)
-            .expect("plays");
+            .expect("valid");
         let whole = Errors::measure(camera.size, &mask, &visibility, &pixels)
             .expect("fits")
             .rmse;
@@ -590,9 +590,9 @@ fn second_looks_under_a_spot_see_what_it_lights() {
         let e = planner
             .trials
             .verify(&setting.expect("supported"), None, &|_| {})
-            .expect("plays")
+            .expect("valid")
             .estimate;
-        // All that differs is drawn. What is not known is how many pixels count.
+        // All differing pixels are sampled. Only the number of counted pixels is uncertain.
         assert!(
             (e.error / whole - 1.0).abs() < 0.05 && e.high < 1.1 * whole,
             "{size}: {e:?} for {whole}"

@@ -1,4 +1,4 @@
-//! Tries settings on the sample, each once.
+//! Evaluation of settings on the sample, each once.
 
 use super::{
     bounds::Bounds,
@@ -25,15 +25,15 @@ use crate::{
 use umbrage_core::{BackendError, Fit, Layout, Recipe, RecipeError, ShadowTechnique as _};
 use umbrage_techniques::{ShadowMap, TechniquePreset, Unshadowed};
 
-/// One camera's view with its sample.
+/// View of one camera with its sample.
 pub(super) struct SampledView<'a> {
     pub(super) scene: PlanScene<'a>,
     pub(super) sampled: SampledTruth,
     pub(super) verifier: Verifier,
-    /// By what errors are multiplied, so that one bound serves all cameras: 1, unless cameras have
-    /// bounds of their own.
+    /// Factor on errors, so that one bound serves all cameras: 1, unless cameras have their own
+    /// bounds.
     pub(super) scale: f64,
-    /// Where grain is measured; none as long as nobody asked.
+    /// Points at which grain is measured; `None` until it is first requested.
     grain: Option<GrainProbe>,
 }
 
@@ -48,7 +48,7 @@ impl<'a> SampledView<'a> {
         }
     }
 
-    /// Returns the grain of a recipe here.
+    /// Returns the grain of a recipe for this view.
     fn grain(
         &mut self,
         recipe: &Recipe,
@@ -64,10 +64,10 @@ impl<'a> SampledView<'a> {
     }
 }
 
-/// How costs and errors are counted.
+/// Rules for counting costs and errors.
 #[derive(Clone, Debug)]
 pub(super) struct Counting {
-    /// What kernels cost.
+    /// Costs of kernels.
     pub(super) catalogue: Catalogue,
     pub(super) cost: CostModel,
     pub(super) motion: FrameMotion,
@@ -75,33 +75,34 @@ pub(super) struct Counting {
     pub(super) truth: TruthOptions,
 }
 
-/// What a setting costs at each camera.
+/// Cost of a setting at each camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Prices {
     /// Predicted time of a frame at each camera, milliseconds.
     pub(super) frames: Vec<f64>,
-    /// Of the cameras that the plan holds for the worst.
+    /// Time of the worst camera that the plan holds for, milliseconds.
     pub(super) milliseconds: f64,
     draw_ms: f64,
     bytes: u64,
     kept_as_camera_moves: Option<bool>,
 }
 
-/// Whose drawing may follow the camera: a technique's, with its map's fit and layout.
+/// Key of images that may follow the camera: the technique's name, and the fit and layout of its
+/// map.
 type DrawnPlace = (&'static str, Option<(Fit, Layout)>);
 
-/// All that was tried.
+/// All evaluated settings.
 pub(super) struct Trials<'a> {
-    /// One a camera, at least one.
+    /// One per camera, at least one.
     pub(super) views: Vec<SampledView<'a>>,
     pub(super) counting: Counting,
-    /// `None` if it isn't supported.
+    /// `None` if the setting is not supported.
     tried: ByPreset<Option<Setting>>,
-    /// The first sample's estimates of settings that were verified since, one a camera.
+    /// Estimates from the first sample for settings verified since, one per camera.
     first_estimates: ByPreset<Vec<Estimate>>,
-    /// By the preset without its bias.
+    /// Prices by the preset without its bias.
     prices: ByPreset<Option<Prices>>,
-    /// Whether what it draws is kept as the camera moves.
+    /// Flags for images that are kept as the camera moves.
     kept: Vec<(DrawnPlace, bool)>,
 }
 
@@ -117,9 +118,11 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Makes ready for bounds: what recipes are made from, and cameras' own bounds of the error.
-    /// Returns the bound that serves all of them; none without one. What was tried for other ones
-    /// is forgotten.
+    /// Prepares for bounds: sets the data that recipes are built from, and each camera's error
+    /// bound.
+    ///
+    /// Returns the bound that serves all cameras, or `None` without one. Removes settings evaluated
+    /// under other conditions.
     pub(super) fn prepare(&mut self, bounds: &Bounds) -> Result<Option<f64>, MeasureError> {
         let mut is_new = false;
         for view in &mut self.views {
@@ -127,7 +130,7 @@ impl<'a> Trials<'a> {
         }
         let scales = self.views.iter().map(|view| view.scale).collect::<Vec<_>>();
         let limits = self.limits(bounds)?;
-        // Errors are scaled to the strictest camera's bound.
+        // Scale errors to the strictest camera's bound.
         let strictest = limits.iter().copied().flatten().reduce(f64::min);
         for (view, limit) in self.views.iter_mut().zip(&limits) {
             view.scale = match (strictest, limit) {
@@ -142,15 +145,14 @@ impl<'a> Trials<'a> {
         Ok(strictest)
     }
 
-    /// Returns the bound of the error at each camera, all or none of them. Where no shadow at all
-    /// would be no error, a bound that is relative to it bounds by 0.
+    /// Returns the error bound of each camera, all `Some` or all `None`. A relative bound is 0 if
+    /// no shadow at all has no error.
     fn limits(&mut self, bounds: &Bounds) -> Result<Vec<Option<f64>>, MeasureError> {
         let mut limits = Vec::new();
         for view in &mut self.views {
             let mut limit = bounds.max_error;
             if let Some(relative) = bounds.max_relative_error {
-                // By the lower limit, so that what is within it is within the bound but for one
-                // case in twenty.
+                // Use the lower limit, so that the bound holds in 19 of 20 cases.
                 let least = relative * error_of_no_shadow(view)?.low;
                 limit = Some(limit.map_or(least, |error| error.min(least)));
             }
@@ -159,7 +161,7 @@ impl<'a> Trials<'a> {
         Ok(limits)
     }
 
-    /// Returns the sums of all cameras.
+    /// Returns the sums over all cameras.
     pub(super) fn coverage(&self) -> Coverage {
         let all = self.views.iter().map(|view| view.sampled.coverage);
         let mut out = all.fold(Coverage::default(), Coverage::plus);
@@ -172,7 +174,7 @@ impl<'a> Trials<'a> {
         self.views.iter().map(|view| view.scene.traced()).sum()
     }
 
-    /// Forgets what was tried, as if truth were another.
+    /// Removes all evaluated settings, as if truth had changed.
     pub(super) fn forget(&mut self) {
         self.tried.clear();
         self.first_estimates.clear();
@@ -180,12 +182,12 @@ impl<'a> Trials<'a> {
         self.kept.clear();
     }
 
-    /// The number of settings tried.
+    /// Returns the number of settings evaluated.
     pub(super) fn count(&self) -> usize {
         self.tried.len()
     }
 
-    /// Returns all tried settings that are supported, by rising cost.
+    /// Returns all evaluated settings that are supported, by rising cost.
     pub(super) fn all(&self) -> Vec<&Setting> {
         let mut all: Vec<&Setting> = self.tried.values().flatten().collect();
         all.sort_by(|a, b| {
@@ -194,7 +196,8 @@ impl<'a> Trials<'a> {
         all
     }
 
-    /// Returns the tried settings that differ from a setting only in their bias, by rising error.
+    /// Returns the evaluated settings that differ from a setting only in their bias, by rising
+    /// error.
     pub(super) fn with_other_bias(&self, setting: &Setting) -> Vec<Setting> {
         let Some(map) = setting.preset.map() else {
             return Vec::new();
@@ -223,9 +226,9 @@ impl<'a> Trials<'a> {
         others
     }
 
-    /// Returns what a preset costs; none if it isn't supported at one of the cameras. A bias
-    /// changes the cost only by a rounding of the map's fit, so settings that differ in it alone
-    /// have one price.
+    /// Returns the cost of a preset, or `None` if it is not supported at one of the cameras. A bias
+    /// changes the cost only through rounding in the map's fit, so settings that differ only in
+    /// bias share a price.
     pub(super) fn price(
         &mut self,
         preset: &TechniquePreset,
@@ -240,7 +243,7 @@ impl<'a> Trials<'a> {
         Ok(prices)
     }
 
-    /// Returns the recipe at each camera; none if the preset isn't supported at one of them.
+    /// Returns the recipe at each camera, or `None` if the preset is not supported at one of them.
     pub(super) fn recipes(
         &self,
         preset: &TechniquePreset,
@@ -290,8 +293,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Whether what a preset draws is kept as the camera moves: a question of its technique, fit
-    /// and layout alone.
+    /// Returns whether the images of a preset are kept as the camera moves. This depends only on
+    /// its technique, fit and layout.
     fn is_kept(&mut self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
         let fit_and_layout = preset.map().map(|map| (map.fit, map.layout));
         let place = (preset.name(), fit_and_layout);
@@ -303,7 +306,7 @@ impl<'a> Trials<'a> {
         is_kept
     }
 
-    /// Tries a preset on the sample; none if it isn't supported.
+    /// Evaluates a preset on the sample. Returns `None` if it is not supported.
     pub(super) fn try_out(
         &mut self,
         preset: &TechniquePreset,
@@ -327,7 +330,7 @@ impl<'a> Trials<'a> {
         for (view, recipe) in self.views.iter_mut().zip(&recipes) {
             match view.sampled.estimate(&mut view.scene, recipe) {
                 Ok(estimate) => estimates.push(estimate.times(view.scale)),
-                // More than the backend holds.
+                // The recipe exceeds the backend's limits.
                 Err(BackendError::Invalid(_)) => return Ok(None),
                 Err(e) => return Err(e.into()),
             }
@@ -335,7 +338,7 @@ impl<'a> Trials<'a> {
         Ok(Some(self.setting(preset, &estimates, &prices)))
     }
 
-    /// Returns a setting with what was found at each camera.
+    /// Returns a setting with the estimates and prices of each camera.
     fn setting(
         &self,
         preset: &TechniquePreset,
@@ -374,8 +377,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Estimates the error of a setting that was tried from second samples, until a bound of the
-    /// error is decided, if there is one. What was tried remembers the new estimate.
+    /// Estimates the error of an evaluated setting from second samples, until an error bound (if
+    /// given) is decided. Stores the new estimate.
     pub(super) fn verify(
         &mut self,
         setting: &Setting,
@@ -415,7 +418,7 @@ impl<'a> Trials<'a> {
         Ok(verified)
     }
 
-    /// Measures the grain and the shimmer of a setting, those that have bounds; of several cameras
+    /// Measures the grain and the shimmer of a setting if they have bounds; with several cameras,
     /// the greatest.
     pub(super) fn endured(
         &mut self,
@@ -439,9 +442,9 @@ impl<'a> Trials<'a> {
         Ok(setting)
     }
 
-    /// Plays a preset on other scenes that the same cameras see, such as with fewer casters,
-    /// against the same samples. Returns its error, and what drawing and looking up cost,
-    /// milliseconds; none if it isn't supported there.
+    /// Evaluates a preset on other scenes with the same cameras and samples, such as scenes with
+    /// fewer casters. Returns its error, and the costs of drawing and lookup, milliseconds. Returns
+    /// `None` if it is not supported there.
     pub(super) fn play_elsewhere(
         &self,
         scenes: &mut [PlanScene<'_>],
@@ -468,7 +471,7 @@ impl<'a> Trials<'a> {
         Ok(Some((held(hold, &estimates), draw_ms, lookup_ms)))
     }
 
-    /// Returns what the first sample says of a setting, verified since or not.
+    /// Returns the first sample's estimate of a setting, verified since or not.
     pub(super) fn first_estimate(&self, setting: &Setting) -> Estimate {
         match self.first_estimates.get(&setting.preset) {
             Some(firsts) => held(self.counting.hold, firsts),

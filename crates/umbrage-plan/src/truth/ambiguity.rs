@@ -1,24 +1,23 @@
-//! Finds the pixels at which truth depends on rounding.
+//! Detection of pixels at which truth depends on rounding.
 //!
-//! Masks are compared with truth where every correct program must agree, however it rounds. So a
-//! pixel is ambiguous if its visibility changes within the rounding of:
+//! Masks are compared with truth only where all correct programs must agree, independent of their
+//! rounding. A pixel is therefore ambiguous if its visibility changes within the rounding of:
 //!
-//! * **Where the pixel lies.** Rasterisers place corners on grids of 1/256 or 1/16 pixel and round
-//!   projections before that: the image, and each triangle's by itself, may move by [`NUDGE`] in
-//!   any direction.
-//! * **Where the ray starts.** Its origin is rounded, and lifted off the surface by
-//!   [`origin_offset`](umbrage_core::light_sample::origin_offset): it may lie anywhere from the
-//!   surface to twice that above it, and as much aside as that. The triangle test of 32 bits moves
-//!   its triangles by no more (`hit.rs`).
-//! * **What is seen**, where two surfaces are as far away as each other within a depth buffer's
-//!   rounding. Such pixels show the wrong one; moving the image shows it.
+//! * **The pixel's position.** Rasterisers place corners on grids of 1/256 or 1/16 pixel, and round
+//!   projections before that. The image as a whole, and each triangle's image separately, may move
+//!   by [`NUDGE`] in any direction.
+//! * **The ray's origin.** It is rounded, and lifted off the surface by
+//!   [`origin_offset`](umbrage_core::light_sample::origin_offset). It may be anywhere from the
+//!   surface to twice that height, and as far to each side. The 32-bit triangle test moves its
+//!   triangles by no more (`hit.rs`).
+//! * **The visible surface**, where two surfaces have the same distance within a depth buffer's
+//!   rounding. Such pixels may show the wrong one; moving the image detects it.
 //!
-//! For ideal lights, shadows around a seen point are computed as polygons (`vicinity.rs`): the
-//! pixel is ambiguous if the point's surroundings hold both light and shadow, however thin either
-//! is. Moved images alone would miss what lies between them, such as the shadow of a wire. A
-//! fourfold offset alone misses what happens between the surface and the offset, and finds shadows
-//! that are farther away than any rounding. Moved images show what happens where another surface is
-//! seen.
+//! For ideal lights, shadows around a visible point are computed as polygons (`vicinity.rs`). The
+//! pixel is ambiguous if the point's surroundings contain both light and shadow, however thin.
+//! Moved images would miss details between them, such as the shadow of a wire. A fourfold offset
+//! would miss details between the surface and the offset, and detect shadows beyond any rounding.
+//! Moved images detect changes of the visible surface.
 
 use super::{
     options::{FindReceivers, TruthOptions},
@@ -31,36 +30,37 @@ use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::Light;
 
-/// How far rounding alone may move the image, pixels.
+/// Distance by which rounding may move the image, pixels.
 const NUDGE: f32 = 0.02;
 
-/// A movement of the image.
+/// Movement of the image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nudge {
-    /// How far, pixels.
+    /// Distance, pixels.
     pub(super) pixels: f32,
-    /// Whether pixels are ambiguous, too, that come to show nothing that receives, or no longer do.
+    /// True if pixels are also ambiguous where receivers appear or disappear.
     pub(super) outlines: bool,
 }
 
 impl Nudge {
-    /// What truth takes for rounding. Next to an outline it is no less sure of what is lit.
+    /// Movement that truth attributes to rounding. It does not make the lighting next to an outline
+    /// ambiguous.
     pub(super) const ROUNDING: Self = Self {
         pixels: NUDGE,
         outlines: false,
     };
 }
 
-/// By how much the rays' offset is multiplied, for lights with an extent.
+/// Factor on the rays' offset, for lights with an extent.
 const LIFT: f32 = 4.0;
 
-/// Images traced: as it is, with a greater offset (or the surroundings of its points), and moved in
-/// four directions.
+/// Number of traced images: the original, one with a greater offset (or the surroundings of its
+/// points), and four moved images.
 pub const PROBES: usize = 6;
 
-/// Returns for each pixel whether its visibility changes within rounding: the fraction of the light
-/// seen, 0 where unlit and 1 where nothing receives. For lights with an extent it must change by
-/// more than [`TruthOptions::ambiguous_change`].
+/// Returns for each pixel whether its visibility changes within rounding. The visibility is the
+/// visible fraction of the light, 0 for unlit pixels and 1 for pixels without a receiver. For
+/// lights with an extent, the change must exceed [`TruthOptions::ambiguous_change`].
 pub(super) fn find(
     asked: &TruthRequest<'_>,
     light: &Light,
@@ -74,6 +74,7 @@ pub(super) fn find(
         penumbra_factor: 1,
         ..*options
     };
+    // Trace the original image.
     let tracer = Tracer::new(asked.geometry, light, &probe)?;
     let change = if light.is_ideal() {
         0.0
@@ -81,6 +82,7 @@ pub(super) fn find(
         options.ambiguous_change
     };
     let base = asked.trace(&tracer, 1.0, report);
+    // Vary the ray's origin.
     let mut out = if light.is_ideal() {
         let out = light_and_shadow(asked, light, &base);
         report(out.len());
@@ -91,6 +93,7 @@ pub(super) fn find(
         mark_changes(&mut out, &base, &lifted, change);
         out
     };
+    // Move the image.
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
         let camera = asked.camera.nudged(direction * nudge.pixels);
         let receivers = find_receivers(&camera, asked.geometry)?;
@@ -118,8 +121,8 @@ fn mark_changes(out: &mut [bool], base: &[PointTruth], nudged: &[PointTruth], ch
     }
 }
 
-/// Returns for each pixel whether both light and shadow lie around the point that it shows, and
-/// matter there.
+/// Returns for each pixel whether there is both light and shadow around its point, and the
+/// difference matters.
 fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]) -> Vec<bool> {
     let vicinity = Vicinity::new(asked.camera, asked.geometry, light, f64::from(NUDGE));
     asked
@@ -132,7 +135,8 @@ fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]
         .collect()
 }
 
-/// Whether both lie around pixel `i`'s point. `ids` is scratch memory.
+/// Returns whether there is both light and shadow around the point of pixel `i`. `ids` is scratch
+/// memory.
 fn has_both(
     asked: &TruthRequest<'_>,
     vicinity: &Vicinity<'_>,
@@ -153,7 +157,7 @@ fn has_both(
     }
 }
 
-/// Returns the visibility that is compared: 0 where the point is unlit.
+/// Returns the visibility to compare: 0 if the point is unlit.
 fn answer(seen: &PointTruth) -> f32 {
     if seen.unlit { 0.0 } else { seen.visibility }
 }

@@ -1,5 +1,4 @@
-//! What truth says and what it calls ambiguous, against an oracle in 64 bits that asks every
-//! triangle.
+//! Tests of truth and its ambiguous pixels against a 64-bit oracle that tests every triangle.
 
 use super::super::{oracle::Oracle, *};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
@@ -7,7 +6,7 @@ use rayon::prelude::*;
 use umbrage_core::{Extents, Instance, Light, Mesh, Scene, light_sample::hash};
 use umbrage_cpu::Cpu;
 
-/// Triangles, and from where they are seen and lit.
+/// Triangles with a camera and a light.
 struct Case {
     name: &'static str,
     corners: Vec<[Vec3; 3]>,
@@ -15,7 +14,7 @@ struct Case {
     light: Light,
 }
 
-/// 0..1, the same for the same number.
+/// Returns a number in 0..1, the same for the same argument.
 fn random(i: u32) -> f32 {
     hash(i) as f32 / 4_294_967_296.0
 }
@@ -59,7 +58,7 @@ fn cuboid(at: Affine3A) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// Boxes turned every way, some through the floor.
+/// Returns boxes in many orientations, some through the floor.
 fn boxes() -> Vec<[Vec3; 3]> {
     let mut out = floor(4.0);
     for i in 0..8 {
@@ -79,7 +78,7 @@ fn boxes() -> Vec<[Vec3; 3]> {
     out
 }
 
-/// Wires from a thousandth of a pixel to a tenth, upright, level and slanted.
+/// Returns upright, level and slanted wires with widths from a thousandth of a pixel to a tenth.
 fn wires() -> Vec<[Vec3; 3]> {
     let mut out = floor(6.0);
     for i in 0..60 {
@@ -97,8 +96,7 @@ fn wires() -> Vec<[Vec3; 3]> {
     out
 }
 
-/// Boxes that stand on the floor, and plates from a ten-millionth of a metre to a centimetre above
-/// it.
+/// Returns boxes on the floor, and plates from a ten-millionth of a metre to a centimetre above it.
 fn contacts() -> Vec<[Vec3; 3]> {
     let mut out = floor(4.0);
     for i in 0..10 {
@@ -130,7 +128,7 @@ fn contacts() -> Vec<[Vec3; 3]> {
     out
 }
 
-/// A finely cut ball over the floor: shared edges everywhere.
+/// Returns a finely tessellated sphere above the floor, with shared edges everywhere.
 fn ball() -> Vec<[Vec3; 3]> {
     let at = |ring: u32, side: u32| {
         let (s, c) = (ring as f32 / 16.0 * std::f32::consts::PI).sin_cos();
@@ -184,7 +182,7 @@ fn cases() -> Vec<Case> {
     out
 }
 
-/// Boxes so far from the origin, whose corners are rounded.
+/// Returns boxes this far from the origin, with rounded corners.
 fn far_case(metres: f32) -> Case {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
     let corners = boxes().into_iter().map(|t| t.map(|c| c + at)).collect();
@@ -244,11 +242,11 @@ fn truth_of(case: &Case) -> (Geometry, Truth) {
     (geometry, truth)
 }
 
-/// A pixel, the triangle that it shows, and truth's answer.
+/// Pixel, the triangle that it shows, and its truth.
 type TruthRequest = ([u32; 2], Option<u32>, f64);
 
-/// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how
-/// many there are.
+/// Returns the number of pixels that the oracle contradicts and the total, among the pixels that
+/// are marked, or those that aren't.
 fn contradicted(
     case: &Case,
     marked: bool,
@@ -279,12 +277,12 @@ fn contradicted(
     [pixels.par_iter().filter(is_wrong).count(), pixels.len()]
 }
 
-/// What isn't marked is what the oracle says, and stays so wherever rounding may move it on the
-/// surface that is seen.
+/// Unmarked pixels agree with the oracle, also wherever rounding may move them on the visible
+/// surface.
 #[test]
 fn answers_that_are_not_ambiguous_are_right() {
     for case in cases() {
-        // The vicinity holds a circle of cos(pi / 16) times its radius.
+        // The vicinity contains a circle of cos(pi / 16) times its radius.
         let [wrong, pixels] = contradicted(&case, false, |oracle, (pixel, shown, value)| {
             oracle.answer(pixel, None) != value
                 || shown.is_some() && oracle.changes(pixel, shown, 0.0196, 1.0, 24)
@@ -297,8 +295,8 @@ fn answers_that_are_not_ambiguous_are_right() {
     }
 }
 
-/// Far away a camera's matrix is rounded so that images lie some pixels aside, the same ones in all
-/// backends. Of the triangles that are shown, the answers are right.
+/// Far from the origin, a camera's matrix is rounded so that images move by several pixels, the
+/// same in all backends. The results are right for the triangles that are shown.
 #[test]
 fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     for (metres, least) in [(1e3, 6_000), (1e4, 5_000), (1e5, 3_000), (1e6, 1_000)] {
@@ -313,8 +311,8 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     }
 }
 
-/// What is marked does change within what rounding may move, or just beyond: the corners of what it
-/// may are too small for samples.
+/// Marked pixels change within the limits of rounding, or slightly beyond: the corners of the
+/// limits are too small for samples.
 #[test]
 fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
@@ -331,5 +329,5 @@ fn ambiguous_answers_change_within_rounding() {
         );
         marked += pixels;
     }
-    assert!(marked > 200, "the test tells little: {marked}");
+    assert!(marked > 200, "too few marked pixels: {marked}");
 }

@@ -9,8 +9,8 @@ use umbrage_core::{
     metrics::CONTACT,
 };
 
-/// Returns the distance from each receiver to the blocker nearest to the light, on the way to the
-/// light's center, metres; infinite where there is none, or where the whole light is seen.
+/// Returns the distance from each receiver to the blocker nearest to the light, towards the light's
+/// centre, metres. Returns infinity without a blocker, or if the whole light is visible.
 pub(super) fn find(
     light: &Light,
     geometry: &Geometry,
@@ -18,7 +18,7 @@ pub(super) fn find(
     seen: &[PointTruth],
 ) -> Vec<f32> {
     let sampler = LightSampler::new(light);
-    // Receivers lie within the bounds, so this reaches beyond them from everywhere.
+    // Receivers are within the bounds, so this exceeds the bounds from every receiver.
     let reach = (2.0 * geometry.bounds().diagonal()).min(FARTHEST);
     (0..seen.len())
         .into_par_iter()
@@ -33,7 +33,7 @@ pub(super) fn find(
         .collect()
 }
 
-/// Returns the distance from receiver `i`, metres; infinite without a blocker. `reach` is the
+/// Returns the distance from receiver `i`, metres, or infinity without a blocker. `reach` is the
 /// length of rays to directional lights, metres.
 fn distance(
     light: &LightSampler,
@@ -44,7 +44,7 @@ fn distance(
 ) -> f32 {
     let o = receivers.position(i);
     let d = segment(light, o, Vec2::splat(0.5), reach);
-    // From the light on, so that the first blocker met is the one that a map shows.
+    // Trace from the light, so that the first blocker is the one that a map stores.
     let from_light = geometry
         .bvh()
         .nearest(geometry, o + d, -d, receivers.triangle[i]);

@@ -1,4 +1,4 @@
-//! Truth at the pixels of a request, with the ambiguous ones marked.
+//! Truth at the pixels of a request, with ambiguous pixels marked.
 
 use super::{
     ambiguity::{self, Nudge},
@@ -16,7 +16,7 @@ pub(super) struct JudgedPoints {
     pub(super) ambiguous: Vec<bool>,
 }
 
-/// Traces truth at the pixels of a request, and finds the ambiguous ones.
+/// Traces truth at the pixels of a request, and marks the ambiguous ones.
 pub(super) fn judge(
     asked: &TruthRequest<'_>,
     light: &Light,
@@ -32,7 +32,7 @@ pub(super) fn judge(
     Ok(JudgedPoints { seen, ambiguous })
 }
 
-/// Returns what a pixel counts as.
+/// Returns the class of a pixel.
 pub(super) fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
     if !receives {
         Pixel::Empty

@@ -1,10 +1,11 @@
-//! Ray-traced truth: the unweighted fraction of the light that each seen point sees.
+//! Ray-traced truth: the unweighted fraction of the light that is visible from each visible point.
 //!
 //! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points
-//! below its tangent plane are not seen. Rays start a few units in the last place above the
-//! surface, in proportion to the lengths in play (so the same scene at another scale gives the same
-//! mask), skip the receiver's own triangle, and end 2^-14 of their length before the light (a
-//! lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
+//! below its tangent plane are not visible. Rays start a few units in the last place above the
+//! surface, in proportion to the lengths of the scene. The same scene at another scale thus has the
+//! same mask. Rays skip the receiver's own triangle, and end 2^-14 of their length before the
+//! light, so that a light's own mesh doesn't hide it. The samples are those of
+//! [`umbrage_core::light_sample`].
 
 mod ambiguity;
 mod blockers;
@@ -35,23 +36,23 @@ use umbrage_core::{
 };
 use web_time::{Duration, Instant};
 
-/// What every technique's mask is compared with.
+/// Reference for the masks of all techniques.
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// Image size, pixels.
     pub size: UVec2,
-    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives. A preview
-    /// where pixels are unsampled.
+    /// Visible fraction of the light, 0..=1, rows from the top; 1 without a receiver. It is a
+    /// preview at unsampled pixels.
     pub visibility: Vec<f32>,
     /// Standard error of `visibility`, 0..=1; 0 for ideal lights.
     pub error: Vec<f32>,
-    /// What counts: which pixels are empty, unlit or ambiguous.
+    /// Class of each pixel, such as empty, unlit or ambiguous.
     pub pixels: Vec<Pixel>,
-    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of
-    /// unlit pixels. False beside the sample that is judged.
+    /// True if the visibility changes when the image moves by .02 pixels or the ray offset changes,
+    /// including unlit pixels. False outside the sample.
     pub ambiguous: Vec<bool>,
-    /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where
-    /// there is none.
+    /// Distance from each shadowed receiver to the blocker nearest to the light, metres; infinite
+    /// without a blocker.
     pub blocker: Vec<f32>,
     /// Blockers closer than this touch their shadows, metres.
     pub contact: f32,
@@ -59,7 +60,7 @@ pub struct Truth {
     pub receivers: Receivers,
     /// The [`Geometry::fingerprint`] of the triangles.
     pub fingerprint: u64,
-    /// How long it took.
+    /// Time that it took.
     pub elapsed: Duration,
 }
 
@@ -76,10 +77,10 @@ impl Truth {
         [mean as f32, max]
     }
 
-    /// Returns what is needed to tell the causes of a mask's error apart.
+    /// Returns the data for separating the causes of a mask's error.
     ///
     /// # Errors
-    /// Errors if the fields don't fit each other.
+    /// Errors if the fields are inconsistent.
     pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
         TruthImage::new(
             self.size,
@@ -90,7 +91,7 @@ impl Truth {
         )
     }
 
-    /// Whether the light's shadow, or part of it, falls on any pixel that counts.
+    /// Returns whether the light's shadow or penumbra covers any pixel that counts.
     pub fn has_shadow(&self) -> bool {
         self.visibility
             .iter()
@@ -99,7 +100,7 @@ impl Truth {
     }
 }
 
-/// Traces truth for what the camera sees.
+/// Traces truth for the points visible to the camera.
 ///
 /// # Errors
 /// Errors if the camera or light is not valid, or receivers cannot be found.
@@ -139,16 +140,16 @@ pub fn trace(
 /// Truth at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelTruth {
-    /// As [`Truth::visibility`].
+    /// Visible fraction of the light: [`Truth::visibility`].
     pub visibility: f32,
-    /// As [`Truth::error`].
+    /// Standard error: [`Truth::error`].
     pub error: f32,
-    /// As [`Truth::pixels`].
+    /// Class of the pixel: [`Truth::pixels`].
     pub pixel: Pixel,
 }
 
-/// Traces truth at some pixels of what a camera sees, in the order of the request's pixels. It is
-/// the same, bit by bit, as that of [`trace`] at these pixels.
+/// Traces truth at some pixels of a camera's image, in the order of the request's pixels. The
+/// result has the bits of [`trace`] at these pixels.
 ///
 /// # Errors
 /// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
@@ -172,8 +173,7 @@ pub fn trace_pixels(
     Ok(out)
 }
 
-/// Returns for each pixel of a request whether truth will be [`Pixel::Unlit`] there. That takes no
-/// rays.
+/// Returns for each pixel of a request whether truth will be [`Pixel::Unlit`]. It traces no rays.
 ///
 /// # Errors
 /// Errors if the light is not valid.
@@ -185,15 +185,16 @@ pub(crate) fn unlit(
     Ok(request.unlit(&Tracer::new(request.geometry, light, options)?))
 }
 
-/// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this
-/// step, pixels. None if the step is no larger than what truth itself allows for rounding (nudges
-/// by .02 pixels), so that [`Truth::ambiguous`] holds.
+/// Returns truth's ambiguous pixels on a device whose sub-pixel grid has this step, pixels.
 ///
-/// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge
-/// by up to `sqrt(1/2)` steps across itself. A shadow's edge is where two things meet, what throws
-/// it and what it falls on: `sqrt(2)` steps. Nudges of the image by two steps along each axis move
-/// every edge by as much at least. Outlines count, too: there the device's depth is that of a plane
-/// beyond its edge.
+/// Returns `None` if the step is no larger than the rounding that truth itself allows (movements by
+/// .02 pixels), so that [`Truth::ambiguous`] holds.
+///
+/// Devices move a vertex by up to half a step horizontally and vertically, so an edge moves by up
+/// to `sqrt(1/2)` steps across itself. A shadow's edge depends on the caster's edge and the
+/// receiver: `sqrt(2)` steps. Moving the image by two steps along each axis moves every edge by at
+/// least as much. Outlines also count, since the device extrapolates depth beyond the edge of a
+/// plane.
 ///
 /// # Errors
 /// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
@@ -213,6 +214,7 @@ pub fn ambiguous_on(
     if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
+    // Collect the sampled pixels.
     let mut pixels = Vec::new();
     for i in 0..truth.receivers.len() {
         if truth.pixels[i] != Pixel::Unsampled {
@@ -225,6 +227,7 @@ pub fn ambiguous_on(
         receivers: &truth.receivers,
         pixels: &pixels,
     };
+    // Find the ambiguous ones.
     let found = ambiguity::find(&asked, light, options, nudge, find, &|_| {})?;
     let mut out = vec![false; truth.receivers.len()];
     for (&i, ambiguous) in pixels.iter().zip(found) {

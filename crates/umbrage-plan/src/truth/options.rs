@@ -1,24 +1,24 @@
-//! Options of tracing truth, and the functions that it calls.
+//! Options for tracing truth, and its callbacks.
 
 use umbrage_core::{BackendError, Camera, Geometry, Receivers};
 
-/// How carefully truth is traced.
+/// Precision of truth.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TruthOptions {
-    /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights take one.
+    /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights use one.
     pub samples: u32,
-    /// Receivers in penumbra get this many times as many rays, 1 or more.
+    /// Factor on the rays of receivers in penumbra, 1 or more.
     pub penumbra_factor: u32,
-    /// Rays a receiver for finding out whether its visibility is ambiguous.
+    /// Rays a receiver for finding ambiguous pixels.
     pub probe_samples: u32,
-    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the
-    /// noise of `probe_samples` rays across one edge (each misplaced edge costs about one sample
-    /// per row of the square they form), and well below what a surface or shadow edge moved by .02
-    /// pixels changes.
+    /// Change of a penumbra's visibility above which a moved pixel is ambiguous, 0..=1. The default
+    /// is twice the noise of `probe_samples` rays across one edge (each misplaced edge costs about
+    /// one sample per row of the square they form). It is well below the change from moving a
+    /// surface or shadow edge by .02 pixels.
     pub ambiguous_change: f32,
-    /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1
-    /// judges all pixels. The others get a preview of a few rays, which tells where shadows' edges
-    /// lie and counts in no error ([`Pixel::Unsampled`](umbrage_core::metrics::Pixel::Unsampled)).
+    /// Side of the square blocks of pixels of which one random pixel each is evaluated; 1 evaluates
+    /// all. The other pixels get a preview of a few rays. It shows the shadows' edges and counts in
+    /// no error ([`Pixel::Unsampled`](umbrage_core::metrics::Pixel::Unsampled)).
     pub block_side: u32,
 }
 
@@ -34,8 +34,8 @@ impl Default for TruthOptions {
     }
 }
 
-/// Finds the receivers that a camera sees, such as `Cpu::receivers`.
+/// Callback that finds the receivers visible to a camera, such as `Cpu::receivers`.
 pub type FindReceivers<'a> = dyn FnMut(&Camera, &Geometry) -> Result<Receivers, BackendError> + 'a;
 
-/// Called with the work done and the work in all, in receivers, from any thread.
+/// Callback that receives the work done and the total work, in receivers, from any thread.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;

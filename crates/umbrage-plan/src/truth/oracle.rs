@@ -1,10 +1,10 @@
-//! Test support: computes truth in another way, to compare with. Every triangle is tested, in 64
-//! bits, by the signs of volumes (Segura, Feito 2001, "Algorithms to Test Ray-Triangle
-//! Intersection"): no hierarchy, no shear, no polygons.
+//! Independent computation of truth for tests. It tests every triangle, in 64 bits, by the signs of
+//! volumes (Segura, Feito 2001, "Algorithms to Test Ray-Triangle Intersection"), without a
+//! hierarchy, shear or polygons.
 //!
-//! Its own rounding is some 2^-50 of the lengths in play, a millionth of that of 32 bits. A
-//! visibility is certain if it stays the same while the pixel and the shadow ray's origin are moved
-//! at random within given limits.
+//! Its rounding is about 2^-50 of the scene's lengths, a millionth of that of 32 bits. A visibility
+//! is certain if it stays the same while the pixel and the shadow ray's origin move at random
+//! within given limits.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, Mat4, Vec3, Vec4};
 use std::ops::Range;
@@ -21,24 +21,25 @@ pub(super) struct Oracle<'a> {
     light: &'a Light,
 }
 
-/// How the pixel's ray and the shadow ray's origin are moved.
+/// Movement of the pixel's ray and the shadow ray's origin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
-    /// The image, pixels.
+    /// Movement of the image, pixels.
     pixels: DVec2,
-    /// The ray's origin, in multiples of the traced offset: along two axes of the surface, and up.
+    /// Movement of the ray's origin, in multiples of the traced offset: along two axes of the
+    /// surface, and up.
     offsets: DVec3,
 }
 
-/// A ray from the camera.
+/// Ray from the camera.
 struct OracleRay {
     origin: DVec3,
     direction: DVec3,
 }
 
-/// A triangle that a ray meets.
+/// Intersection of a ray with a triangle.
 struct Hit {
-    /// In lengths of the ray's direction.
+    /// Distance, in lengths of the ray's direction.
     t: f64,
     id: u32,
 }
@@ -58,13 +59,14 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Returns the fraction of the light that a pixel sees: 0 where it is unlit, 1 where nothing
-    /// receives. `shown` is the triangle that the pixel shows, if it is given; else it is found.
+    /// Returns the fraction of the light visible from a pixel: 0 if it is unlit, 1 without a
+    /// receiver. `shown` is the triangle that the pixel shows, or `None` to find it.
     pub(super) fn answer(&self, pixel: [u32; 2], shown: Option<u32>) -> f64 {
         self.visibility(pixel, Moved::default(), shown)
     }
 
     fn visibility(&self, pixel: [u32; 2], moved: Moved, shown: Option<u32>) -> f64 {
+        // Find the visible triangle.
         let ray = self.ray(center(pixel) + moved.pixels);
         let hit = match shown {
             Some(id) => Some(Hit {
@@ -77,6 +79,7 @@ impl<'a> Oracle<'a> {
             return 1.0;
         };
         let eye = ray.origin;
+        // Compute the shadow ray's origin.
         let p = eye + ray.direction * hit.t;
         let corners = self.corners[hit.id as usize];
         let across = (corners[1] - corners[0])
@@ -93,8 +96,8 @@ impl<'a> Oracle<'a> {
             .into_iter()
             .fold((eye - p).length().max(p.abs().max_element()), f64::max);
         let by = moved.offsets * length * f64::from(LIFT);
-        // The least height keeps neighbors in the same plane, whose corners are rounded, from
-        // shadowing each other.
+        // The least height keeps neighbours in the same plane, with rounded corners, from shadowing
+        // each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
         let to_light = self.to_light(o, length);
         let is_facing = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
@@ -102,7 +105,7 @@ impl<'a> Oracle<'a> {
         f64::from(u8::from(is_lit))
     }
 
-    /// Returns the triangle that a ray meets first.
+    /// Returns the first triangle that a ray intersects.
     fn nearest(&self, ray: &OracleRay) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         for (id, corners) in (0..).zip(&self.corners) {
@@ -117,7 +120,7 @@ impl<'a> Oracle<'a> {
         nearest
     }
 
-    /// Whether any caster but the triangle `own` lies on the way from `o` to the light.
+    /// Returns whether any caster except the triangle `own` is between `o` and the light.
     fn is_shadowed(&self, o: DVec3, to_light: DVec3, own: u32) -> bool {
         self.casters.clone().filter(|&id| id != own).any(|id| {
             let t = meets(o, to_light, &self.corners[id as usize]);
@@ -125,9 +128,9 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    /// Whether the visibility changes within `pixels` of the pixel's center and `offsets` of the
-    /// traced ray's offset, by `samples` random movements. If the triangle that the pixel shows is
-    /// given, no other triangle hides it: rounding moves each triangle's image by itself.
+    /// Returns whether the visibility changes within `pixels` of the pixel's centre and `offsets`
+    /// of the traced ray's offset, by `samples` random movements. If `shown` is given, no other
+    /// triangle hides it, since rounding moves each triangle's image separately.
     pub(super) fn changes(
         &self,
         pixel: [u32; 2],
@@ -138,7 +141,7 @@ impl<'a> Oracle<'a> {
     ) -> bool {
         let unmoved = self.answer(pixel, shown);
         (0..samples).any(|i| {
-            // The first ones to the rim, along the axes.
+            // Move the first ones to the border, along the axes.
             let angle;
             let share;
             if i < 4 {
@@ -154,7 +157,7 @@ impl<'a> Oracle<'a> {
                 pixels: DVec2::from_angle(std::f64::consts::TAU * angle) * pixels * share,
                 offsets: aside.extend(up) * offsets,
             };
-            // A moved ray that misses the given triangle says nothing about it.
+            // Skip moved rays that miss the given triangle.
             let is_beside = shown.is_some_and(|id| self.misses(pixel, moved, id));
             !is_beside && self.visibility(pixel, moved, shown) != unmoved
         })
@@ -165,7 +168,7 @@ impl<'a> Oracle<'a> {
         meets(ray.origin, ray.direction, &self.corners[id as usize]).is_none()
     }
 
-    /// Returns the camera's ray through a place of the image, pixels from its top left.
+    /// Returns the camera's ray through a point of the image, pixels from its top left.
     fn ray(&self, at: DVec2) -> OracleRay {
         let world_from_view =
             DAffine3::from_mat4(Mat4::from(self.camera.world_from_view).as_dmat4());
@@ -193,7 +196,7 @@ impl<'a> Oracle<'a> {
                 (position.as_dvec3() - o) * f64::from(SHORT)
             }
             Light::Rect { .. } | Light::Disc { .. } => {
-                panic!("the oracle knows ideal lights alone")
+                panic!("the oracle only supports ideal lights")
             }
         }
     }
@@ -228,7 +231,7 @@ fn center(pixel: [u32; 2]) -> DVec2 {
     DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5)
 }
 
-/// Returns where the line from `o` meets a triangle, in lengths of `d`.
+/// Returns the intersection of the line from `o` with a triangle, in lengths of `d`.
 fn meets(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> Option<f64> {
     let [a, b, c] = corners.map(|v| v - o);
     let volumes = [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))];
@@ -237,7 +240,7 @@ fn meets(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> Option<f64> {
     (inside && t.is_finite()).then_some(t)
 }
 
-/// Returns where the line from `o` meets a triangle's plane, in lengths of `d`.
+/// Returns the intersection of the line from `o` with a triangle's plane, in lengths of `d`.
 fn distance_to_plane(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> f64 {
     let edge_1 = corners[1] - corners[0];
     let edge_2 = corners[2] - corners[0];

@@ -1,4 +1,4 @@
-//! Traces truth at given points.
+//! Truth at given points.
 
 use super::{
     options::TruthOptions,
@@ -10,25 +10,24 @@ use umbrage_core::{
     Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers, invalid::finite, light_sample,
 };
 
-/// A point that may be lit.
+/// Point that may be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceiverPoint {
     /// World position, metres.
     pub position: Vec3,
-    /// Geometric unit normal, on the side that is seen.
+    /// Geometric unit normal, on the visible side.
     pub normal: Vec3,
-    /// The triangle that it lies on and that never shadows it; [`NO_TRIANGLE`] if unknown.
+    /// Triangle that contains the point and never shadows it; [`NO_TRIANGLE`] if unknown.
     pub triangle: u32,
-    /// The greatest length in play beside the position's coordinates, metres: the distance to the
-    /// eye, or the triangle's extent. The ray's offset is in proportion to it.
+    /// Greatest length other than the position's coordinates, metres: the distance to the eye, or
+    /// the triangle's extent. The ray's offset is proportional to it.
     pub reach: f32,
-    /// Scrambles the samples: [`light_sample::seed`].
+    /// Scrambling seed of the samples: [`light_sample::seed`].
     pub seed: u32,
 }
 
 impl ReceiverPoint {
-    /// Returns a point that no camera sees. Its ray's offset is in proportion to the whole
-    /// geometry.
+    /// Returns a point without a camera. Its ray's offset is proportional to the whole geometry.
     pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -45,10 +44,10 @@ impl ReceiverPoint {
         }
     }
 
-    /// Returns the point at pixel `i` of what a camera sees.
+    /// Returns the point that a camera sees at pixel `i`.
     ///
     /// # Panics
-    /// Panics if there is no such pixel, or nothing is seen there.
+    /// Panics if there is no such pixel, or it shows nothing.
     pub fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
         let position = receivers.position(i);
         let triangle = receivers.triangle[i];
@@ -71,16 +70,16 @@ impl ReceiverPoint {
 /// Truth at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointTruth {
-    /// Fraction of the light seen, 0..=1.
+    /// Visible fraction of the light, 0..=1.
     pub visibility: f32,
-    /// Its standard error; 0 for ideal lights.
+    /// Standard error of the visibility; 0 for ideal lights.
     pub error: f32,
-    /// Whether the point faces wholly away from the light or lies outside a spot's outer cone.
+    /// True if the point faces entirely away from the light or is outside a spot's outer cone.
     pub unlit: bool,
 }
 
 impl PointTruth {
-    /// Truth where nothing receives.
+    /// Truth of pixels without a receiver.
     pub(super) const NOTHING: Self = Self {
         visibility: 1.0,
         error: 0.0,
@@ -91,7 +90,7 @@ impl PointTruth {
 /// Traces truth at given points, on all cores.
 ///
 /// # Errors
-/// Errors if the light is not valid or a point holds numbers that are not finite.
+/// Errors if the light is not valid, or a point has numbers that are not finite.
 pub fn trace_points(
     geometry: &Geometry,
     light: &Light,
@@ -111,24 +110,25 @@ pub fn trace_points(
         .collect())
 }
 
-/// The pixels of an image at which truth is traced.
+/// Pixels of an image at which truth is traced.
 #[derive(Clone, Copy, Debug)]
 pub struct TruthRequest<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// The triangles.
     pub geometry: &'a Geometry,
-    /// What the camera sees of them.
+    /// Points visible to the camera.
     pub receivers: &'a Receivers,
-    /// Indices of the pixels, within the image.
+    /// Indices of the pixels in the image.
     pub pixels: &'a [u32],
 }
 
-/// Pixels that one thread traces before it reports. Neighbors' rays often meet the same occluder.
+/// Number of pixels that one thread traces before it reports. Neighbours' rays often hit the same
+/// occluder.
 const CHUNK: usize = 256;
 
 impl TruthRequest<'_> {
-    /// Traces truth at the pixels, in their order; `lift` multiplies the rays' offset.
+    /// Traces truth at the pixels, in order. `lift` multiplies the rays' offset.
     pub(super) fn trace(
         &self,
         tracer: &Tracer,
@@ -157,7 +157,7 @@ impl TruthRequest<'_> {
         out
     }
 
-    /// Returns for each pixel whether it shows a receiver that is unlit, without rays.
+    /// Returns for each pixel whether it shows an unlit receiver, without rays.
     pub(super) fn unlit(&self, tracer: &Tracer) -> Vec<bool> {
         self.pixels
             .par_iter()

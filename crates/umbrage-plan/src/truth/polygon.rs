@@ -1,21 +1,21 @@
-//! Convex polygons in the plane: cut, taken from each other, and measured. In 64 bits.
+//! Convex polygons in the plane, in 64 bits: clipping, subtraction and areas.
 
 use glam::DVec2;
 
-/// Corners of a convex polygon, counter-clockwise; fewer than three are nothing.
+/// Corners of a convex polygon, counter-clockwise. Fewer than three corners are the empty set.
 pub(super) type Polygon = Vec<DVec2>;
 
-/// The area of a polygon: positive if its corners run counter-clockwise.
+/// Returns the area of a polygon, positive if its corners are counter-clockwise.
 pub(super) fn area(p: &[DVec2]) -> f64 {
     let Some(&first) = p.first() else { return 0.0 };
-    // From one corner, so that digits are not lost far from the origin.
+    // Measure from one corner, to keep precision far from the origin.
     p.windows(2)
         .map(|w| (w[0] - first).perp_dot(w[1] - first))
         .sum::<f64>()
         / 2.0
 }
 
-/// Corners in counter-clockwise order, whichever they come in.
+/// Returns the corners in counter-clockwise order.
 pub(super) fn counter_clockwise(mut p: Polygon) -> Polygon {
     if area(&p) < 0.0 {
         p.reverse();
@@ -23,13 +23,13 @@ pub(super) fn counter_clockwise(mut p: Polygon) -> Polygon {
     p
 }
 
-/// The part of a polygon to the left of the line from `a` to `b`.
+/// Returns the part of a polygon to the left of the line from `a` to `b`.
 pub(super) fn left_of(p: &[DVec2], a: DVec2, b: DVec2) -> Polygon {
     cut(p, |q| (b - a).perp_dot(q - a))
 }
 
-/// The part of a polygon, of points of any kind, where a linear function is at least 0: Sutherland,
-/// Hodgman 1974, "Reentrant Polygon Clipping".
+/// Returns the part of a polygon, with corners of any type, where a linear function is at least 0
+/// (Sutherland, Hodgman 1974, "Reentrant Polygon Clipping").
 pub(super) fn cut<
     P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P> + std::ops::Mul<f64, Output = P>,
 >(
@@ -55,12 +55,12 @@ pub(super) fn cut<
     out
 }
 
-/// Whether a point lies in a polygon, or on its edge.
+/// Returns whether a point is in a polygon, or on its edge.
 pub(super) fn contains(p: &[DVec2], q: DVec2) -> bool {
     edges(p).all(|[a, b]| (b - a).perp_dot(q - a) >= 0.0)
 }
 
-/// Some points in a polygon: the mean of its corners, and one near each corner.
+/// Returns some points in a polygon: the mean of its corners, and one near each corner.
 pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
     let middle = p.iter().sum::<DVec2>() / p.len().max(1) as f64;
     std::iter::once(middle)
@@ -68,13 +68,12 @@ pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
         .collect()
 }
 
-/// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all
-/// is the other polygon.
+/// Returns the intersection of two polygons. A `q` without corners clips nothing.
 pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
     let mut part = p.to_vec();
     for [a, b] in edges(q) {
         let along = b - a;
-        // Most edges leave all or nothing: that is found without a copy.
+        // Most edges keep all or nothing: test this without a copy.
         let inside = part.iter().filter(|&&c| along.perp_dot(c - a) >= 0.0);
         let inside = inside.count();
         if inside == 0 {
@@ -87,7 +86,7 @@ pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
     part
 }
 
-/// Returns what is left of `pieces` without `q`. Parts of less area than `dust` are dropped.
+/// Returns `pieces` without `q`. Parts with an area up to `dust` are dropped.
 pub(super) fn without(pieces: Vec<Polygon>, q: &[DVec2], dust: f64) -> Vec<Polygon> {
     if area(q) <= dust {
         return pieces;
@@ -115,8 +114,8 @@ fn edges(p: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
     p.iter().zip(ends).map(|(&a, &b)| [a, b])
 }
 
-/// The least convex polygon around some points: Andrew 1979, "Another efficient algorithm for
-/// convex hulls in two dimensions".
+/// Returns the convex hull of some points (Andrew 1979, "Another efficient algorithm for convex
+/// hulls in two dimensions").
 pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut out = half_hull(points.iter());
@@ -124,12 +123,12 @@ pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
     out
 }
 
-/// The hull's side to the right of the way through sorted points: from the first one up to the
-/// last, which is left out.
+/// Returns the part of the hull to the right of the path through sorted points, from the first one
+/// up to the last, exclusive.
 fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
     let mut out: Polygon = Vec::new();
     for &p in points {
-        // A corner at which the chain does not turn left is none.
+        // Remove a corner at which the chain does not turn left.
         while let [.., a, b] = out[..]
             && (b - a).perp_dot(p - a) <= 0.0
         {
@@ -141,16 +140,15 @@ fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
     out
 }
 
-/// The Minkowski sum of two convex polygons that [`hull`] made: all sums of a point of each. Its
-/// edges are those of both, in the order of their directions: de Berg, Cheong, van Kreveld,
-/// Overmars 2008, "Computational Geometry", 13.3.
+/// Returns the Minkowski sum of two convex polygons from [`hull`]: all sums of a point of each. Its
+/// edges are those of both, in the order of their directions (de Berg, Cheong, van Kreveld,
+/// Overmars 2008, "Computational Geometry", 13.3).
 pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
     let mut out = Vec::with_capacity(p.len() + q.len());
     if p.is_empty() || q.is_empty() {
         return out;
     }
-    // Both start at their corner of least x, so both run through the directions from straight down
-    // on.
+    // Both start at their corner of least x, so both directions start straight down.
     let (mut i, mut j) = (0, 0);
     while i < p.len() || j < q.len() {
         let corner = [p[i % p.len()], q[j % q.len()]];
@@ -158,7 +156,8 @@ pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
         let p_edge = p[(i + 1) % p.len()] - corner[0];
         let q_edge = q[(j + 1) % q.len()] - corner[1];
         let turn = p_edge.perp_dot(q_edge);
-        // Of parallel edges, both. (A direction that is no number is as good as any.)
+        // Advance both if the edges are parallel. (A direction that is not a number can take any
+        // branch.)
         let q_is_first = turn < 0.0;
         let p_is_first = turn > 0.0;
         let p_is_next = j == q.len() || (i < p.len() && !q_is_first);
@@ -173,7 +172,7 @@ pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
 mod tests {
     use super::{DVec2, area, hull, minkowski_sum};
 
-    /// Points on an ellipse, turned by some angle.
+    /// Returns points on an ellipse, rotated by an angle.
     fn ellipse(count: u32, axes: [f64; 2], turn: f64) -> Vec<DVec2> {
         let rotation = DVec2::from_angle(turn);
         let step = std::f64::consts::TAU / f64::from(count);
@@ -181,7 +180,7 @@ mod tests {
         (0..count).map(|k| rotation.rotate(point(k))).collect()
     }
 
-    /// The hull of every sum of two corners, which needs no order of edges.
+    /// Returns the hull of all sums of two corners, which needs no order of edges.
     fn hull_of_sums(p: &[DVec2], q: &[DVec2]) -> Vec<DVec2> {
         let sums = p.iter().flat_map(|&a| q.iter().map(move |&b| a + b));
         hull(sums.collect())
@@ -194,7 +193,7 @@ mod tests {
             ellipse(16, [1.0, 1e-6], 0.7),
             ellipse(4, [0.3, 0.3], std::f64::consts::FRAC_PI_4),
             ellipse(7, [1e-3, 2.0], 1.5),
-            // A segment, upright and not, and a point.
+            // A vertical and a slanted segment, and a point.
             vec![DVec2::ZERO, DVec2::Y],
             vec![DVec2::X, DVec2::new(-2.0, 0.5)],
             vec![DVec2::new(3.0, -1.0); 4],
@@ -208,8 +207,8 @@ mod tests {
                     (area(&sum) - area(&other)).abs() <= 1e-12 * (1.0 + area(&other)),
                     "{p:?} and {q:?}: {sum:?}, not {other:?}"
                 );
-                // Corners in the midst of a side come and go by rounding. How far both reach, in
-                // any direction, does not.
+                // Corners in the middle of a side depend on rounding. The extent in each direction
+                // does not.
                 for direction in ellipse(64, [1.0, 1.0], 0.01) {
                     let reach = |p: &[DVec2]| {
                         let dots = p.iter().map(|c| c.dot(direction));

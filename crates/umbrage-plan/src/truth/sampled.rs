@@ -1,9 +1,8 @@
-//! Truth at a stratified sample of an image's pixels, and a preview of it at the others.
+//! Truth at a stratified sample of an image's pixels, with a preview at the others.
 //!
-//! The image is cut into square blocks, of each of which one pixel is drawn at random (stratified
-//! sampling: Cochran 1977, "Sampling techniques", 5). Every pixel has the same chance of being
-//! drawn but in the blocks that the image's right and lower edges cut, whose pixels have a greater
-//! one.
+//! The image is divided into square blocks, and one random pixel of each is drawn (stratified
+//! sampling: Cochran 1977, "Sampling techniques", 5). All pixels have the same chance, except in
+//! blocks cut by the right and lower edges of the image, where it is greater.
 
 use super::{
     judged::{JudgedPoints, class, judge},
@@ -15,11 +14,11 @@ use crate::error::MeasureError;
 use glam::UVec2;
 use umbrage_core::{Camera, Geometry, Light, Receivers, light_sample, metrics::Pixel};
 
-/// Rays a pixel of a preview, for lights with an extent: they tell visibility in sixteenths, enough
-/// to see where penumbrae (2 % to 98 %) are.
+/// Rays a pixel of a preview, for lights with an extent. They resolve visibility in sixteenths,
+/// enough to locate penumbrae (2 % to 98 %).
 pub const PREVIEW_SAMPLES: u32 = 16;
 
-/// What truth is traced for.
+/// Input for tracing truth.
 #[derive(Clone, Copy)]
 pub(super) struct Image<'a> {
     pub(super) camera: &'a Camera,
@@ -31,12 +30,12 @@ pub(super) struct Image<'a> {
 /// Truth at all pixels of an image, or a preview of it.
 pub(super) struct TracedImage {
     pub(super) seen: Vec<PointTruth>,
-    /// False beside the sample.
+    /// False outside the sample.
     pub(super) ambiguous: Vec<bool>,
     pub(super) pixels: Vec<Pixel>,
 }
 
-/// Traces truth at the pixels drawn, and a preview at the others.
+/// Traces truth at the drawn pixels, and a preview at the others.
 pub(super) fn trace(
     image: &Image<'_>,
     options: &TruthOptions,
@@ -66,7 +65,7 @@ pub(super) fn trace(
     Ok(out)
 }
 
-/// Traces a few rays at every pixel. What would count is unsampled.
+/// Traces a few rays at every pixel. Pixels that would count are marked unsampled.
 fn preview(image: &Image<'_>, options: &TruthOptions) -> Result<TracedImage, MeasureError> {
     let receivers = image.receivers;
     let all: Vec<u32> = (0..receivers.len() as u32).collect();
@@ -95,7 +94,7 @@ fn preview(image: &Image<'_>, options: &TruthOptions) -> Result<TracedImage, Mea
 }
 
 impl TracedImage {
-    /// Returns an image in which nothing receives.
+    /// Returns an image without receivers.
     fn nothing(pixels: usize) -> Self {
         Self {
             seen: vec![PointTruth::NOTHING; pixels],
@@ -105,7 +104,7 @@ impl TracedImage {
     }
 }
 
-/// Returns one pixel of each block of `side` by `side` pixels, by their indices, rising.
+/// Returns the rising indices of one pixel of each block of `side` by `side` pixels.
 pub(crate) fn drawn(size: UVec2, side: u32) -> Vec<u32> {
     let side = side.max(1);
     let mut out = Vec::new();
@@ -145,7 +144,7 @@ mod tests {
         }
     }
 
-    /// All places within a block are drawn about as often.
+    /// All positions within a block are drawn about equally often.
     #[test]
     fn the_draw_prefers_no_place() {
         let size = UVec2::splat(1024);

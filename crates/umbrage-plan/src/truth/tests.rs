@@ -1,12 +1,12 @@
-//! Truth against formulas, at every scale, and what it must notice.
+//! Tests of truth against formulas, at every scale, with checks that the tests detect errors.
 
 use super::*;
 use glam::{Affine3A, Vec3};
 use umbrage_core::{Instance, Mesh, NO_TRIANGLE, Scene};
 use umbrage_scenes::{ClosedForm, SceneEntry};
 
-/// Checks a scene's closed form under a light that may be spoilt; how many samples are off by more
-/// than they may.
+/// Checks a scene's closed form under a given light. Returns the number of samples outside the
+/// tolerance.
 fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> usize {
     let geometry = Geometry::bake(&(entry.build)()).expect("built in");
     let unknown = closed_form
@@ -26,7 +26,7 @@ fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> u
         .count()
 }
 
-/// Every closed form, with the point's triangle known and unknown.
+/// Checks every closed form, with the point's triangle known and unknown.
 #[test]
 fn closed_forms_hold() {
     let mut checked = 0;
@@ -41,7 +41,7 @@ fn closed_forms_hold() {
             "{}",
             entry.name
         );
-        // Stratified samples of an area light must come this close; ideal lights must be exact.
+        // Stratified samples of an area light must meet this limit; ideal lights must be exact.
         assert!(
             closed_form.tolerance <= if light.is_ideal() { 0.0 } else { 0.005 },
             "{}",
@@ -55,8 +55,8 @@ fn closed_forms_hold() {
     );
 }
 
-/// The closed forms can tell: an area light 5 % too large breaks each of its cases, and one moved a
-/// little all others.
+/// The closed forms detect errors: an area light that is 5 % too large, or another light that is
+/// slightly moved.
 #[test]
 fn spoilt_lights_break_closed_forms() {
     for name in [
@@ -101,7 +101,7 @@ fn spoilt_lights_break_closed_forms() {
         };
         assert!(
             samples_off(entry, &closed_form, &spoilt) > 0,
-            "{name} doesn't notice"
+            "{name} doesn't detect it"
         );
     }
 }
@@ -126,8 +126,8 @@ fn scene_truth(name: &str, options: &TruthOptions) -> Truth {
     .expect("valid")
 }
 
-/// The same scene at 1e-3, 1 and 1e4: equal masks, but for pixels on outlines, which scaling by a
-/// factor that is no power of two rounds otherwise; those are ambiguous.
+/// Masks of one scene at scales 1e-3, 1 and 1e4 are equal, except for pixels on outlines. Scaling
+/// by a factor that is not a power of two rounds them differently; those are ambiguous.
 #[test]
 fn truth_is_the_same_at_every_scale() {
     let options = TruthOptions::default();
@@ -147,7 +147,7 @@ fn truth_is_the_same_at_every_scale() {
             );
         }
         let share = scaled.ambiguous.iter().filter(|a| **a).count();
-        // .04 px either way of outlines some hundreds of pixels long.
+        // .04 px to each side of outlines that are some hundreds of pixels long.
         assert!(
             share * 100 < truth.visibility.len(),
             "{name}: {share} pixels are ambiguous"
@@ -155,8 +155,8 @@ fn truth_is_the_same_at_every_scale() {
     }
 }
 
-/// A closed room without thickness and a bare floor at grazing light: no leak, no acne, on any
-/// pixel.
+/// Checks a closed room without thickness and a bare floor at grazing light: no leak and no acne on
+/// any pixel.
 #[test]
 fn nothing_leaks_and_nothing_shadows_itself() {
     let options = TruthOptions::default();
@@ -210,7 +210,7 @@ fn area_lights_tell_their_error_and_ambiguity_is_rare() {
     );
 }
 
-/// A floor under lights that shine from below, from beside and past it.
+/// Checks a floor under lights from below, from the side and past it.
 #[test]
 fn unlit_points_are_told() {
     let mesh =
@@ -269,7 +269,7 @@ fn unlit_points_are_told() {
             unlit: false
         }
     );
-    // Outside the cone occlusion is traced all the same.
+    // Outside the cone, occlusion is traced anyway.
     assert_eq!(
         ask(spot(0.8)),
         PointTruth {
@@ -280,8 +280,8 @@ fn unlit_points_are_told() {
     );
 }
 
-/// What is unlit is told without rays, exactly as rays tell it: of lights with an extent and
-/// without, and of cones.
+/// Unlit pixels are found without rays, with the same result as with rays. This holds for lights
+/// with and without an extent, and for cones.
 #[test]
 fn unlit_pixels_are_told_without_rays() {
     for (name, light) in [
@@ -336,8 +336,8 @@ fn points_that_are_not_finite_are_refused() {
     assert!(trace_points(&geometry, &light, &[], &TruthOptions::default()).is_err());
 }
 
-/// At the pixels drawn, truth is that of the whole image to the bit; the others are previews that
-/// count in nothing.
+/// At the drawn pixels, truth has the bits of the whole image. The others are previews that do not
+/// count.
 #[test]
 fn a_sample_of_truth_is_truth() {
     for name in ["cubes", "teapot-lamp"] {
@@ -387,7 +387,7 @@ fn a_sample_of_truth_is_truth() {
             judged * 20 > counted && judged * 12 < counted,
             "{judged} of {counted}"
         );
-        // 16 stratified rays are off by a few sixteenths at most.
+        // 16 stratified rays are off by at most a few sixteenths.
         let limit = if light.is_ideal() { 0.0 } else { 0.35 };
         assert!(farthest <= limit, "{name}: {farthest}");
         assert!(

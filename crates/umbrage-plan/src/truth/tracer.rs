@@ -1,4 +1,4 @@
-//! Traces the visibility of a light from one receiver at a time.
+//! Tracing of a light's visibility from one receiver at a time.
 
 use super::{
     options::TruthOptions,
@@ -14,63 +14,62 @@ use umbrage_core::{
     math::dot3,
 };
 
-/// Blocks of samples whose scatter gives the standard error.
+/// Number of blocks of samples whose scatter is the standard error.
 const BLOCKS: u32 = 16;
 
-/// Greatest length of rays towards directional lights, metres: within the range of 32 bits after a
+/// Greatest length of rays towards directional lights, metres: within the 32-bit range after a
 /// division.
 pub(super) const FARTHEST: f32 = 1e38;
 
-/// A light and the casters before it.
+/// Light with its casters.
 pub(super) struct Tracer<'a> {
     bvh: Arc<Bvh>,
     geometry: &'a Geometry,
     light: LightSampler,
-    /// A spot's outer cone.
+    /// Outer cone of a spot.
     cone: Option<Cone>,
-    /// The center of a ball around the casters: rays to directional lights leave it.
+    /// Centre of a sphere around the casters, which rays to directional lights leave.
     center: Vec3,
-    /// The ball's radius, metres.
+    /// Radius of the sphere, metres.
     radius: f32,
-    /// The sequence before scrambling.
+    /// Sample sequence before scrambling.
     sequence: Vec<[u32; 2]>,
-    /// The number of samples of each receiver.
+    /// Number of samples of each receiver.
     samples: u32,
-    /// The number of samples of receivers in penumbra.
+    /// Number of samples of receivers in penumbra.
     all_samples: u32,
 }
 
-/// The outer cone of a spot light.
+/// Outer cone of a spot light.
 struct Cone {
     apex: Vec3,
-    /// The unit direction of the light.
+    /// Unit direction of the light.
     axis: Vec3,
-    /// Of the angle between the axis and the cone.
+    /// Cosine of the angle between the axis and the cone.
     cosine: f32,
 }
 
-/// Where a point's rays start, and how far they reach towards directional lights, metres.
+/// Origin of a point's rays, and their length towards directional lights, metres.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     o: Vec3,
     far: f32,
 }
 
-/// What is remembered from one ray to the next: the triangle that hid the last one most likely
-/// hides this one.
+/// Cache between rays: the triangle that hid the last ray most likely hides this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     occluder: Option<u32>,
 }
 
-/// Counts over a run of samples.
+/// Counts over a range of samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
-    /// Whether no caster can hide the light: then no ray is traced.
+    /// True if no caster can hide the light, so that no ray is traced.
     clear: bool,
     /// Samples of the light above the receiver's tangent plane.
     above: u32,
-    /// Samples of the light that are seen.
+    /// Samples of the light that are visible.
     seen: u32,
 }
 
@@ -103,7 +102,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Traces the fraction of the light that a point sees. `lift` multiplies the ray's offset.
+    /// Traces the visible fraction of the light from a point. `lift` multiplies the ray's offset.
     pub(super) fn ask(&self, point: &ReceiverPoint, lift: f32, memory: &mut Memory) -> PointTruth {
         let Start { o, far } = self.start(point, lift);
         let mut blocks = Vec::new();
@@ -123,18 +122,18 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Whether a point is unlit, exactly as [`Tracer::ask`] says, but without rays.
+    /// Returns whether a point is unlit, with the result of [`Tracer::ask`] but without rays.
     pub(super) fn is_unlit(&self, point: &ReceiverPoint) -> bool {
         let Start { o, far } = self.start(point, 1.0);
         let is_above = |i: u32| {
             let uv = scrambled(self.sequence[i as usize], point.seed);
             dot3(point.normal, segment(&self.light, o, uv, far)) > 0.0
         };
-        // More samples are asked in penumbrae alone, where some are above.
+        // Only penumbrae use more samples, and some of those are above.
         self.outside_cone(o) || !(0..self.samples).any(is_above)
     }
 
-    /// Returns where a point's rays start. `lift` multiplies their offset.
+    /// Returns the start of a point's rays. `lift` multiplies their offset.
     fn start(&self, point: &ReceiverPoint, lift: f32) -> Start {
         let offset = lift * origin_offset(point.position, point.reach);
         let o = point.position + point.normal * offset;
@@ -143,8 +142,8 @@ impl<'a> Tracer<'a> {
         Start { o, far }
     }
 
-    /// Traces a range of samples; `blocks` gets the fraction seen by each of [`BLOCKS`] equal
-    /// parts.
+    /// Traces a range of samples. `blocks` receives the visible fraction of each of [`BLOCKS`]
+    /// equal parts.
     fn run(
         &self,
         range: std::ops::Range<u32>,
@@ -203,15 +202,15 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Whether no caster reaches between a point and a light with an extent: into the pyramid from
-    /// the point over a parallelogram around the light, above the point's tangent plane, before the
-    /// light.
+    /// Returns whether no caster is between a point and a light with an extent. The tested volume
+    /// is the pyramid from the point over a parallelogram around the light, above the point's
+    /// tangent plane and before the light.
     fn is_clear(&self, point: &ReceiverPoint, o: Vec3) -> bool {
         let n = point.normal;
         let light = &self.light;
         let half_u = light.half_u.truncate();
         let half_v = light.half_v.truncate();
-        // The vector to the parallelogram's center, and its half axes.
+        // Vector to the parallelogram's centre, and its half axes.
         let center;
         let u;
         let v;
@@ -227,10 +226,9 @@ impl<'a> Tracer<'a> {
                 u = tangent(direction) * light.half_u.w;
                 v = bitangent(direction) * light.half_u.w;
             }
-            // Beyond 1 radian the pyramid would be too blunt to be of use.
+            // Above 1 radian the pyramid would be too wide to be useful.
             kind::CAP if light.half_u.w < 0.46 => {
-                // The tangent of the cap's angle, whose cosine is 1 - w, and a little more for
-                // rounding.
+                // Tangent of the cap's angle, whose cosine is 1 - w, plus a margin for rounding.
                 let tan = (1.0 / (1.0 - light.half_u.w).powi(2) - 1.0).sqrt() * 1.000_1;
                 center = light.center.truncate();
                 u = half_u * tan;
@@ -249,7 +247,7 @@ impl<'a> Tracer<'a> {
         let mut planes = [(n, n.dot(o)); 6];
         for k in 0..4 {
             let side = corners[k].cross(corners[(k + 1) % 4]);
-            // A light that is seen edge-on has no inside.
+            // A light seen edge-on has no inside.
             if side.dot(center).abs() <= 1e-4 * side.length() * center.length() {
                 return false;
             }
@@ -272,7 +270,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// Returns the outer cone of a spot light; none for other lights.
+/// Returns the outer cone of a spot light, or `None` for other lights.
 fn cone(light: &Light) -> Option<Cone> {
     match *light {
         Light::Spot {
@@ -292,8 +290,8 @@ fn cone(light: &Light) -> Option<Cone> {
     }
 }
 
-/// Returns the standard deviation of the blocks' means over the square root of their number: an
-/// upper estimate of the standard error, as the whole is stratified better than its parts.
+/// Returns the standard deviation of the blocks' means over the square root of their number. This
+/// overestimates the standard error, since the whole is better stratified than its parts.
 fn standard_error(blocks: &[f32], mean: f32) -> f32 {
     let n = blocks.len() as f32;
     if blocks.len() < 2 {

@@ -1,10 +1,10 @@
-//! Computes the shadows of an ideal light around a seen point as polygons, in 64 bits.
+//! Shadows of an ideal light around a visible point, as polygons in 64 bits.
 //!
-//! The point is where a pixel's ray meets the plane of the triangle that the pixel shows. Around
-//! it, on that triangle, lies its *vicinity*: where the ray of a pixel moved by some fraction of
-//! itself meets the plane, where the origin of a shadow ray may be moved aside, and where the line
-//! of a shadow ray meets the plane that starts above it. A caster's shadow on the plane is a convex
-//! polygon; what all of them leave of the vicinity is light.
+//! The point is the intersection of a pixel's ray with the plane of the triangle that the pixel
+//! shows. Its *vicinity* on that triangle is the set of points that rounding may reach. It covers
+//! rays of the pixel moved by a fraction of a pixel, origins of shadow rays moved sideways, and
+//! origins moved along the shadow ray. A caster's shadow on the plane is a convex polygon. The rest
+//! of the vicinity, without all shadows, is light.
 
 use super::{
     points::ReceiverPoint,
@@ -19,88 +19,87 @@ use umbrage_core::{
     light_sample::{LIFT, SHORT, origin_offset},
 };
 
-/// What lies around a seen point.
+/// Lighting around a visible point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Around {
-    /// No shadow.
+    /// Only light.
     Light,
-    /// Nothing but shadow.
+    /// Only shadow.
     Shadow,
-    /// Both, or which of them depends on the height at which rays start.
+    /// Both, or a result that depends on the height of the rays' origins.
     Both,
-    /// Which side the light is on is rounding.
+    /// The light's side of the surface depends on rounding.
     Grazed,
-    /// Neither is told: the surface faces away, or the point lies beyond its triangle.
+    /// Undefined: the surface faces away, or the point is outside its triangle.
     Neither,
 }
 
-/// Parts of the vicinity with a smaller share of its area count as nothing. Cuts in 64 bits err by
-/// some 2^-50 of its length; where it is a hundred times longer than wide, that is 1e-13 of its
-/// area.
+/// Greatest share of the vicinity's area that counts as empty. Cuts in 64 bits have errors of about
+/// 2^-50 of its length. If it is a hundred times longer than wide, that is 1e-13 of its area.
 const MIN_AREA_SHARE: f64 = 1e-9;
 
-/// The lowest origin of a ray, as a share of the highest: 2^-24 of the lengths in play, the last
-/// place of 32 bits. Neighbours in one plane, whose corners are rounded to that, lie above each
-/// other by less: they don't shadow each other.
+/// Height of the lowest origin of a ray, as a share of the highest: 2^-24 of the scene's lengths,
+/// the last place of 32 bits. Neighbours in one plane with rounded corners differ by less in
+/// height, so they don't shadow each other.
 const MIN_LIFT_SHARE: f64 = 1.0 / 32.0;
 
-/// The most pieces that shadows may leave; with more, a point counts as having both light and
-/// shadow around it, as the time to cut grows with the square. Only far from the origin, where
-/// vicinities are as wide as whole models, are there so many.
+/// Greatest number of pieces that shadows may leave. With more pieces, a point counts as having
+/// both light and shadow around it, since the time to cut is quadratic. This occurs only far from
+/// the origin, where vicinities are as wide as whole models.
 const MAX_PIECES: usize = 500;
 
-/// An ideal light, a camera, and casters.
+/// Ideal light, camera and casters.
 pub(super) struct Vicinity<'a> {
     geometry: &'a Geometry,
     light: ToLight,
     rays: CameraRays,
-    /// How far the image may move, pixels.
+    /// Greatest movement of the image, pixels.
     pixels: f64,
-    /// A ball around the casters: rays to directional lights leave it.
+    /// Centre of a sphere around the casters, which rays to directional lights leave.
     center: DVec3,
     radius: f64,
 }
 
-/// Where the light is.
+/// Position or direction of the light.
 #[derive(Clone, Copy, Debug)]
 enum ToLight {
     Direction(DVec3),
     Position(DVec3),
-    /// It has an extent: no shadow has an edge.
+    /// Light with an extent: no shadow has a sharp edge.
     Everywhere,
 }
 
-/// A camera's ray through a pixel.
+/// Camera ray through a pixel.
 #[derive(Clone, Copy)]
 struct PixelRay {
     origin: DVec3,
     direction: DVec3,
 }
 
-/// The radius of a disc around the seen point that a polygon lies in, `least` or more.
+/// Returns the radius of a disc around the visible point that contains a polygon, at least `least`.
 fn radius(p: &[DVec2], least: f64) -> f64 {
     p.iter().map(|q| q.length()).fold(least, f64::max)
 }
 
-/// `base + dx * x + dy * y` in 64 bits.
+/// Returns `base + dx * x + dy * y` in 64 bits.
 fn linear(base: Vec4, dx: Vec4, dy: Vec4, x: f64, y: f64) -> DVec3 {
     (base.as_dvec4() + dx.as_dvec4() * x + dy.as_dvec4() * y).truncate()
 }
 
-/// The plane of a seen triangle.
+/// Plane of a visible triangle.
 struct Surface {
-    /// The seen point.
+    /// The visible point.
     p: DVec3,
-    /// Two unit vectors across, and the unit normal towards the camera.
+    /// Two unit vectors in the plane, and the unit normal towards the camera.
     axes: [DVec3; 3],
-    /// From the point to the light; for directions of length 1.
+    /// Vector from the point to the light, of length 1 for directions.
     to_light: DVec3,
-    /// How high the light is, metres; infinite for directions.
+    /// Height of the light above the plane, metres; infinite for directions.
     light_height: f64,
 }
 
 impl Surface {
-    /// Coordinates in the plane, from the seen point.
+    /// Returns coordinates in the plane, relative to the visible point.
     fn flat(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.axes[0]), v.dot(self.axes[1]))
     }
@@ -109,12 +108,12 @@ impl Surface {
         (q - self.p).dot(self.axes[2])
     }
 
-    /// The sine of the angle between the light and the plane.
+    /// Returns the sine of the angle between the light and the plane.
     fn sine(&self) -> f64 {
         self.to_light.dot(self.axes[2]) / self.to_light.length()
     }
 
-    /// Returns the shadow of a triangle's part that is higher than `above`, and lower than the
+    /// Returns the shadow of the part of a triangle that is higher than `above` and lower than the
     /// light.
     fn shadow(&self, corners: [DVec3; 3], above: f64) -> Polygon {
         let mut part = cut(&corners, |q| self.height(q) - above);
@@ -127,7 +126,7 @@ impl Surface {
     }
 
     /// Returns the barycentric coordinates of the point of a triangle's plane whose shadow is at
-    /// `q`: not finite where the light runs along that plane.
+    /// `q`. They are not finite if the light is parallel to that plane.
     fn weights_above(&self, q: DVec2, corners: [DVec3; 3]) -> [f64; 3] {
         let foot = self.p + self.axes[0] * q.x + self.axes[1] * q.y;
         let way = if self.light_height.is_finite() {
@@ -136,7 +135,7 @@ impl Surface {
             self.to_light
         };
         let [a, b, c] = corners.map(|corner| corner - foot);
-        // Volumes over the triangle's sides, as seen along the way.
+        // Volumes over the triangle's sides, as seen along `way`.
         let u = way.dot(b.cross(c));
         let v = way.dot(c.cross(a));
         let w = way.dot(a.cross(b));
@@ -144,7 +143,8 @@ impl Surface {
         [u / whole, v / whole, w / whole]
     }
 
-    /// Returns where the line from the light through a point meets the plane: the point's shadow.
+    /// Returns a point's shadow: the intersection of the line from the light through the point with
+    /// the plane.
     fn project(&self, q: DVec3) -> DVec2 {
         let height = self.height(q);
         let offset = q - self.p;
@@ -188,7 +188,7 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns what lies around the point that a pixel shows. `ids` is scratch memory.
+    /// Returns the lighting around the point that a pixel shows. `ids` is scratch memory.
     pub(super) fn around(
         &self,
         point: &ReceiverPoint,
@@ -196,7 +196,7 @@ impl<'a> Vicinity<'a> {
         ids: &mut Vec<u32>,
     ) -> Around {
         let corners = self.geometry.corners(point.triangle).map(Vec3::as_dvec3);
-        // Seen along its plane to the last bit, it could lie anywhere.
+        // Seen edge-on to the last bit, the point could be anywhere.
         let Some(surface) = self.surface(corners, pixel) else {
             return Around::Both;
         };
@@ -210,13 +210,15 @@ impl<'a> Vicinity<'a> {
         let highest = 2.0 * offset;
         let unclipped = self.unclipped_vicinity(&surface, pixel, offset);
         if let Some(unclipped) = &unclipped {
-            // Most points have no caster near: they need no polygon but this one.
+            // Return early for most points, which have no casters nearby: they need only this
+            // polygon.
             self.casters_near(&surface, radius(unclipped, highest), ids);
             ids.retain(|&id| id != point.triangle);
             if ids.is_empty() {
                 return Around::Light;
             }
         }
+        // Clip the vicinity to the triangle.
         let triangle = corners.map(|c| surface.flat(c - surface.p));
         let triangle = counter_clockwise(triangle.to_vec());
         let vicinity = match &unclipped {
@@ -227,6 +229,7 @@ impl<'a> Vicinity<'a> {
         if whole <= 0.0 {
             return Around::Neither;
         }
+        // Compare the shadows for the lowest and the highest origin of rays.
         self.casters_near(&surface, radius(&vicinity, highest), ids);
         ids.retain(|&id| id != point.triangle);
         let from_lowest = self.left(&surface, &vicinity, ids, highest * MIN_LIFT_SHARE);
@@ -241,11 +244,12 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns what lies in a polygon, given the shadows of all casters that are higher than
+    /// Returns the lighting of a polygon, given the shadows of all casters that are higher than
     /// `above`.
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
         let min_area = MIN_AREA_SHARE * whole;
+        // Collect the shadows, without alpha-tested holes.
         let shadow =
             |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
         let mut shadows: Vec<Polygon> = Vec::with_capacity(ids.len());
@@ -260,7 +264,8 @@ impl<'a> Vicinity<'a> {
                 None => return Around::Both,
             }
         }
-        // Some points find most of the vicinities that hold both, before anything is cut.
+        // Test some points first: they identify most vicinities with both light and shadow, without
+        // cuts.
         let points = spread(vicinity);
         let dark = points
             .iter()
@@ -269,6 +274,7 @@ impl<'a> Vicinity<'a> {
         if dark > 0 && dark < points.len() {
             return Around::Both;
         }
+        // Clip the shadows to the vicinity.
         let mut parts: Vec<(f64, Polygon)> = Vec::new();
         for shadow in &shadows {
             let part = common(vicinity, shadow);
@@ -283,7 +289,7 @@ impl<'a> Vicinity<'a> {
         if dark == 0 {
             return Around::Both;
         }
-        // The largest first: then fewer pieces are left to be cut.
+        // Subtract the largest first, so that fewer pieces are left to cut.
         parts.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let mut left = vec![vicinity.clone()];
         for (_, part) in &parts {
@@ -300,8 +306,9 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns whether the part of a caster that may shadow a polygon of the plane is all hole
-    /// (true) or none of it is (false); none if both. `shadow` is the caster's shadow on the plane.
+    /// Returns `Some(true)` if the alpha test removes all of the caster's part that may shadow a
+    /// polygon of the plane, and `Some(false)` if it removes nothing. Returns `None` if it removes
+    /// some of it. `shadow` is the caster's shadow on the plane.
     fn is_hole_over(
         &self,
         surface: &Surface,
@@ -317,11 +324,11 @@ impl<'a> Vicinity<'a> {
         }
         let part = common(vicinity, shadow);
         if part.is_empty() {
-            // It throws no shadow here.
+            // The caster has no shadow here.
             return Some(true);
         }
-        // Lines keep straight on the way back to the caster, so the corners' uvs bound those of all
-        // of the part.
+        // Lines stay straight when projected back to the caster, so the corners' uvs bound those of
+        // the whole part.
         let corners = self.geometry.corners(id).map(Vec3::as_dvec3);
         let weights: Vec<[f64; 3]> = part
             .iter()
@@ -330,8 +337,8 @@ impl<'a> Vicinity<'a> {
         cut_outs.is_hole_around(id, &weights)
     }
 
-    /// Returns the plane of a triangle at the point that a pixel shows; none where the plane is
-    /// seen edge-on or the light has an extent.
+    /// Returns the plane of a triangle at the point that a pixel shows. Returns `None` if the plane
+    /// is seen edge-on or the light has an extent.
     fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
         let ray = self.ray(pixel, DVec2::ZERO);
         let edge_1 = corners[1] - corners[0];
@@ -358,7 +365,7 @@ impl<'a> Vicinity<'a> {
         })
     }
 
-    /// Returns the ray through a pixel's center, moved by some pixels.
+    /// Returns the ray through a pixel's centre, moved by some pixels.
     fn ray(&self, pixel: [u32; 2], by: DVec2) -> PixelRay {
         let x = f64::from(pixel[0]) + 0.5 + by.x;
         let y = f64::from(pixel[1]) + 0.5 + by.y;
@@ -369,10 +376,11 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns the vicinity of a point as if its triangle had no end, for rays whose origins may be
-    /// moved by `offset`, metres. None where the plane's horizon is so near that any point of the
-    /// triangle may be seen.
+    /// Returns the vicinity of a point as if its triangle were unbounded, for rays whose origins
+    /// may move by `offset`, metres. Returns `None` if the plane's horizon is so close that any
+    /// point of the triangle may be visible.
     fn unclipped_vicinity(&self, s: &Surface, pixel: [u32; 2], offset: f64) -> Option<Polygon> {
+        // Intersect moved pixel rays with the plane.
         let mut seen = Vec::with_capacity(16);
         for k in 0..16 {
             let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k));
@@ -383,7 +391,7 @@ impl<'a> Vicinity<'a> {
             }
             seen.push(s.flat(ray.origin + ray.direction * t - s.p));
         }
-        // A ray from above meets the plane behind its origin, seen from the light.
+        // A ray from above intersects the plane behind its origin, seen from the light.
         let back = s.flat(s.to_light) * (-2.0 * offset / s.to_light.dot(s.axes[2]));
         let mut moves = Vec::with_capacity(8);
         for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
@@ -393,7 +401,7 @@ impl<'a> Vicinity<'a> {
         Some(minkowski_sum(&hull(seen), &hull(moves)))
     }
 
-    /// Finds the casters whose shadows may fall within `radius` of the seen point.
+    /// Finds the casters whose shadows may be within `radius` of the visible point.
     fn casters_near(&self, s: &Surface, radius: f64, ids: &mut Vec<u32>) {
         let to_light = match self.light {
             ToLight::Direction(to_light) => {

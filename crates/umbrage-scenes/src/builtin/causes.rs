@@ -1,4 +1,4 @@
-//! Scenes in which a mask can be wrong in one way only: see `umbrage_core::metrics::Causes`.
+//! Scenes that isolate one cause of error each: see `umbrage_core::metrics::Causes`.
 
 use super::SIZE;
 use crate::stage::{Stage, sun};
@@ -9,7 +9,7 @@ use crate::{
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Light, Scene};
 
-/// Nothing but a lit floor: all that can go wrong is that it shadows itself.
+/// A lit floor without casters. The only possible error is self-shadowing.
 pub(crate) fn acne() -> Scene {
     Stage::new("cause-acne")
         .put(floor(5.0))
@@ -17,7 +17,7 @@ pub(crate) fn acne() -> Scene {
         .shoot([0.5, 3.0, 3.5], Vec3::ZERO, 36.0, SIZE)
 }
 
-/// The foot of a plate 1 cm thick, seen from its dark side; where its shadow ends is out of view.
+/// The foot of a plate 1 cm thick, from its dark side. The far end of its shadow is out of view.
 pub(crate) fn gap() -> Scene {
     Stage::new("cause-gap")
         .put(floor(4.0))
@@ -26,7 +26,7 @@ pub(crate) fn gap() -> Scene {
         .shoot([1.1, 0.9, 0.0], [0.3, 0.0, 0.0], 30.0, SIZE)
 }
 
-/// A floor wholly in the shadow of a sheet high above it.
+/// A floor completely in the shadow of a sheet high above it.
 pub(crate) fn leak() -> Scene {
     Stage::new("cause-leak")
         .put(floor(6.0))
@@ -40,7 +40,7 @@ pub(crate) fn edge() -> Scene {
     under_sheet("cause-edge", sun(0.3, -1.0, 0.2))
 }
 
-/// The same edge under a lamp of 40 cm.
+/// The edge of [`edge`] under a square area light of 40 cm.
 pub(crate) fn penumbra() -> Scene {
     let half = 0.2;
     let lamp = Light::Rect {
@@ -51,7 +51,7 @@ pub(crate) fn penumbra() -> Scene {
     under_sheet("cause-penumbra", lamp)
 }
 
-/// A sheet 1 m above the floor, one of whose edges throws its shadow slantwise through the picture.
+/// A sheet 1 m above the floor. One edge of its shadow crosses the image at an angle.
 fn under_sheet(name: &str, light: Light) -> Scene {
     Stage::new(name)
         .put(floor(4.0))

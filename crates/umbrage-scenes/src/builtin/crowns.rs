@@ -1,10 +1,10 @@
-//! Crowns of trees and bushes made of leaf cards: quads, out of which an alpha texture cuts leaves.
+//! Crowns of trees and bushes from leaf cards: quads with alpha-tested leaves.
 
 use super::content::random::Random;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Vec2, Vec3};
 
-/// What a crown looks like; metres.
+/// Shape of a crown, in metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crown {
     pub(crate) seed: i32,
@@ -12,11 +12,11 @@ pub(crate) struct Crown {
     /// Half its size.
     pub(crate) half: Vec3,
     pub(crate) cards: u32,
-    /// A card's side, about.
+    /// Approximate side of a card.
     pub(crate) side: f32,
 }
 
-/// Returns the cards of a crown, two triangles each, over whose square a texture lies once.
+/// Returns the cards of a crown, two triangles each. The texture covers each card once.
 pub(crate) fn crown(shape: &Crown) -> Mesh {
     let mut random = Random::new(shape.seed);
     let mut out = Mesh {
@@ -25,7 +25,7 @@ pub(crate) fn crown(shape: &Crown) -> Mesh {
     };
     for _ in 0..shape.cards {
         let outwards = random.vector().normalize_or(Vec3::Y);
-        // More of them near the rim than in the middle.
+        // Put more cards near the rim than in the centre.
         let from_middle = random.unit().sqrt();
         let at = shape.middle + shape.half * outwards * from_middle;
         let normal = (outwards + 0.8 * random.vector()).normalize_or(Vec3::Y);

@@ -1,4 +1,4 @@
-//! A person on a floor under a distant spot.
+//! A person on a floor under a distant spot light.
 
 use super::SIZE;
 use crate::{
@@ -34,12 +34,12 @@ const SHIRT: [f32; 3] = [0.09, 0.25, 0.48];
 const SKIN: [f32; 3] = [0.56, 0.34, 0.24];
 const TROUSERS: [f32; 3] = [0.14, 0.13, 0.16];
 const SHOES: [f32; 3] = [0.24, 0.11, 0.05];
-/// Of the parts of the [`body`], in their order.
+/// Colours of the parts of the [`body`], in their order.
 const CLOTHES: [[f32; 3]; 11] = [
     SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES,
 ];
 
-/// Returns a tube through some points, whose radius goes from the first of `radii` to the second,
+/// Returns a tube through points. Its radius changes from the first of `radii` to the second,
 /// metres.
 fn limb(points: &[[f32; 3]], radii: [f32; 2]) -> Mesh {
     let last = (points.len() - 1) as f32;
@@ -55,7 +55,7 @@ fn foot(x: f32) -> Mesh {
     block([x - 0.05, 0.0, -0.08], [x + 0.05, 0.07, 0.18])
 }
 
-/// Returns the parts of a body, 1.8 m tall, facing +z, one arm raised.
+/// Returns the parts of a body, 1.8 m tall, facing +z, with one arm raised.
 fn body() -> [Mesh; CLOTHES.len()] {
     [
         torso(),
@@ -84,12 +84,12 @@ fn body() -> [Mesh; CLOTHES.len()] {
     ]
 }
 
-/// From hips to shoulders, flattened from front to back.
+/// Returns the torso from hips to shoulders, flattened from front to back.
 fn torso() -> Mesh {
     let profile: Vec<_> = (0..=16)
         .map(|i| {
             let t = i as f32 / 16.0;
-            // Half a turn from pole to pole, with a waist.
+            // Turn from pole to pole, with a waist.
             let (_, round) = on_circle(f64::from(t) / 2.0);
             let (waist, _) = on_circle(f64::from(t));
             (round.sqrt() * (0.21 + 0.03 * waist), 0.8 + 0.68 * t)

@@ -1,4 +1,4 @@
-//! Scenes in code, one function each.
+//! Built-in scenes, one function each.
 
 pub(crate) mod causes;
 pub(crate) mod closed;
@@ -12,5 +12,5 @@ pub(crate) mod teapot;
 pub(crate) mod textbook;
 pub(crate) mod textbook_rooms;
 
-/// The size of the pictures that are compared.
+/// Size of the compared images.
 pub(crate) const SIZE: [u32; 2] = [480, 270];

@@ -1,8 +1,9 @@
-//! Smooth noise from integer hashes: the same on every platform.
+//! Smooth noise from integer hashes, equal on every platform.
 
 use umbrage_core::glam::{IVec3, Vec3};
 
-/// A well-mixed word from three (the finaliser of MurmurHash3, Appleby 2011, over a weighted sum).
+/// Returns a well-mixed word from three (the finaliser of MurmurHash3, Appleby 2011, over a
+/// weighted sum).
 pub(crate) fn hash(v: IVec3) -> u32 {
     let [x, y, z] = v.to_array().map(|c| c as u32);
     let mut h =
@@ -12,7 +13,7 @@ pub(crate) fn hash(v: IVec3) -> u32 {
     h ^ (h >> 16)
 }
 
-/// A number of 0 to 1 from three integers.
+/// Returns a number from 0 to 1 for three integers.
 pub(crate) fn uniform(v: IVec3) -> f32 {
     (hash(v) >> 8) as f32 / 16_777_215.0
 }
@@ -24,7 +25,7 @@ fn smooth(p: Vec3) -> f32 {
     let t = p - cell;
     let t = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let cell = cell.as_ivec3();
-    // Four edges of the cell along x, then two lines along y, then one along z.
+    // Interpolate along x, then y, then z.
     let edge = |y, z| {
         let left = uniform(cell + IVec3::new(0, y, z));
         let right = uniform(cell + IVec3::new(1, y, z));
@@ -39,8 +40,8 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// Returns the sum of octaves of noise, each at twice the frequency and half the height of the one
-/// before; about -1 to 1.
+/// Returns the sum of octaves of noise, about -1 to 1. Each octave has twice the frequency and half
+/// the height of the previous one.
 pub(crate) fn fractal(p: Vec3, octaves: u32) -> f32 {
     let octaves = (0..octaves).map(|i| {
         let frequency = (1_u32 << i) as f32;

@@ -1,4 +1,4 @@
-//! A turned pot with a handle and a spout under a square lamp.
+//! A turned pot with a handle and a spout under a square area light.
 
 use crate::{
     looks::{checker, glossy},
@@ -64,7 +64,7 @@ fn lid() -> Mesh {
     lathe(&dome, 64)
 }
 
-/// Half a ring on the -x side, its ends inside the body.
+/// Returns the handle: half a ring on the -x side, its ends inside the body.
 fn handle() -> Mesh {
     let path: Vec<_> = (0..=32)
         .map(|i| {
@@ -78,12 +78,12 @@ fn handle() -> Mesh {
     tube(&path, 24)
 }
 
-/// Bends up on the +x side and grows thinner.
+/// Returns the spout, which bends up on the +x side and tapers.
 fn spout() -> Mesh {
     let path: Vec<_> = (0..=24)
         .map(|i| {
             let t = i as f32 / 24.0;
-            // An S: level where it leaves the body, steep in the middle, level at its mouth.
+            // Follow an S: level where it leaves the body, steep in the middle, level at its mouth.
             let rise = t * t * (3.0 - 2.0 * t);
             (
                 Vec3::new(1.6 + 1.75 * t, 0.85 + 1.55 * rise, 0.0),

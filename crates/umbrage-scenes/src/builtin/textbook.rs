@@ -1,4 +1,4 @@
-//! The three cubes over a wooden floor of every shadow-mapping tutorial.
+//! The three cubes over a wooden floor of typical shadow mapping tutorials.
 
 use super::SIZE;
 use crate::{
@@ -10,14 +10,14 @@ use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Fit, Scene};
 
-/// Where the textbook puts the light, metres; it looks at the origin.
+/// The light's position in the textbook, metres. It points at the origin.
 const LIGHT: Vec3 = Vec3::new(-2.0, 4.0, -1.0);
 
 /// The textbook's light space: from (-2, 4, -1) towards the origin, 10 m to each side, near 1, far
 /// 7.5. It belongs to the scene `cubes`.
 pub const TEXTBOOK_FIT: Fit = textbook_fit(1.0);
 
-/// The same for the scene at another scale.
+/// Returns the textbook's light space at another scale.
 pub(crate) const fn textbook_fit(scale: f32) -> Fit {
     let side = 10.0 * scale;
     Fit::Manual {
@@ -37,7 +37,7 @@ pub(crate) fn cubes() -> Scene {
     cubes_at("cubes", 1.0)
 }
 
-/// The cubes, everything multiplied by `scale`.
+/// The cubes, with all lengths multiplied by `scale`.
 pub(crate) fn cubes_at(name: &str, scale: f32) -> Scene {
     let turned = Quat::from_axis_angle(Vec3::new(1.0, 0.0, 1.0).normalize(), 60.0_f32.to_radians());
     let places = [

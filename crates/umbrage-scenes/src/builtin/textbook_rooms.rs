@@ -1,4 +1,5 @@
-//! The rooms of the textbooks' later chapters: a lamp among cubes, and a lamp before a brick wall.
+//! The rooms of the textbooks' later chapters: a point light among cubes, and a point light in
+//! front of a brick wall.
 
 use super::SIZE;
 use crate::{
@@ -10,8 +11,8 @@ use umbrage_core::glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec4};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Fit, Mesh, Scene};
 
-/// The textbook's planes for a lamp: near 1, far 25. They belong to the scene `textbook-room`; only
-/// near and far count.
+/// The textbook's planes for a point light: near 1, far 25. They belong to the scene
+/// `textbook-room`. Only near and far are used.
 pub(crate) const ROOM_FIT: Fit = Fit::Manual {
     eye: Vec3::ZERO,
     extents: Extents {
@@ -24,7 +25,7 @@ pub(crate) const ROOM_FIT: Fit = Fit::Manual {
     },
 };
 
-/// A room of 10 m with five cubes about the lamp in its middle.
+/// A room of 10 m with five cubes around a point light at its centre.
 pub(crate) fn textbook_room() -> Scene {
     let turned = Quat::from_axis_angle(Vec3::new(1.0, 0.0, 1.0).normalize(), 60.0_f32.to_radians());
     let cubes = [
@@ -49,8 +50,8 @@ pub(crate) fn textbook_room() -> Scene {
         .shoot([0.6, 0.9, 4.8], [-0.1, 0.0, 0.0], 72.0, SIZE)
 }
 
-/// A brick wall with a normal map, the lamp half a metre before it: the wall's relief shows by
-/// shading alone, while a shelf and a bar throw shadows.
+/// A brick wall with a normal map, half a metre behind a point light. The wall's relief is only
+/// visible as shading; a shelf and a bar cast shadows.
 pub(crate) fn textbook_wall() -> Scene {
     let bricks = Bricks {
         tile: 1.5,

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use umbrage_core::Texture;
 
-/// Where textures are read from, and what has been read already.
+/// Source of textures, and an index of those already read.
 pub(crate) struct TextureFiles<'a> {
     /// All files of the scene.
     pub(crate) files: &'a dyn Files,
@@ -21,7 +21,7 @@ impl<'a> TextureFiles<'a> {
         }
     }
 
-    /// The index among `textures` of what a file holds.
+    /// Returns the index of a file's texture among `textures`, and reads the file if it is new.
     pub(crate) fn index(
         &mut self,
         path: &Path,

@@ -13,5 +13,5 @@ pub(crate) use pixels::Meaning;
 pub(crate) use pixels::{PICTURE_SIDE, decode_picture, texture_of};
 pub use tangents::with_tangents;
 
-/// The cut-off of alpha textures whose file says none: glTF's default.
+/// Cut-off of alpha textures in files that don't set one: glTF's default.
 pub(crate) const USUAL_CUTOFF: f32 = 0.5;

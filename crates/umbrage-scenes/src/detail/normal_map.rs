@@ -1,18 +1,18 @@
-//! The normal map that fits a height map.
+//! Normal maps of height maps.
 
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Invalid, Texture, invalid};
 
 /// Returns the tangent-space normal map, green up (OpenGL's convention), of the relief
-/// `lambda (2 h - 1)` whose heights h are the first channel of `heights`. `square` is the size in
-/// metres of the part of the surface that the texture spans once, along u and along v.
+/// `lambda (2 h - 1)`. The heights h are the first channel of `heights`. `square` is the size, in
+/// metres, of the surface that the texture covers once, along u and along v.
 ///
-/// Slopes are central differences over two texels, repeating at the borders: with the relief d, the
+/// Slopes are central differences over two texels, repeating at the borders. For the relief d, the
 /// normal is `(-dd/dx, -dd/dy, 1)` over its length, y up the texture (Blinn 1978, "Simulation of
 /// Wrinkled Surfaces"), stored as `(n + 1) / 2`.
 ///
 /// # Errors
-/// Errors if the texture is invalid, lambda not finite or a size not above zero.
+/// Returns an error if the texture is invalid, lambda is not finite, or a size is not above zero.
 pub fn fitting_normal_map(
     heights: &Texture,
     lambda: f32,
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use umbrage_core::glam::UVec2;
 
-    /// One wave each way over 2 m x 1 m, heights 0 to 1.
+    /// One wave in each direction over 2 m x 1 m, heights 0 to 1.
     fn waves(n: u32) -> Texture {
         let wave = |i: u32| (f64::from(i) + 0.5) / f64::from(n) * std::f64::consts::TAU;
         let h = |i: u32| 0.5 + 0.25 * (wave(i % n).sin() + wave(i / n).cos());
@@ -85,9 +85,10 @@ mod tests {
     #[test]
     fn normals_are_those_of_the_surface() {
         let map = fitting_normal_map(&waves(64), 0.1, Vec2::new(2.0, 1.0)).unwrap();
-        // Central differences miss sines' slopes by (tau / 64)^2 / 6, of slopes up to 0.31.
+        // Central differences have an error of (tau / 64)^2 / 6 for the slopes of sines, which are
+        // up to 0.31.
         assert!(worst(&map, exact) < 6e-4, "{}", worst(&map, exact));
-        // The controls: green down, and u for v.
+        // Negative controls: green down, and u for v.
         assert!(worst(&map, |u, v| exact(u, v) * Vec3::new(1.0, -1.0, 1.0)) > 0.3);
         assert!(worst(&map, |u, v| exact(v, u)) > 0.3);
     }

@@ -1,4 +1,4 @@
-//! Textures from pictures.
+//! Textures from images.
 
 use crate::{Files, SceneError};
 use image::{
@@ -11,23 +11,23 @@ use std::{
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Texture, picture};
 
-/// Most texels along a side: 1 GiB in memory for a square.
+/// Greatest number of texels along a side: 1 GiB in memory for a square.
 pub(crate) const PICTURE_SIDE: u32 = 8192;
 
-/// What a file's numbers mean.
+/// Meaning of a file's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Meaning {
-    /// Colours encoded as sRGB: decoded here, and nowhere else.
+    /// Colours encoded as sRGB. This module decodes them, and no other.
     Color,
-    /// Normals or heights: numbers as they are.
+    /// Normals or heights, without conversion.
     Data,
-    /// What is there: a file's alpha, or, of files without, its first channel, as it is. The
+    /// Opacity: the file's alpha, or the unconverted first channel of a file without alpha. The
     /// colours are white.
     Alpha,
 }
 
-/// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all
-/// three channels, and alpha is 1 where there is none.
+/// Loads a texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey
+/// fills all three channels. Alpha is 1 if the file has none.
 pub(crate) fn load_texture(
     path: &Path,
     files: &dyn Files,
@@ -42,7 +42,7 @@ pub(crate) fn load_texture(
     Ok(texture_of(name, &image, meaning))
 }
 
-/// A texture of a picture: see [`load_texture`].
+/// Converts an image to a texture: see [`load_texture`].
 pub(crate) fn texture_of(name: String, picture: &DynamicImage, meaning: Meaning) -> Texture {
     let mut texels = texels(picture, meaning);
     if meaning == Meaning::Alpha {
@@ -69,18 +69,18 @@ pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage,
     })
 }
 
-/// Decodes a picture of at most [`PICTURE_SIDE`] texels a side.
+/// Decodes an image of at most [`PICTURE_SIDE`] texels a side.
 pub(crate) fn decode_picture(
     mut source: impl BufRead + Seek,
     format: ImageFormat,
 ) -> ImageResult<DynamicImage> {
     if format == ImageFormat::Png {
-        // The crate `png` 0.18.1 panics where a palette ends within a colour.
+        // Reject palettes that end within a colour: the crate `png` 0.18.1 panics on them.
         let begin = source.stream_position()?;
         let bytes = palette_bytes(&mut source)?;
         source.seek(SeekFrom::Start(begin))?;
         if bytes % 3 != 0 {
-            let why = format!("its palette has {bytes} bytes, which is no multiple of 3");
+            let why = format!("its palette has {bytes} bytes, which is not a multiple of 3");
             return Err(ImageError::Decoding(DecodingError::new(format.into(), why)));
         }
     }
@@ -92,9 +92,9 @@ pub(crate) fn decode_picture(
     reader.decode()
 }
 
-/// Returns how long a PNG file tells that its palette is, bytes; 0 if it has none before its
-/// pixels, or is cut short. Each chunk is its length, its name, its bytes and a checksum: "Portable
-/// Network Graphics (PNG) Specification (Third Edition)", W3C 2025, 5.3.
+/// Returns the declared length of a PNG file's palette, bytes. It is 0 if the file has no palette
+/// before its pixels, or is truncated. Each chunk is its length, its name, its bytes and a
+/// checksum: "Portable Network Graphics (PNG) Specification (Third Edition)", W3C 2025, 5.3.
 fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
     const SIGNATURE: i64 = 8;
     const CHECKSUM: i64 = 4;
@@ -132,7 +132,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
         Meaning::Color => picture::decode,
         Meaning::Data | Meaning::Alpha => |byte| f32::from(byte) / 255.0,
     };
-    // A power for each texel would take longer than reading the file.
+    // Tabulate the decoding: a power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
     let narrow = image.to_rgba8();
     narrow
@@ -146,7 +146,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Returns a texel's decoded colour with its own alpha, which is never encoded.
+/// Returns a texel's decoded colour with its alpha, which is always linear.
 fn texel(decoded: [f32; 4], alpha: f32) -> [f32; 4] {
     let [red, green, blue, _] = decoded;
     [red, green, blue, alpha]

@@ -19,7 +19,7 @@ fn colours_are_decoded_once_and_data_never() {
         (color.name.as_str(), color.size),
         ("some.png", UVec2::new(2, 1))
     );
-    // By the formula of IEC 61966-2-1, worked out by hand.
+    // Computed by hand from the formula of IEC 61966-2-1.
     assert!(
         (color.texels[1][0] - 0.215_861).abs() < 1e-6,
         "{:?}",
@@ -113,7 +113,7 @@ fn what_is_no_png_is_refused() {
 
 #[test]
 fn a_palette_that_ends_within_a_colour_is_refused() {
-    // A pixel of the palette's first colour: the checksums are right.
+    // A pixel of the palette's first colour, with correct checksums.
     const HEAD: &[u8] = b"\x89PNG\x0d\x0a\x1a\x0a\x00\x00\x00\x0dIHDR\x00\x00\x00\x01\x00\x00\x00\x01\x08\x03\x00\x00\x00(\xcb4\xbb";
     const TAIL: &[u8] = b"\x00\x00\x00\x0aIDATx\x9cc`\x00\x00\x00\x02\x00\x01H\xaf\xa4q\x00\x00\x00\x00IEND\xaeB`\x82";
     let png = |palette: &[u8]| Cursor::new([HEAD, palette, TAIL].concat());
@@ -128,6 +128,6 @@ fn a_palette_that_ends_within_a_colour_is_refused() {
     ];
     for cut in cut_short {
         let error = decode_picture(png(cut), ImageFormat::Png).unwrap_err();
-        assert!(error.to_string().contains("no multiple of 3"), "{error}");
+        assert!(error.to_string().contains("not a multiple of 3"), "{error}");
     }
 }

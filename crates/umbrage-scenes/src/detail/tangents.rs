@@ -5,24 +5,25 @@ use std::collections::HashMap;
 use umbrage_core::glam::Vec4;
 use umbrage_core::{Invalid, Mesh, WeldedVertices};
 
-/// The mesh with tangents for normal maps in tangent space, green up (OpenGL's convention): by
-/// Mikkelsen's algorithm (2008, "Simulation of Wrinkled Surfaces Revisited", `MikkTSpace`), which
-/// is what the programs that make such maps use. A vertex is doubled where the frames of its
-/// triangles differ: at mirrored texture coordinates and at hard edges of the texture. Without
-/// shading normals they are averaged first, over all vertices of a place.
+/// Returns the mesh with tangents for tangent-space normal maps, green up (OpenGL's convention).
+/// The algorithm is Mikkelsen's (2008, "Simulation of Wrinkled Surfaces Revisited", `MikkTSpace`),
+/// which programs that bake such maps use. A vertex is doubled where the frames of its triangles
+/// differ: at mirrored texture coordinates and at hard edges of the texture. Missing shading
+/// normals are averaged first, over all vertices of one position.
 ///
-/// Texture coordinates count v from the top (as [`Mesh::uvs`] does), and green looks up: so the
-/// bitangent `w n x t` runs against growing v. Triangles without area, in space or in the texture,
-/// take over their neighbours' frames; where there are none, any frame with the normal.
+/// Texture coordinates count v from the top (like [`Mesh::uvs`]), and green points up. The
+/// bitangent `w n x t` is therefore opposite to growing v. Triangles without area, in space or in
+/// the texture, inherit the frames of their neighbours. Without neighbours, they have an arbitrary
+/// frame around the normal.
 ///
 /// # Errors
-/// Errors if the mesh is invalid or has no texture coordinates.
+/// Returns an error if the mesh is invalid or has no texture coordinates.
 pub fn with_tangents(mesh: &Mesh) -> Result<Mesh, Invalid> {
     mesh.validate()?;
     if mesh.uvs.is_empty() {
         let what = format!("mesh `{}`", mesh.name);
         let why = "has no texture coordinates for tangents to run along";
-        return Err(Invalid::new(what, why, "give it uvs"));
+        return Err(Invalid::new(what, why, "add uvs"));
     }
     let mut frames = Frames {
         mesh: smooth(mesh),
@@ -58,7 +59,7 @@ fn smooth(mesh: &Mesh) -> Mesh {
 
 struct Frames {
     mesh: Mesh,
-    /// One for each corner of each triangle.
+    /// Tangents of the corners of all triangles.
     corners: Vec<Vec4>,
 }
 
@@ -87,7 +88,7 @@ impl Geometry for Frames {
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         let uv = self.mesh.uvs[self.vertex(face, corner)];
-        // Upwards, as green.
+        // Count v upwards, like green.
         [uv.x, 1.0 - uv.y]
     }
 
@@ -106,7 +107,7 @@ impl Geometry for Frames {
     }
 }
 
-/// One vertex for each frame that a vertex has.
+/// Splits vertices, one for each distinct frame.
 fn split(frames: &Frames) -> Mesh {
     let old = &frames.mesh;
     let mut out = Mesh {

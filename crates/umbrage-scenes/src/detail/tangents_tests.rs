@@ -6,7 +6,7 @@ fn bitangent(mesh: &Mesh, v: usize) -> Vec3 {
     mesh.normals[v].cross(mesh.tangents[v].truncate()) * mesh.tangents[v].w
 }
 
-/// Greatest distance of unit vectors, over all vertices.
+/// Returns the greatest distance of unit vectors, over all vertices.
 fn worst(mesh: &Mesh, found: impl Fn(usize) -> Vec3, expected: impl Fn(Vec3) -> Vec3) -> f32 {
     (0..mesh.positions.len())
         .map(|v| found(v).distance(expected(mesh.positions[v])))
@@ -15,7 +15,7 @@ fn worst(mesh: &Mesh, found: impl Fn(usize) -> Vec3, expected: impl Fn(Vec3) -> 
 
 #[test]
 fn tangents_run_along_u_and_bitangents_against_v() {
-    // u along x, v along z, facing up.
+    // Map u along x and v along z, facing up.
     let mesh = with_tangents(&grid([2.0, 2.0], [3, 3], |_, _| 0.0)).unwrap();
     mesh.validate().unwrap();
     assert!(worst(&mesh, |v| mesh.tangents[v].truncate(), |_| Vec3::X) < 1e-6);
@@ -30,7 +30,7 @@ fn tangents_run_along_u_and_bitangents_against_v() {
 #[test]
 fn mirrored_coordinates_flip_the_handedness_and_split_vertices() {
     let plain = grid([2.0, 2.0], [2, 1], |_, _| 0.0);
-    // A texture that is mirrored in the middle, as on symmetric models.
+    // Mirror the texture in the middle, as on symmetric models.
     let uvs = plain
         .uvs
         .iter()
@@ -69,7 +69,7 @@ fn a_torus_has_its_analytic_frames() {
         let out = Vec3::new(p.x, 0.0, p.z).normalize();
         around(p).cross((p - 2.0 * out).normalize()) * -1.0
     };
-    // Facets of 1/64 turn.
+    // The tolerance covers facets of 1/64 turn.
     assert!(worst(&mesh, |v| mesh.tangents[v].truncate(), around) < 0.05);
     assert!(worst(&mesh, |v| bitangent(&mesh, v), up_the_tube) < 0.05);
 }
@@ -79,7 +79,7 @@ fn frames_are_orthonormal_on_a_sphere_with_poles() {
     let mesh = with_tangents(&mapped(&octasphere(1.0, 4))).unwrap();
     for (v, t) in mesh.tangents.iter().enumerate() {
         let t3 = t.truncate();
-        // Mikkelsen's are unit vectors in the plane of the normal, up to rounding.
+        // Mikkelsen's tangents are unit vectors perpendicular to the normal, up to rounding.
         assert!(
             (t3.length() - 1.0).abs() < 1e-5
                 && t3.dot(mesh.normals[v]).abs() < 1e-5

@@ -1,4 +1,4 @@
-//! `[camera]`.
+//! The table `[camera]`.
 
 use super::table::Table;
 use crate::{
@@ -38,7 +38,7 @@ pub(super) fn read(
     };
     target.require(
         shot.eye != shot.target,
-        "is where the eye is",
+        "equals `eye`",
         "move one of the two",
     )?;
     let plane = |key| {

@@ -1,4 +1,4 @@
-//! Files of cameras: poses, or a path through them.
+//! Camera files: poses, or a path through them.
 
 use super::{
     camera,
@@ -10,13 +10,13 @@ use toml::de::DeTable;
 use umbrage_core::glam::Affine3A;
 use umbrage_core::{Camera, Geometry};
 
-/// Most cameras between two poses of a file.
+/// Greatest number of cameras between two poses of a file.
 const MAX_BETWEEN: u32 = 1000;
 
-/// Reads cameras from a file: one `[[camera]]` table a pose, with the keys that a scene file's
-/// `[camera]` has, and `between`, the number of cameras on the way from each pose to the next: 0,
-/// unless it says otherwise. `anchor` is that of the scene's file. `geometry` is what they see;
-/// their depth ranges go around it where the file doesn't give them.
+/// Reads cameras from a file. Each pose is a `[[camera]]` table with the keys of a scene file's
+/// `[camera]`. `between` is the number of cameras between neighbouring poses, by default 0.
+/// `anchor` is that of the scene file. Depth ranges that the file doesn't set are fitted to
+/// `geometry`.
 ///
 /// ```toml
 /// between = 3   # a path: three more cameras between the two
@@ -31,7 +31,7 @@ const MAX_BETWEEN: u32 = 1000;
 /// ```
 ///
 /// # Errors
-/// Errors if the file can't be read or holds no camera, with the line and what would help.
+/// Returns an error if the file can't be read or has no camera, with the line and a remedy.
 pub fn cameras(path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
     let text = super::text_of(path, &FilesOnDisk)?;
     parse(&text, path, geometry)
@@ -63,8 +63,9 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     Ok(path_through(&poses, between))
 }
 
-/// Returns the poses and so many cameras between each and the next. They stand on the straight line
-/// between the two and turn evenly; their projection is that of the pose before.
+/// Returns the poses, and `between` cameras between each pair of neighbours. They are on the
+/// straight line between the two and turn at a constant rate. Their projection is that of the
+/// previous pose.
 fn path_through(poses: &[Camera], between: u32) -> Vec<Camera> {
     let mut out = Vec::new();
     for pair in poses.windows(2) {
@@ -82,7 +83,7 @@ fn path_through(poses: &[Camera], between: u32) -> Vec<Camera> {
     out
 }
 
-/// Returns the pose at a share of the way from one camera to another.
+/// Interpolates between the poses of two cameras; `share` is 0 at the first and 1 at the second.
 fn halfway(from: &Camera, to: &Camera, share: f32) -> Affine3A {
     let [(_, from_turn, from_place), (_, to_turn, to_place)] =
         [from, to].map(|camera| camera.world_from_view.to_scale_rotation_translation());
@@ -115,7 +116,7 @@ mod tests {
             eyes[1].distance(Vec3::new(4.0, 2.0, 4.0)) < 1e-4,
             "{eyes:?}"
         );
-        // Half of a quarter turn to the left: it still looks at the middle.
+        // Half of a quarter turn to the left: the camera still looks at the centre.
         let looks_along = -path[1].world_from_view.matrix3.z_axis;
         let expected = Vec3A::new(-0.5_f32.sqrt(), 0.0, -0.5_f32.sqrt());
         assert!(looks_along.distance(expected) < 1e-4, "{looks_along}");

@@ -1,4 +1,4 @@
-//! glTF files that scene files name. They are made here.
+//! Tests of glTF files that scene files name. The files are made here.
 
 use super::read;
 use crate::gltf::tests::model::{PICTURE, SQUARE, TestModel};
@@ -10,8 +10,8 @@ use umbrage_core::{AlphaFilter, Geometry, Light, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
-/// Reads a scene file beside the model as `model.glb`, and as `model.gltf` with its bytes apart:
-/// both must say the same.
+/// Reads a scene file next to the model as `model.glb`, and as `model.gltf` with a separate buffer.
+/// Both must result in the same scene.
 fn scene_of(model: &TestModel, text: &str) -> Result<Scene, SceneError> {
     let in_one = files_with(model, text);
     let apart = files_with(model, &text.replace(".glb", ".gltf"));
@@ -44,7 +44,7 @@ fn object(rest: &str) -> String {
 }
 
 /// A square at the origin, the same mesh below a node that turns, moves and mirrors it, a hidden
-/// one, a lamp and a camera; and a second scene with one square far away.
+/// one, a light and a camera. A second scene has one square far away.
 fn rooms() -> TestModel {
     let mut model = TestModel::square();
     let child = model.add("nodes", json!({ "mesh": 0, "scale": [1, -2, 1] }));
@@ -69,7 +69,7 @@ fn rooms() -> TestModel {
 fn all_meshes_of_a_model_are_placed_by_their_nodes_and_then_by_the_object() {
     let place = "scale = 2\nrotate_degrees = [0, 90, 0]\ntranslate = [10, 0, 0]";
     let scene = scene_of(&rooms(), &object(place)).expect("valid");
-    // A quarter about y takes z to x and x to -z.
+    // A quarter turn about y takes z to x and x to -z.
     let turned = Mat3A::from_cols(Vec3A::NEG_Z, Vec3A::Y, Vec3A::X);
     let object = Affine3A {
         matrix3: turned * 2.0,
@@ -93,7 +93,7 @@ fn all_meshes_of_a_model_are_placed_by_their_nodes_and_then_by_the_object() {
             "{found} instead of {expected}"
         );
     }
-    // One mesh, shown twice.
+    // One mesh with two instances.
     let meshes: Vec<usize> = scene.instances.iter().map(|i| i.mesh).collect();
     assert_eq!((scene.meshes.len(), meshes), (1, vec![0, 0]));
 }
@@ -106,7 +106,7 @@ fn cameras_and_lights_of_a_model_are_left_aside() {
     assert!(matches!(scene.lights[..], [Light::Directional { .. }]));
     assert_eq!(scene.cameras.len(), 1);
     assert_ne!(scene.cameras[0], alone.cameras[0]);
-    // Nor do their faults count.
+    // Their errors don't count, either.
     let mut faulty = rooms();
     faulty.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(-1);
     assert!(crate::read("a/models/model.glb", &files_with(&faulty, "")).is_err());
@@ -120,7 +120,7 @@ fn a_model_is_read_as_it_is_alone() {
     let named = scene_of(&model, &object("")).expect("valid");
     assert_eq!(named.meshes[..], alone.meshes[..1]);
     assert_eq!(named.instances[..], alone.instances[..2]);
-    // The same triangles, to the last bit.
+    // Expect the same triangles, bit for bit.
     let corners = |scene: &Scene| Geometry::bake(scene).expect("valid").positions().to_vec();
     assert_eq!(corners(&named), corners(&alone)[..corners(&named).len()]);
 }
@@ -143,8 +143,8 @@ fn another_scene_of_the_file_is_named_behind_its_path() {
     );
 }
 
-/// A square with holes, and one of glass, with two sets of texture coordinates of which the holes
-/// take the second, moved.
+/// An alpha-tested square, and one of glass, with two sets of texture coordinates. The alpha test
+/// uses the second set, moved.
 fn leaves() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
@@ -195,7 +195,7 @@ fn a_model_brings_its_looks_with_their_holes() {
     assert_eq!(casts, [true, false, true], "glass throws no shadow");
     assert_eq!(material(pane).alpha, None);
     assert_eq!(material(block).diffuse, Vec3::Z);
-    // What the object says holds for all of it, and adds no shadow to glass.
+    // The object's keys apply to all parts, and add no shadow to glass.
     let without = scene_of(&leaves(), &object("casts = false\n")).expect("valid");
     assert!(without.instances.iter().all(|i| !i.casts && i.receives));
     let none_falls = scene_of(&leaves(), &object("casts = true\nreceives = false\n"));
@@ -208,8 +208,8 @@ fn a_model_brings_its_looks_with_their_holes() {
     assert_eq!(of_both, [(true, false), (false, false)]);
 }
 
-/// The filter alone is no look: the model keeps its own, with its masks, and another object that
-/// names the same model has the file's.
+/// `alpha_filter` alone is no look: the model keeps its own looks and alpha tests, and another
+/// object with the same model has those of the file.
 #[test]
 fn a_model_s_own_holes_may_be_hashed() {
     let plain = "[[object]]\nmesh = \"models/model.glb\"\n";
@@ -219,7 +219,7 @@ fn a_model_s_own_holes_may_be_hashed() {
     let scene = scene_of(&leaves(), &text).expect("valid");
     let alone = scene_of(&leaves(), &object("")).expect("valid");
     let materials: Vec<_> = scene.instances.iter().map(|i| i.material).collect();
-    // The leaf's and the pane's of each object; hashed once.
+    // The leaf and the pane of each object. Only one is hashed.
     let [leaf, pane] = [Some(0), Some(1)];
     let hashed = Some(2);
     assert_eq!(
@@ -231,8 +231,8 @@ fn a_model_s_own_holes_may_be_hashed() {
     expected.alpha.as_mut().expect("holes").filter = AlphaFilter::Hashed;
     assert_eq!(scene.materials[2..], [expected]);
     assert!(!scene.instances[1].casts, "glass stays glass");
-    // Beside other looks it belongs to their own alpha map, and where there are no holes, it says
-    // nothing.
+    // With other looks, the filter belongs to their own alpha map. It has no effect without an
+    // alpha test.
     let message = |model: &TestModel, rest: &str| {
         let scene = scene_of(model, &object(rest));
         scene.expect_err("no holes").to_string()
@@ -240,12 +240,12 @@ fn a_model_s_own_holes_may_be_hashed() {
     let filter = "alpha_filter = \"hashed\"\n";
     let beside = message(&leaves(), &format!("{filter}color = [1, 0, 0]\n"));
     assert!(
-        beside.contains("`object.alpha_filter`: stands without `alpha_map`"),
+        beside.contains("`object.alpha_filter`: has no effect without `alpha_map`"),
         "{beside}"
     );
     let whole = message(&TestModel::square(), filter);
     assert!(
-        whole.contains("`object.alpha_filter`: is asked for, but the model has no holes"),
+        whole.contains("`object.alpha_filter`: is set, but the model has no alpha test"),
         "{whole}"
     );
     let unknown = message(&leaves(), "alpha_filter = \"blurred\"\n");
@@ -264,7 +264,7 @@ fn an_object_with_a_look_of_its_own_wears_no_other() {
         let uvs = &scene.meshes[instance.mesh].uvs;
         assert_eq!(uvs[..2], [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0)]);
     }
-    // Faults of looks that nobody asked for don't count.
+    // Errors of unused looks don't count.
     let mut blank = leaves();
     blank.json["images"] = json!([{ "uri": "nowhere.png" }]);
     let message = scene_of(&blank, &object(""))
@@ -275,7 +275,7 @@ fn an_object_with_a_look_of_its_own_wears_no_other() {
         "{message}"
     );
     scene_of(&blank, &object("color = [1, 0, 0]\n")).expect("valid");
-    // What a mask cuts away altogether is there again.
+    // A part that an alpha test removes completely is visible without it.
     let mut gone = leaves();
     gone.json["materials"][0] = json!({
         "alphaMode": "MASK", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.25] },
@@ -350,7 +350,7 @@ fn faults_of_a_model_are_told_with_both_places() {
         .expect_err("an index of nothing")
         .to_string();
     assert!(
-        message.starts_with(start) && message.contains("points to what is not in the file"),
+        message.starts_with(start) && message.contains("points to a missing element"),
         "{message}"
     );
     let empty = TestModel::new();

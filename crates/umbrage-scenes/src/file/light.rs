@@ -1,4 +1,4 @@
-//! `[[light]]`.
+//! The table `[[light]]`.
 
 use super::table::{Item, Table};
 use crate::SceneError;
@@ -94,7 +94,7 @@ fn disc(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     })
 }
 
-/// Degrees of 0 to less than `below`, as radians.
+/// Reads degrees from 0 to less than `below`, and returns radians.
 fn angle(item: &Item<'_>, below: f32) -> Result<f32, SceneError> {
     let degrees = item.checked(invalid::not_negative)?;
     item.require(

@@ -1,4 +1,4 @@
-//! How an `[[object]]` looks.
+//! The look of an `[[object]]`.
 
 use super::table::{Item, Table};
 use crate::{
@@ -14,7 +14,7 @@ use umbrage_core::{
 
 const ALPHA_FILTER: &str = "alpha_filter";
 
-/// The keys of looks, which stand among an object's others.
+/// The keys of looks, among the other keys of an object.
 pub(super) const KEYS: [&str; 12] = [
     "color",
     "texture",
@@ -30,7 +30,7 @@ pub(super) const KEYS: [&str; 12] = [
     "emissive",
 ];
 
-/// A material, and what it asks of a mesh.
+/// A material, and its requirements for the mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Look<'a> {
     pub(super) material: Material,
@@ -38,7 +38,8 @@ pub(super) struct Look<'a> {
     pub(super) textured: Option<Item<'a>>,
 }
 
-/// None where an object has none of the keys, or only one that is about the looks of its model.
+/// Reads a look. Returns `None` for an object without the keys, or with `alpha_filter` alone, which
+/// applies to the looks of its model.
 pub(super) fn read<'a>(
     table: &Table<'a>,
     folder: &Path,
@@ -98,8 +99,8 @@ pub(super) fn read<'a>(
     Ok(Some(Look { material, textured }))
 }
 
-/// Returns the filter that an object asks for of the holes which its model brings, with the item
-/// that says so; none if it doesn't, or has a look of its own, to which the key then belongs.
+/// Returns the filter that an object sets for the alpha tests of its model, with its item. Returns
+/// `None` without the key, and for an object with its own look, to which the key then belongs.
 pub(super) fn filter_of_model<'a>(
     table: &Table<'a>,
 ) -> Result<Option<(AlphaFilter, Item<'a>)>, SceneError> {
@@ -125,9 +126,10 @@ fn alpha(table: &Table<'_>, alpha_map: Option<usize>) -> Result<Option<AlphaCuto
     let Some(texture) = alpha_map else {
         return match items.iter().flatten().next() {
             None => Ok(None),
-            Some(item) => {
-                Err(item.fault("stands without `alpha_map`", "add alpha_map = \"leaf.png\""))
-            }
+            Some(item) => Err(item.fault(
+                "has no effect without `alpha_map`",
+                "add alpha_map = \"leaf.png\"",
+            )),
         };
     };
     let [cutoff, filter] = items;
@@ -159,7 +161,7 @@ fn displacement(
     match (height_map, items) {
         (None, [_, None, None]) => Ok(None),
         (None, [_, Some(item), _] | [_, _, Some(item)]) => Err(item.fault(
-            "stands without `height_map`",
+            "has no effect without `height_map`",
             "add height_map = \"heights.png\"",
         )),
         (Some(texture), [_, Some(metres), subdivisions]) => {
@@ -178,7 +180,7 @@ fn displacement(
     }
 }
 
-/// Linear, 0 to 1.
+/// Reads a linear colour, 0 to 1.
 fn color(table: &Table<'_>, key: &str) -> Result<Option<Vec3>, SceneError> {
     let Some(item) = table.get(key) else {
         return Ok(None);
@@ -193,7 +195,7 @@ fn color(table: &Table<'_>, key: &str) -> Result<Option<Vec3>, SceneError> {
     Ok(Some(color))
 }
 
-/// One number for all channels, or one for each.
+/// Reads one number for all channels, or one for each.
 fn specular(table: &Table<'_>) -> Result<Option<Vec3>, SceneError> {
     let Some(item) = table.get("specular").filter(|item| !item.value.is_array()) else {
         return color(table, "specular");
@@ -219,7 +221,7 @@ fn emissive(table: &Table<'_>) -> Result<Vec3, SceneError> {
     Ok(color)
 }
 
-/// The exponent of a power of two.
+/// Reads a power of two, and returns its exponent.
 fn shininess(table: &Table<'_>) -> Result<Option<u32>, SceneError> {
     let Some(item) = table.get("shininess") else {
         return Ok(None);

@@ -6,8 +6,8 @@ use umbrage_core::{AlphaFilter, Displacement, Geometry, Material, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
-/// Loads objects, with 2 x 2 images `color.png`, `flat.png` (normals) and `heights.png` (16 bits)
-/// beside them.
+/// Loads objects, next to 2 x 2 images `color.png`, `flat.png` (normals) and `heights.png` (16
+/// bits).
 fn scene(objects: &str) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -76,7 +76,7 @@ fn textures_are_read_once_and_decoded_by_meaning() {
     let scene = scene(&text).unwrap();
     let names: Vec<_> = scene.textures.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(names, ["color.png", "flat.png", "heights.png"]);
-    // sRGB 128 by the standard's formula, and 128 as it is; 16-bit white.
+    // 128 as sRGB by the standard's formula, and 128 as data; 16-bit white.
     let first = |i: usize| scene.textures[i].texels[1][0];
     assert!((first(0) - 0.215_861).abs() < 1e-6, "{}", first(0));
     assert_eq!((first(1), first(2)), (128.0 / 255.0, 1.0));
@@ -118,7 +118,7 @@ fn alpha_maps_cut_holes() {
         filters.collect::<Vec<_>>(),
         [AlphaFilter::Nearest, AlphaFilter::Hashed]
     );
-    // Black to the left, white to the right.
+    // Black on the left, white on the right.
     let texels = scene.textures[0].texels[..2].iter().map(|texel| texel[3]);
     assert_eq!(texels.collect::<Vec<_>>(), [0.0, 1.0]);
     assert!(Geometry::bake(&scene).unwrap().has_cut_out_casters());
@@ -183,19 +183,19 @@ fn faults_name_the_line_and_the_key() {
         ("texture = 3", "`object.texture`: is an integer, not text"),
         (
             "displacement = 0.1",
-            "`object.displacement`: stands without `height_map`; add height_map = ",
+            "`object.displacement`: has no effect without `height_map`; add height_map = ",
         ),
         (
             "subdivisions = 2",
-            "`object.subdivisions`: stands without `height_map`",
+            "`object.subdivisions`: has no effect without `height_map`",
         ),
         (
             "alpha_cutoff = 0.3",
-            "`object.alpha_cutoff`: stands without `alpha_map`; add alpha_map = ",
+            "`object.alpha_cutoff`: has no effect without `alpha_map`; add alpha_map = ",
         ),
         (
             "alpha_filter = \"hashed\"",
-            "`object.alpha_filter`: stands without `alpha_map`; add alpha_map = ",
+            "`object.alpha_filter`: has no effect without `alpha_map`; add alpha_map = ",
         ),
         (
             "height_map = \"heights.png\"",

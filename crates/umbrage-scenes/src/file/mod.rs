@@ -23,7 +23,7 @@ use table::{Source, Table};
 use toml::de::DeTable;
 use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
 
-/// Longest scene file that is read.
+/// Greatest length of a scene file, bytes.
 const LONGEST: u64 = 16 << 20;
 
 /// Reads the scene file at `path` among `files`.
@@ -32,12 +32,12 @@ pub(crate) fn read(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> 
     parse(&text, path, path.parent().unwrap_or(Path::new("")), files)
 }
 
-/// Returns the text of a file of ours.
+/// Returns the text of a scene or camera file.
 fn text_of(path: &Path, files: &dyn Files) -> Result<String, SceneError> {
     let read = || {
         let mut text = String::new();
         let source = files.open(path)?;
-        // A byte more tells that there are more.
+        // Read one more byte, to detect longer files.
         if source.take(LONGEST + 1).read_to_string(&mut text)? as u64 > LONGEST {
             return Err(io::Error::other("is over 16 MiB long"));
         }
@@ -56,7 +56,8 @@ fn syntax(source: &Source<'_>, e: &toml::de::Error) -> SceneError {
     )
 }
 
-/// Reads a scene from a text; `path` stands for its file. What it names is looked for in `folder`.
+/// Reads a scene from a text. `path` is the name of its file. Paths in the text are relative to
+/// `folder`.
 pub(crate) fn parse(
     text: &str,
     path: &Path,
@@ -83,7 +84,7 @@ pub(crate) fn parse(
             "give the scene a name, or leave it out",
         )?;
         let length = scene.name.len();
-        let help = format!("use at most {MAX_NAME_BYTES}: reports make it a folder's name");
+        let help = format!("use at most {MAX_NAME_BYTES}: reports use it as the name of a folder");
         name.require(
             length <= MAX_NAME_BYTES,
             &format!("is {length} bytes long"),

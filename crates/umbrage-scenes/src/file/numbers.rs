@@ -10,14 +10,14 @@ use umbrage_core::{Anchor, Invalid, invalid};
 const TRIPLE: &str = "[x, y, z]";
 
 impl Item<'_> {
-    /// A finite number, whole or not.
+    /// Reads a finite number, integer or not.
     pub(super) fn number(&self) -> Result<f32, SceneError> {
         let number = self.parsed(|i| i as f32)?;
         self.check(invalid::finite("", &[number]))?;
         Ok(number)
     }
 
-    /// A number of 64 bits, whole or not.
+    /// Reads a number as 64 bits, integer or not.
     pub(super) fn wide_number(&self) -> Result<f64, SceneError> {
         self.parsed(|i| i as f64)
     }
@@ -33,7 +33,7 @@ impl Item<'_> {
         parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))
     }
 
-    /// A finite number that passes a check of core's.
+    /// Reads a finite number that passes a check of core's.
     pub(super) fn checked(
         &self,
         check: fn(&str, f32) -> Result<(), Invalid>,
@@ -43,7 +43,7 @@ impl Item<'_> {
         Ok(number)
     }
 
-    /// A whole number in a range.
+    /// Reads an integer in a range.
     pub(super) fn whole(&self, range: RangeInclusive<u32>) -> Result<u32, SceneError> {
         let help = format!(
             "use a whole number from {} to {}",
@@ -74,14 +74,14 @@ impl Item<'_> {
         Ok([number(&items[0])?, number(&items[1])?, number(&items[2])?])
     }
 
-    /// A position in world space, relative to an anchor.
+    /// Reads a position in world space, relative to an anchor.
     pub(super) fn position(&self, anchor: Anchor) -> Result<Vec3, SceneError> {
         let relative = anchor.position(self.wide_vec3()?);
         self.check(invalid::finite("", &relative.to_array()))?;
         Ok(relative)
     }
 
-    /// A vector that is longer than zero.
+    /// Reads a vector of non-zero length.
     pub(super) fn direction(&self) -> Result<Vec3, SceneError> {
         let v = self.vec3()?;
         self.check(invalid::direction("", v))?;
@@ -90,13 +90,13 @@ impl Item<'_> {
 }
 
 impl Table<'_> {
-    /// A position in world space, relative to an anchor.
+    /// Reads a position in world space, relative to an anchor.
     pub(super) fn position(&self, key: &str, anchor: Anchor) -> Result<Vec3, SceneError> {
         self.need(key, TRIPLE)?.position(anchor)
     }
 
-    /// What a file's positions are relative to: the anchor nearest to the point under `anchor`, or
-    /// the origin.
+    /// Returns the origin of the file's positions: the anchor nearest to the point `anchor`, or the
+    /// world's origin.
     pub(super) fn anchor(&self) -> Result<Anchor, SceneError> {
         match self.get("anchor") {
             Some(item) => item.check(Anchor::near(item.wide_vec3()?)),
@@ -108,7 +108,7 @@ impl Table<'_> {
         self.need(key, TRIPLE)?.direction()
     }
 
-    /// Metres or degrees, not negative; 0 where absent.
+    /// Reads metres or degrees, not negative; 0 if absent.
     pub(super) fn size_or_zero(&self, key: &str) -> Result<f32, SceneError> {
         self.get(key)
             .map_or(Ok(0.0), |item| item.checked(invalid::not_negative))

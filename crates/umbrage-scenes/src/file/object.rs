@@ -1,4 +1,4 @@
-//! `[[object]]`.
+//! The table `[[object]]`.
 
 use super::{
     look::{self, Look},
@@ -32,10 +32,10 @@ const KEYS: [&str; 8] = [
     "receives",
 ];
 const SHAPES: &[&str] = &["plane", "box", "sphere"];
-/// Splits of an icosahedron: 5,120 triangles.
+/// Subdivisions of an icosahedron, for 5,120 triangles.
 const SPHERE_SPLITS: u32 = 4;
 
-/// Adds meshes, each once, and instances.
+/// Adds meshes, each once, and their instances.
 pub(super) fn read_all(
     tables: &[Table<'_>],
     folder: &Path,
@@ -67,7 +67,7 @@ pub(super) fn read_all(
             let has_holes = |part: &ModelPart| alpha_of(part.material, scene).is_some();
             item.require(
                 parts.iter().any(has_holes),
-                "is asked for, but the model has no holes",
+                "is set, but the model has no alpha test",
                 "leave it out, or add alpha_map = \"leaf.png\"",
             )?;
         }
@@ -98,15 +98,15 @@ fn alpha_of(material: Option<usize>, scene: &Scene) -> Option<AlphaCutout> {
     scene.materials[material?].alpha
 }
 
-/// Materials of models whose holes have another filter than the model's own, by the model's:
-/// objects without the key share a model with others.
+/// Materials of models whose alpha filter an object overrides, by the original material. Objects
+/// without the key share the model with others.
 #[derive(Debug, Default)]
 struct FilteredMaterials {
     known: HashMap<usize, usize>,
 }
 
 impl FilteredMaterials {
-    /// Returns the material of a part whose holes are to have this filter.
+    /// Returns the material of a part with this alpha filter.
     fn of(
         &mut self,
         material: Option<usize>,
@@ -117,7 +117,7 @@ impl FilteredMaterials {
         let (Some(material), Some(alpha)) = (material, alpha) else {
             return material;
         };
-        // There are two filters, so that the other one is one.
+        // There are two filters, so one entry is enough for the other one.
         let place = self.known.entry(material).or_insert_with(|| {
             scene.materials.push(Material {
                 alpha: Some(AlphaCutout { filter, ..alpha }),
@@ -129,7 +129,7 @@ impl FilteredMaterials {
     }
 }
 
-/// Returns the box around a model where it stands by itself.
+/// Returns the bounding box of a model before its placement.
 fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
     let positions = |part: &ModelPart| {
         let place = part.model_from_mesh;
@@ -141,9 +141,9 @@ fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
     Aabb::around(parts.iter().flat_map(positions))
 }
 
-/// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key
-/// that this comes from. `local` is the box around the object before it is placed, `place` is
-/// relative to the anchor.
+/// Returns an error if 32-bit geometry is too coarse for an object's size or position. The error
+/// names the key of the cause. `local` is the object's bounding box before its placement, `place`
+/// is relative to the anchor.
 fn check_size(
     table: &Table<'_>,
     shape_or_mesh: &Item<'_>,
@@ -158,12 +158,12 @@ fn check_size(
         place.matrix3.z_axis,
     ];
     for (axis, local_size) in axes.into_iter().zip(local.extent().to_array()) {
-        // What is flat, such as a plane, has no size along one of its axes.
+        // Skip an axis along which the object is flat.
         if local_size <= 0.0 {
             continue;
         }
         let size = axis.as_dvec3().length() as f32 * local_size;
-        // A range does not contain NaN.
+        // NaN is outside every range.
         if !(least..=most).contains(&size) {
             let why = format!("makes the object {size:e} m across along one of its axes");
             let help = format!("use sizes from {least:e} to {most:e} m");
@@ -180,19 +180,19 @@ fn check_size(
         false => "anchor",
     };
     let why = format!("puts the object {away:e} m from the {origin}");
-    let help = format!("use places within {most:e} m of it");
+    let help = format!("use positions within {most:e} m of it");
     let item = first_of(table, &["translate", "matrix", "scale"], shape_or_mesh);
     item.require(away <= most, &why, &help)
 }
 
-/// Returns the value of the first of these keys that the table has, or another item.
+/// Returns the value of the first of these keys that the table has, or `otherwise`.
 fn first_of<'a>(table: &Table<'a>, keys: &[&str], otherwise: &Item<'a>) -> Item<'a> {
     keys.iter()
         .find_map(|key| table.get(key))
         .unwrap_or_else(|| otherwise.clone())
 }
 
-/// What an object's look asks of its mesh; a model without needs brings its own looks.
+/// Requirements of an object's look for its mesh. A model without requirements uses its own looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Needs {
     OwnLooks,
@@ -244,7 +244,7 @@ enum Source {
 }
 
 impl Source {
-    /// Returns the model that a path names; none if its name is no model's.
+    /// Returns the model at a path. `None` if the name is not that of a model.
     fn model(path: PathBuf) -> Option<Self> {
         if let Some(wanted) = SceneOfFile::of(&path) {
             return Some(Self::Gltf(wanted));
@@ -266,7 +266,7 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
             let source = Source::model(path).ok_or_else(|| item.fault(&why, help))?;
             Ok((source, item))
         }
-        (Some(_), Some(item)) => Err(item.fault("stands beside `shape`", "keep one of the two")),
+        (Some(_), Some(item)) => Err(item.fault("conflicts with `shape`", "keep one of the two")),
         (None, None) => Err(table.fault(
             "has neither `shape` nor `mesh`",
             "add shape = \"box\" or mesh = \"model.obj\"",
@@ -305,7 +305,7 @@ fn make(
     let meshes: BTreeSet<usize> = parts.iter().map(|part| part.mesh).collect();
     for mesh in meshes {
         let mesh = &mut scene.meshes[mesh];
-        // Those without texture coordinates are refused by name later on.
+        // Meshes without texture coordinates are refused by name later.
         if !mesh.uvs.is_empty() {
             *mesh = item.check(with_tangents(mesh))?;
         }
@@ -313,8 +313,8 @@ fn make(
     Ok(parts)
 }
 
-/// Returns a plane, a box or a sphere from -1 to 1. A sphere has texture coordinates only on
-/// demand: they double vertices.
+/// Returns a plane, a box or a sphere from -1 to 1. A sphere only has texture coordinates if
+/// requested, since they double vertices.
 fn shape(name: &str, textured: bool) -> Mesh {
     match name {
         "plane" => grid([1.0, 1.0], [1, 1], |_, _| 0.0),
@@ -333,7 +333,7 @@ fn placement(table: &Table<'_>, anchor: Anchor) -> Result<Affine3A, SceneError> 
     };
     if let Some(other) = steps.iter().flatten().next() {
         return Err(other.fault(
-            "stands beside `matrix`",
+            "conflicts with `matrix`",
             "keep either the matrix or the steps",
         ));
     }
@@ -360,7 +360,8 @@ fn row(item: &Item<'_>) -> Result<DVec4, SceneError> {
     Ok(DVec4::from_slice(&numbers))
 }
 
-/// Scaled first, then turned about x, y and z in this order, then moved.
+/// Returns the placement: scale first, then turns about x, y and z in this order, then the
+/// translation.
 fn from_steps(steps: &[Option<Item<'_>>; 3], anchor: Anchor) -> Result<Affine3A, SceneError> {
     let [translate, rotate, scale] = steps;
     let degrees = match rotate {
@@ -384,7 +385,7 @@ fn from_steps(steps: &[Option<Item<'_>>; 3], anchor: Anchor) -> Result<Affine3A,
     }
 }
 
-/// One number for all axes, or one for each.
+/// Reads one number for all axes, or one for each.
 fn scale_of(item: &Item<'_>) -> Result<Vec3, SceneError> {
     if item.value.is_array() {
         item.vec3()

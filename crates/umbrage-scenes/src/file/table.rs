@@ -1,4 +1,4 @@
-//! Tables of a scene file, whose values know where they stand.
+//! Tables of a scene file, with the positions of their values.
 
 use crate::{
     SceneError,
@@ -18,7 +18,7 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// An error at a range of bytes.
+    /// Returns an error at a range of bytes.
     pub(super) fn fault(
         &self,
         at: Range<usize>,
@@ -44,11 +44,11 @@ impl Source<'_> {
     }
 }
 
-/// A table, with its name for errors.
+/// A table, with its name for error messages.
 #[derive(Clone, Debug)]
 pub(super) struct Table<'a> {
     pub(super) source: &'a Source<'a>,
-    /// `light`; empty for the file itself.
+    /// Name such as `light`. Empty for the file itself.
     name: &'static str,
     entries: &'a DeTable<'a>,
     span: Range<usize>,
@@ -58,7 +58,7 @@ pub(super) struct Table<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Item<'a> {
     source: &'a Source<'a>,
-    /// With its table: `light.radius`.
+    /// Key with its table: `light.radius`.
     pub(super) key: String,
     pub(super) value: &'a DeValue<'a>,
     pub(super) span: Range<usize>,
@@ -74,9 +74,9 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Errors if the table has keys other than those `known`.
+    /// Returns an error if the table has keys that are not `known`.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), SceneError> {
-        // The first in the file, not in the alphabet.
+        // Report the first in the file, not in alphabetical order.
         let unknown = self
             .entries
             .keys()
@@ -116,7 +116,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The value of a key that must be there; `example` shows how to write it.
+    /// Returns the value of a required key. `example` shows how to write it.
     pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
             let path = self.path(key);
@@ -126,7 +126,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// Errors about the table as a whole unless something `holds`.
+    /// Returns an error about the table as a whole unless `holds`.
     pub(super) fn require(&self, holds: bool, why: &str, help: &str) -> Result<(), SceneError> {
         if holds {
             Ok(())
@@ -135,18 +135,18 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// An error about the table as a whole.
+    /// Returns an error about the table as a whole.
     pub(super) fn fault(&self, why: &str, help: &str) -> SceneError {
         let name = (!self.name.is_empty()).then_some(self.name);
         self.source.fault(self.span.clone(), name, why, help)
     }
 
-    /// A check of core's, with the place where this table begins.
+    /// Adds the position of this table to an error of core's.
     pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
         checked.map_err(|e| self.fault(&format!("{} {}", e.what, e.why), &e.help))
     }
 
-    /// The table under a key: `[name]`.
+    /// Returns the table under a key: `[name]`.
     pub(super) fn table(&self, name: &'static str) -> Result<Option<Self>, SceneError> {
         let Some(item) = self.get(name) else {
             return Ok(None);
@@ -166,7 +166,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The tables under a key: `[[name]]`.
+    /// Returns the tables under a key: `[[name]]`.
     pub(super) fn tables(&self, name: &'static str) -> Result<Vec<Self>, SceneError> {
         let Some(item) = self.get(name) else {
             return Ok(Vec::new());
@@ -219,7 +219,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A check of core's, with this value's place.
+    /// Adds the position of this value to an error of core's.
     pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
         checked.map_err(|e| self.fault(&e.why, &e.help))
     }
@@ -236,7 +236,7 @@ impl<'a> Item<'a> {
             .ok_or_else(|| self.wrong_type("true or false", "write true or false"))
     }
 
-    /// One of these words.
+    /// Reads one of these words.
     pub(super) fn word(&self, known: &[&str]) -> Result<&'a str, SceneError> {
         let word = self.text()?;
         if known.contains(&word) {
@@ -245,7 +245,7 @@ impl<'a> Item<'a> {
         Err(self.fault(&format!("is \"{word}\""), &format!("use {}", listed(known))))
     }
 
-    /// The values of a list of `n`.
+    /// Reads the values of a list of `n`.
     pub(super) fn list(&self, n: usize, example: &str) -> Result<Vec<Item<'a>>, SceneError> {
         let help = format!("write {example}");
         let array = self

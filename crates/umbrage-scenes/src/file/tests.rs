@@ -9,14 +9,14 @@ fn read(text: &str) -> Result<Scene, SceneError> {
 
 const CAMERA: &str = "[camera]\neye = [0, 1, 5]\ntarget = [0, 0, 0]\n";
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
-/// The beginning of the error of an object whose mesh is `a.glb`, which isn't there.
+/// Start of the error for an object whose mesh `a.glb` is missing.
 #[cfg(feature = "gltf")]
 const GLTF: &str = "scene.toml:5: `object.mesh`: a.glb: can't be read";
 #[cfg(not(feature = "gltf"))]
 const GLTF: &str = "scene.toml:5: `object.mesh`: a.glb: is a glTF file, which this program was built without; build umbrage-scenes with its feature `gltf`";
 const OBJECT: &str = "[[object]]\nshape = \"box\"\n";
 
-/// A light and an object read from these lines.
+/// Reads a light and an object from these lines.
 fn one(light: &str, object: &str) -> Result<(Light, Affine3A), SceneError> {
     read(&format!("[[light]]\n{light}\n[[object]]\n{object}\n"))
         .map(|s| (s.lights[0], s.instances[0].world_from_local))
@@ -76,7 +76,7 @@ receives = false
     assert_eq!(scene.meshes[0].name, "teapot");
 }
 
-/// A scene whose places are written relative to its middle.
+/// A scene whose positions are relative to `middle`.
 fn scene_around(middle: [f64; 3], anchor: &str) -> String {
     let [x, y, z] = middle;
     let at = |a: f64, b: f64, c: f64| format!("[{:?}, {:?}, {:?}]", x + a, y + b, z + c);
@@ -112,15 +112,15 @@ fn scene_around(middle: [f64; 3], anchor: &str) -> String {
 fn places_are_read_relative_to_the_anchor() {
     let near = read(&scene_around([0.0; 3], "")).unwrap();
     let far = [1_000_448.0, -2048.0, -7_340_032.0];
-    // Any point near by names the anchor.
+    // Any nearby point selects the anchor.
     let anchor = "anchor = [1e6, -2000, -7_340_000.5]";
     let relative = read(&scene_around(far, anchor)).unwrap();
     assert_eq!(relative, near);
-    // Without it, places are rounded.
+    // Without it, positions are rounded.
     let rounded = read(&scene_around(far, "")).unwrap();
     let eye = rounded.cameras[0].eye().as_dvec3() - umbrage_core::glam::DVec3::from_array(far);
     assert_ne!(eye.as_vec3(), near.cameras[0].eye());
-    // An object without a place stands at the world's origin.
+    // An object without a position is at the world's origin.
     let plane = format!("anchor = [1024, 0, 0]\n{CAMERA}{LIGHT}{OBJECT}");
     let place = read(&plane).unwrap().instances[0].world_from_local;
     assert_eq!(place.translation, Vec3::new(-1024.0, 0.0, 0.0).into());
@@ -196,7 +196,7 @@ fn placements_scale_then_turn_about_x_y_z_then_move() {
     let sun = "kind = \"directional\"\ndirection = [0, -1, 0]";
     let place = |object: &str| one(sun, &format!("shape = \"box\"\n{object}")).unwrap().1;
     let p = |object: &str, v: Vec3| place(object).transform_point3(v);
-    // Sines and cosines of right angles are off by a rounding.
+    // Sines and cosines of right angles have rounding errors.
     let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} {b}");
     near(p("", Vec3::ONE), Vec3::ONE);
     near(
@@ -225,7 +225,7 @@ fn shapes_reach_from_minus_one_to_one() {
         let scene = read(&format!("{LIGHT}[[object]]\nshape = \"{shape}\"")).unwrap();
         let bounds = Geometry::bake(&scene).unwrap().bounds();
         let expected = Vec3::new(1.0, height, 1.0);
-        // A sphere's vertices need not lie on the axes.
+        // A sphere need not have vertices on the axes.
         assert!(
             bounds.max.distance(expected) < 0.01 && bounds.min.distance(-expected) < 0.01,
             "{shape} {bounds:?}"
@@ -278,7 +278,7 @@ fn near_and_far_are_fitted_where_absent() {
     near(range("far = 1"), [0.5, 1.0]);
 }
 
-/// The line of an error and its text.
+/// Returns the line of an error and its text.
 fn refused(text: &str) -> (Option<usize>, String) {
     let error = read(text).unwrap_err();
     let text = error.to_string();
@@ -288,8 +288,8 @@ fn refused(text: &str) -> (Option<usize>, String) {
     }
 }
 
-/// Each fault goes in as the last line of its table, and must come back with that line, its key and
-/// a way out.
+/// Each error is inserted as the last line of its table. The message must have that line, its key
+/// and a remedy.
 #[test]
 fn faults_name_line_key_and_remedy() {
     let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\n";
@@ -445,7 +445,7 @@ fn faults_name_line_key_and_remedy() {
         (
             OBJECT,
             "mesh = \"a.obj\"",
-            "`object.mesh`: stands beside `shape`",
+            "`object.mesh`: conflicts with `shape`",
             "keep one",
         ),
         (
@@ -524,7 +524,7 @@ fn faults_in_the_whole_are_told() {
         ),
         (
             format!("{LIGHT}{OBJECT}[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0.0]"),
-            "scene.toml:8: `camera.target`: is where",
+            "scene.toml:8: `camera.target`: equals `eye`",
         ),
         (
             "[light]\nkind = \"point\"".to_owned(),
@@ -545,7 +545,7 @@ fn faults_in_the_whole_are_told() {
         (format!("{LIGHT}[[object]]\nmesh = \"a.stl\""), "scene.toml:5: `object.mesh`: is `a.stl`, not a .obj, .glb or .gltf file; name a model"),
         (format!("{LIGHT}[[object]]\nmesh = \"a.stl#1\""), "scene.toml:5: `object.mesh`: is `a.stl#1`, not a .obj, .glb or .gltf file"),
         (format!("{LIGHT}[[object]]\nmesh = \"a.glb\""), GLTF),
-        (format!("{LIGHT}{OBJECT}scale = 2\nmatrix = []"), "scene.toml:6: `object.scale`: stands beside `matrix`"),
+        (format!("{LIGHT}{OBJECT}scale = 2\nmatrix = []"), "scene.toml:6: `object.scale`: conflicts with `matrix`"),
         ("a = 1\nname = \"x".to_owned(), "scene.toml:2: "),
         ("name = \"x\"\nname = \"y\"".to_owned(), "scene.toml:2: "),
         (
@@ -585,13 +585,13 @@ fn sizes_and_places_are_bounded() {
         ),
         (
             format!("{CAMERA}{LIGHT}{OBJECT}scale = 2\ntranslate = [0, 1e30, 0]"),
-            "scene.toml:10: `object.translate`: puts the object 1e30 m from the origin; use places within 1e8 m",
+            "scene.toml:10: `object.translate`: puts the object 1e30 m from the origin; use positions within 1e8 m",
         ),
     ];
     check_all(&cases);
 }
 
-/// Each text is refused with a message that starts so.
+/// Checks that each text is refused with a message that starts like this.
 fn check_all(cases: &[(String, &str)]) {
     for (text, start) in cases {
         let (_, message) = refused(text);
@@ -647,7 +647,7 @@ fn damaged_files_are_read_or_refused_without_panic() {
             Err(_) => refused += 1,
         }
     }
-    // TOML forgives little.
+    // TOML rejects most damage.
     assert!(
         refused > 400 && usable > 40,
         "{refused} refused, {usable} read"

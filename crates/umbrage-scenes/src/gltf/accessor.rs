@@ -1,19 +1,20 @@
-//! Numbers of accessors: the crate reads them after the checks here, since it panics on some files.
+//! Numbers of accessors. The crate `gltf` reads them only after the checks here, since it panics on
+//! some files.
 
 use super::{broken, file_bytes::FileBytes, told};
 use gltf::accessor::{Accessor, DataType, Dimensions, Item, Iter, sparse::Sparse};
 use umbrage_core::Invalid;
 
-/// An accessor all of whose bytes are there.
+/// An accessor whose bytes are complete.
 #[derive(Debug)]
 pub(super) struct AccessorNumbers<'a> {
     accessor: Accessor<'a>,
-    /// The accessor in errors.
+    /// Name of the accessor in errors.
     name: String,
 }
 
 impl<'a> AccessorNumbers<'a> {
-    /// Fetches and checks the bytes of an accessor; nothing is read yet.
+    /// Fetches and checks the bytes of an accessor, without reading elements.
     pub(super) fn open(accessor: Accessor<'a>, data: &mut FileBytes<'_>) -> Result<Self, Invalid> {
         let name = told("accessor", accessor.index(), accessor.name());
         check(&accessor, data).map_err(|e| e.within(&name))?;
@@ -24,12 +25,12 @@ impl<'a> AccessorNumbers<'a> {
         self.accessor.count()
     }
 
-    /// Returns whether all elements are zero for want of bytes.
+    /// Reports whether the accessor has no bytes, which means zeros.
     pub(super) fn is_without_bytes(&self) -> bool {
         self.accessor.view().is_none() && self.accessor.sparse().is_none()
     }
 
-    /// Returns the error of an accessor that doesn't suit its use.
+    /// Returns the error of an accessor that is unsuitable for its use.
     pub(super) fn fault(&self, why: impl Into<String>) -> Invalid {
         broken(self.name.as_str(), why)
     }
@@ -39,7 +40,7 @@ impl<'a> AccessorNumbers<'a> {
         let kind = self.accessor.data_type();
         let is_index = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
         if !is_index || self.accessor.dimensions() != Dimensions::Scalar {
-            return Err(self.fault("holds no indices: these are scalars without a sign"));
+            return Err(self.fault("holds no indices: indices are unsigned scalars"));
         }
         data.budget.read(self.count() as u64)?;
         Ok(match kind {
@@ -49,8 +50,8 @@ impl<'a> AccessorNumbers<'a> {
         })
     }
 
-    /// Returns vectors as 32-bit floats: the elements with these rising numbers, or all. Errors if
-    /// they have another length or are not finite.
+    /// Returns vectors as 32-bit floats: the elements with these ascending indices, or all. Returns
+    /// an error if they have another length or are not finite.
     pub(super) fn vectors<const N: usize>(
         &self,
         these: Option<&[u32]>,
@@ -84,8 +85,8 @@ impl<'a> AccessorNumbers<'a> {
         Ok(vectors)
     }
 
-    /// Returns vectors of integers as floats. If they are normalized, the greatest number stands
-    /// for 1 (section 3.11).
+    /// Returns vectors of integers as floats. For normalized ones, the greatest integer denotes 1
+    /// (section 3.11).
     fn floats<C: Item + Copy + Into<f32>, const N: usize>(
         &self,
         these: Option<&[u32]>,
@@ -101,7 +102,7 @@ impl<'a> AccessorNumbers<'a> {
         vectors.map(|vector| vector.0.map(float)).collect()
     }
 
-    /// Reads the elements with these rising numbers, or all. Their bytes have been checked.
+    /// Reads the elements with these ascending indices, or all. Their bytes have been checked.
     fn read<'b, T: Item + 'b>(
         &self,
         these: Option<&'b [u32]>,
@@ -128,8 +129,8 @@ impl<'a> AccessorNumbers<'a> {
     }
 }
 
-/// A vector as it is stored. The crate implements [`Item`] for arrays of 2, 3 and 4, but not for
-/// those of any length.
+/// A vector as stored. The crate implements [`Item`] for arrays of 2, 3 and 4, but not for arrays
+/// of any length.
 #[derive(Clone, Copy)]
 struct Vector<C, const N: usize>([C; N]);
 
@@ -145,11 +146,11 @@ impl<C: Item + Copy, const N: usize> Item for Vector<C, N> {
     }
 }
 
-/// Errors unless all bytes of an accessor are there.
+/// Returns an error unless all bytes of an accessor are available.
 fn check(accessor: &Accessor<'_>, data: &mut FileBytes<'_>) -> Result<(), Invalid> {
     let (count, size) = (accessor.count(), accessor.size());
     if count > u32::MAX as usize {
-        let why = format!("tells {count} elements");
+        let why = format!("states {count} elements");
         return Err(Invalid::new("its count", why, "split the mesh"));
     }
     if let Some(sparse) = accessor.sparse() {
@@ -161,7 +162,7 @@ fn check(accessor: &Accessor<'_>, data: &mut FileBytes<'_>) -> Result<(), Invali
     Ok(())
 }
 
-/// Errors unless the elements that replace others are there and in order.
+/// Returns an error unless the replacing elements are available and in order.
 /// [`document`](super::document) removes empty lists.
 fn check_sparse(
     sparse: &Sparse<'_>,

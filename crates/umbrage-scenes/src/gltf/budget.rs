@@ -1,28 +1,29 @@
-//! How much a file may ask for, by how many bytes it has.
+//! Limits on the resources of a file, by its number of bytes.
 //!
-//! A few bytes of JSON can name the same bytes again and again, so that sizes multiply. Honest
-//! files share, too: vertices among primitives, meshes among nodes, and pictures are compressed. So
-//! what is allowed grows with the bytes that there are.
+//! A few bytes of JSON can name the same bytes repeatedly, so that sizes multiply. Valid files
+//! share data, too: vertices among primitives, and meshes among nodes; and images are compressed.
+//! Limits therefore grow with the number of bytes.
 
 use umbrage_core::Invalid;
 
-/// What any file may ask for: elements of accessors, and triangles that are placed.
+/// Limit for every file: elements of accessors, and placed triangles.
 const ELEMENTS: u64 = 1 << 20;
-/// Texels that any file may ask for: one picture of the greatest size.
+/// Limit of texels for every file: one image of the greatest size.
 const TEXELS: u64 = 1 << 26;
-/// Elements a byte: one byte is an index at best, which may bring a few numbers of a vertex that it
-/// alone uses.
+/// Limit of elements per byte. One byte is an index at best, which may use a few numbers of a
+/// vertex.
 const ELEMENTS_A_BYTE: u64 = 16;
-/// Placed triangles a byte: a node takes some 30 bytes at least, and forests have thousands that
-/// show one tree.
+/// Limit of placed triangles per byte. A node takes at least some 30 bytes, and forests have
+/// thousands of nodes with one tree.
 const PLACED_A_BYTE: u64 = 64;
-/// Most triangles that copies may add up to: a few gigabytes once they are placed. A file that
-/// holds more of them itself may place these.
+/// Limit of triangles in copies: a few gigabytes after placement. A file that stores more triangles
+/// itself may place these.
 const PLACED: u64 = 1 << 26;
-/// Texels a byte: pictures of one colour are compressed further, but no whole set of them.
+/// Limit of texels per byte. Images of one colour are compressed further, but no complete set of
+/// them.
 const TEXELS_A_BYTE: u64 = 64;
 
-/// What a file may still ask for.
+/// The remaining limits of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReadBudget {
     bytes: u64,
@@ -32,7 +33,7 @@ pub(super) struct ReadBudget {
 }
 
 impl ReadBudget {
-    /// For a file of so many bytes.
+    /// Creates the limits for a file of this many bytes.
     pub(super) fn new(bytes: usize) -> Self {
         Self {
             bytes: bytes as u64,
@@ -47,7 +48,7 @@ impl ReadBudget {
         self.bytes += bytes as u64;
     }
 
-    /// Counts elements that are about to be read.
+    /// Counts elements before they are read.
     pub(super) fn read(&mut self, elements: u64) -> Result<(), Invalid> {
         self.elements = self.elements.saturating_add(elements);
         let most = ELEMENTS + ELEMENTS_A_BYTE * self.bytes;
@@ -59,12 +60,12 @@ impl ReadBudget {
     pub(super) fn place(&mut self, triangles: usize) -> Result<(), Invalid> {
         self.placed = self.placed.saturating_add(triangles as u64);
         let copies = (ELEMENTS + PLACED_A_BYTE * self.bytes).min(PLACED);
-        // A triangle takes three bytes at least.
+        // A triangle takes at least three bytes.
         let most = copies.max(self.bytes / 3);
         within("its mesh", self.placed, most, "triangles", self.bytes)
     }
 
-    /// Counts texels of a picture that are about to be decoded, or compared.
+    /// Counts texels of an image before they are decoded or compared.
     pub(super) fn decode(&mut self, texels: u64) -> Result<(), Invalid> {
         self.texels = self.texels.saturating_add(texels);
         let most = TEXELS + TEXELS_A_BYTE * self.bytes;
@@ -91,16 +92,16 @@ mod tests {
     fn copies_are_bounded_and_triangles_of_the_file_s_own_are_not() {
         let can_place =
             |bytes: usize, triangles: usize| ReadBudget::new(bytes).place(triangles).is_ok();
-        // By the file's length, but a million always.
+        // The limit grows with the length of the file, from at least a million.
         assert!(can_place(1_000, 1 << 20));
         assert!(can_place(1_000, (1 << 20) + 64_000));
         assert!(!can_place(1_000, (1 << 20) + 64_001));
-        // A hundred megabytes of copies are no more than a few.
+        // The limit of copies is the same for a hundred megabytes.
         assert!(can_place(100_000_000, 1 << 26));
         assert!(!can_place(100_000_000, (1 << 26) + 1));
         assert!(can_place(900_000_000, 300_000_000));
         assert!(!can_place(900_000_000, 300_000_001));
-        // All placed together count.
+        // All placements count together.
         let mut budget = ReadBudget::new(0);
         budget.place(1 << 19).expect("half");
         budget.place(1 << 19).expect("all");

@@ -10,8 +10,8 @@ use umbrage_core::glam::{Affine3A, DVec3, Mat4, UVec2, Vec4};
 use umbrage_core::light_space::{Extents, look_along, orthographic, perspective};
 use umbrage_core::{Camera, Invalid, MAX_SIDE, invalid};
 
-/// Returns the camera that a node holds. Its image has the height of that of a model without a
-/// camera, and the camera's aspect ratio.
+/// Returns the camera of a node. Its image has the height of that of a model without a camera, and
+/// the camera's aspect ratio.
 pub(super) fn camera(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
     read(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
 }
@@ -20,7 +20,7 @@ fn read(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invali
     let eye = node.position()?;
     let forward = node.direction(DVec3::NEG_Z)?;
     let up = node.direction(DVec3::Y)?;
-    // The document was checked to have the projection that the camera's type names.
+    // The document has been checked to have the projection of the camera's type.
     let (clip_from_view, size) = match camera.projection() {
         Projection::Perspective(file) => perspective_of(&file)?,
         Projection::Orthographic(file) => orthographic_of(&file)?,
@@ -43,12 +43,12 @@ fn perspective_of(file: &Perspective<'_>) -> Result<(Mat4, UVec2), Invalid> {
     };
     let near = file.znear();
     invalid::positive("znear", near)?;
-    // Without a far plane any will do for now.
+    // Without a far plane, start with any value.
     let far = file.zfar().unwrap_or(2.0 * near);
     let aspect = size.x as f32 / size.y as f32;
     let mut clip_from_view = perspective(file.yfov(), aspect, near, far)?;
     if file.zfar().is_none() {
-        // The limit of the usual rows for depth as far grows: depth is 1 - near / distance.
+        // Use the limit of the usual rows for depth at infinite far: depth is 1 - near / distance.
         clip_from_view.z_axis = Vec4::new(0.0, 0.0, -1.0, -1.0);
         clip_from_view.w_axis = Vec4::new(0.0, 0.0, -near, 0.0);
     }
@@ -70,7 +70,7 @@ fn orthographic_of(file: &Orthographic<'_>) -> Result<(Mat4, UVec2), Invalid> {
     Ok((orthographic(extents)?, size))
 }
 
-/// Returns the picture whose sides have this ratio, width over height.
+/// Returns the image size for this aspect ratio, width over height.
 fn size_of(aspect: f32) -> Result<UVec2, Invalid> {
     invalid::positive("aspect ratio", aspect)?;
     let width = (SIZE.y as f32 * aspect).round();

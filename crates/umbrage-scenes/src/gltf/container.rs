@@ -28,7 +28,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     if version != 2 {
         return Err(Invalid::new(
             "header",
-            format!("tells version {version} of the format"),
+            format!("states version {version} of the format"),
             "export the model as glTF 2.0",
         ));
     }
@@ -57,7 +57,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     Ok(Container { json, binary })
 }
 
-/// Takes little-endian words off the front.
+/// Removes little-endian words from the front.
 fn take_words<const N: usize>(what: &str, bytes: &mut &[u8]) -> Result<[u32; N], Invalid> {
     let words = bytes.as_chunks::<4>().0.first_chunk::<N>();
     let words = words.ok_or_else(|| cut_off(what, 4 * N, bytes.len()))?;
@@ -67,7 +67,7 @@ fn take_words<const N: usize>(what: &str, bytes: &mut &[u8]) -> Result<[u32; N],
 
 fn cut_off(what: &str, needed: usize, there: usize) -> Invalid {
     damaged(format!(
-        "is cut off: {what} tells {needed} bytes, and there are {there}"
+        "is cut off: {what} states {needed} bytes, and there are {there}"
     ))
 }
 

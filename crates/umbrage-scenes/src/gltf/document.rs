@@ -1,4 +1,4 @@
-//! The JSON of a file, checked so far that every index in it points to something.
+//! The JSON of a file, after a check that all its indices are valid.
 
 use super::{broken, told};
 use gltf::{
@@ -13,13 +13,13 @@ use gltf::{
 use serde_json::Value;
 use umbrage_core::Invalid;
 
-/// Extensions that a file may require: those that are read.
+/// Extensions that a file may require because they are supported.
 const READ: [&str; 3] = [
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
-/// The beginning of the names of extensions that say more of looks than pictures here show: a file
+/// Start of the names of material extensions. These have no effect on the images here, so a file
 /// may require them, too.
 const LOOKS: &str = "KHR_materials_";
 
@@ -39,8 +39,8 @@ pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
     Ok(Document::from_json_without_validation(root))
 }
 
-/// The error of text that is not a document of version 2. Version 1 is named, since its lists are
-/// written in another way.
+/// Returns the error of text that is not a document of version 2. Version 1 is named in the error,
+/// since its lists have another syntax.
 fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
     let document: Value = serde_json::from_slice(json).unwrap_or_default();
     match document["asset"]["version"].as_str() {
@@ -74,18 +74,21 @@ fn check_extensions(root: &Root) -> Result<(), Invalid> {
         None => Ok(()),
         Some(name) => Err(Invalid::new(
             format!("extension `{name}`"),
-            "is required by the file, and is not known here",
-            format!("export the model without it; known are {}", READ.join(", ")),
+            "is required by the file and not supported",
+            format!(
+                "export the model without it; supported extensions: {}",
+                READ.join(", ")
+            ),
         )),
     }
 }
 
-/// Takes out what is not read, so that faults in it are none.
+/// Removes everything that is not read, so that errors in it don't count.
 fn strip(root: &mut Root) {
     root.animations.clear();
     root.skins.clear();
     for sampler in &mut root.samplers {
-        // Of samplers it is read how textures go on, where that can be told.
+        // Only the wrapping of samplers is read, where it is known.
         sampler.min_filter = None;
         sampler.mag_filter = None;
         for wrap in [&mut sampler.wrap_s, &mut sampler.wrap_t] {
@@ -128,10 +131,9 @@ fn strip(root: &mut Root) {
     }
 }
 
-/// Errors, with its path, if an index is beyond the end of its list, or a word is not in the
-/// format.
+/// Returns an error, with its path, if an index is out of range, or a word is not in the format.
 fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
-    // The crate's own check takes these two for granted.
+    // Check these two, which the crate's own check assumes.
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (j, primitive) in mesh.primitives.iter().enumerate() {
             let positions = primitive
@@ -147,7 +149,7 @@ fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
         let is_there = match camera.type_ {
             Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
             Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
-            // What is none of the two is found below.
+            // Other values are found below.
             Checked::Invalid => true,
         };
         if !is_there {
@@ -167,9 +169,9 @@ fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
     first.map_or(Ok(()), Err)
 }
 
-/// Whether what the crate objects to is a fault for what is read here. Bounds of positions are
-/// computed, not read; strides are checked where they are used; extensions have been checked; an
-/// accessor without a view holds zeros, by the specification.
+/// Reports whether an error of the crate matters for the data that are read. Bounds of positions
+/// are computed, not read; strides are checked at their use; extensions have been checked; an
+/// accessor without a view contains zeros, by the specification.
 fn is_fault(path: &str, error: Error) -> bool {
     let is_unread = [".min", ".max", ".byteStride"]
         .iter()
@@ -181,14 +183,14 @@ fn is_fault(path: &str, error: Error) -> bool {
 
 fn reason(error: Error) -> &'static str {
     match error {
-        Error::IndexOutOfBounds => "points to what is not in the file",
+        Error::IndexOutOfBounds => "points to a missing element",
         Error::Missing => "is missing",
         Error::Oversize => "is too large",
         Error::Invalid | Error::Unsupported => "is not among the values that the format knows",
     }
 }
 
-/// Returns the name of the element that a path such as `nodes[3].mesh` begins with, if it has one.
+/// Returns the name of the first element of a path such as `nodes[3].mesh`, if it has one.
 fn name_on(json: &[u8], path: &str) -> Option<String> {
     let (list, rest) = path.split_once('[')?;
     let index: usize = rest.split_once(']')?.0.parse().ok()?;
@@ -196,7 +198,7 @@ fn name_on(json: &[u8], path: &str) -> Option<String> {
     Some(document[list][index]["name"].as_str()?.to_owned())
 }
 
-/// Returns the scene that is asked for by its name or number, else the default one, else the first.
+/// Returns the scene with the requested name or number, or else the default one, or else the first.
 pub(super) fn scene<'a>(
     document: &'a Document,
     wanted: Option<&str>,

@@ -1,5 +1,5 @@
-//! Bytes: of the `.glb` file itself, of data URIs, of other files. They are fetched when something
-//! is read from them, once each.
+//! Bytes of the `.glb` file itself, of data URIs, and of other files. They are fetched once each,
+//! at their first use.
 
 use super::{broken, budget::ReadBudget, told};
 use crate::{Files, SceneError};
@@ -17,7 +17,7 @@ use std::{
 };
 use umbrage_core::Invalid;
 
-/// The bytes of a document, and how many may still be read.
+/// The bytes of a document, and its remaining limits.
 pub(super) struct FileBytes<'a> {
     pub(super) budget: ReadBudget,
     binary: Option<&'a [u8]>,
@@ -29,7 +29,7 @@ pub(super) struct FileBytes<'a> {
     read: HashMap<PathBuf, (Rc<Vec<u8>>, u64)>,
 }
 
-/// Bytes that were fetched.
+/// Fetched bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Fetched<'a> {
     InFile(&'a [u8]),
@@ -68,7 +68,7 @@ impl<'a> FileBytes<'a> {
         Some(self.fetched[buffer].as_ref()?.slice())
     }
 
-    /// Returns the bytes of so many elements of a view, from `start` on.
+    /// Returns the bytes of a number of elements of a view, from `start` on.
     pub(super) fn elements(
         &mut self,
         view: &View<'_>,
@@ -85,7 +85,7 @@ impl<'a> FileBytes<'a> {
         let Some(before_last) = count.checked_sub(1) else {
             return Ok(&[]);
         };
-        // Wide enough for all numbers that a file may state.
+        // 128 bits hold every product of numbers in a file.
         let end = start as u128 + before_last as u128 * stride as u128 + size as u128;
         let there = bytes.len();
         if end <= there as u128 {
@@ -121,13 +121,13 @@ impl<'a> FileBytes<'a> {
             (Source::Uri(uri), _) => self.fetch(uri, buffer.length() as u64)?,
             (Source::Bin, Some(binary)) => Fetched::InFile(binary),
             (Source::Bin, None) => {
-                let why = "are nowhere: it has no URI, and is no chunk of a .glb file";
+                let why = "are missing: it has no URI, and is not a chunk of a .glb file";
                 return Err(broken("its bytes", why));
             }
         };
         let there = bytes.slice().len();
         if there < buffer.length() {
-            let why = format!("tells {} bytes, and there are {there}", buffer.length());
+            let why = format!("states {} bytes, and there are {there}", buffer.length());
             return Err(broken("its length", why));
         }
         self.fetched[buffer.index()] = Some(bytes);
@@ -167,7 +167,7 @@ impl<'a> FileBytes<'a> {
             return Err(Invalid::new(
                 "its URI",
                 format!("begins with `{scheme}:`"),
-                "name a file beside the model by its relative path, or put the bytes into the file",
+                "name a file next to the model by its relative path, or put the bytes into the file",
             ));
         }
         let name = percent_decode_str(uri).decode_utf8_lossy();
@@ -179,7 +179,7 @@ fn view_name(view: &View<'_>) -> String {
     told("buffer view", view.index(), view.name())
 }
 
-/// The error of a file that was not found among `files`.
+/// Returns the error of a file that is missing from `files`.
 fn missing(path: &Path, error: &io::Error, files: &dyn Files) -> Invalid {
     let what = path.display().to_string();
     match SceneError::unreadable(path, error, files) {

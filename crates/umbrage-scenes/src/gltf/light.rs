@@ -1,4 +1,4 @@
-//! Lights: the extension `KHR_lights_punctual`, and their sizes.
+//! Lights of the extension `KHR_lights_punctual`, and their sizes.
 
 use super::{nodes::PlacedNode, told};
 use gltf::{
@@ -8,14 +8,14 @@ use gltf::{
 use umbrage_core::glam::DVec3;
 use umbrage_core::{Invalid, Light, invalid};
 
-/// Names under which the radius of a light is looked for, metres: Blender's own, and the usual one.
+/// Names of the radius of a light, metres: Blender's own, and the usual one.
 const RADIUS: [&str; 2] = ["shadow_soft_size", "radius"];
-/// The name of the angular diameter of a sun, radians: Blender's.
+/// Name of the angular diameter of a sun, radians: Blender's.
 const ANGLE: [&str; 1] = ["angle"];
-/// The widest cone here, half of it, degrees; the format has cones of up to 90.
+/// Greatest half angle of a cone here, degrees. The format has cones of up to 90.
 const WIDEST: f32 = 89.9;
 
-/// Returns the light that a node holds; none if it is switched off: black, or of no intensity.
+/// Returns the light of a node. `None` if it is off: black, or of no intensity.
 pub(super) fn light(
     light: &FileLight<'_>,
     node: &PlacedNode<'_>,
@@ -59,7 +59,7 @@ fn made(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, In
     Ok(Some(light))
 }
 
-/// Returns half of a cone, radians, at most the widest one that can be shadowed.
+/// Returns half of a cone, radians, at most the widest one that can have shadows.
 fn cone(what: &str, angle: f32) -> Result<f32, Invalid> {
     invalid::not_negative(what, angle)?;
     if angle > std::f32::consts::FRAC_PI_2 {
@@ -72,15 +72,15 @@ fn cone(what: &str, angle: f32) -> Result<f32, Invalid> {
     Ok(angle.min(WIDEST.to_radians()))
 }
 
-/// Returns a light's size from the first of these names that the light or, else, its node has; 0
-/// without any.
+/// Returns a light's size from the first of these names in the extras of the light, or else of its
+/// node; 0 without any.
 ///
 /// The format has no sizes of lights. Blender writes an object's custom properties into its node's
-/// `extras`, and those of its data into the light's, but not the radius: that needs a custom
+/// `extras`, and those of its data into the light's, but not the radius, which needs a custom
 /// property.
 fn size(extras: [&Extras; 2], names: &[&str]) -> Result<f32, Invalid> {
     for extras in extras.into_iter().flatten() {
-        // Extras may be anything; what is not a list of names is somebody else's.
+        // Extras may be anything. Ignore everything but lists of names.
         let Ok(value) = serde_json::from_str::<serde_json::Value>(extras.get()) else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! Looks: base colours, normal maps, and alpha tests.
+//! Materials: base colours, normal maps, and alpha tests.
 
 use super::{broken, file_bytes::FileBytes, picture::Pictures, told, wrap::Wraps};
 use crate::detail::{Meaning, USUAL_CUTOFF};
@@ -13,15 +13,15 @@ use umbrage_core::{AlphaCutout, AlphaFilter, Invalid, Material, Scene};
 /// The materials of a file that were read.
 #[derive(Debug)]
 pub(super) struct Materials<'a> {
-    /// Whether they are read at all.
+    /// `true` if looks are read.
     has_looks: bool,
     pictures: Pictures<'a>,
-    /// By number, and by whether the primitive has coordinates for the base colour and for the
-    /// normal map.
+    /// Looks by number, and by whether the primitive has coordinates for the base colour and for
+    /// the normal map.
     known: HashMap<(usize, [bool; 2]), Option<SurfaceLook>>,
 }
 
-/// The look of a primitive of which at least a part is visible.
+/// The look of a primitive that is at least partly visible.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceLook {
     /// Index of a material of the scene.
@@ -105,7 +105,7 @@ impl<'a> Materials<'a> {
             AlphaTest::Nothing => (None, true),
             AlphaTest::Some(cutout) => (Some(cutout), true),
             AlphaTest::Everything if file.alpha_mode() == AlphaMode::Mask => return Ok(None),
-            // Panes of glass: they are visible, and receive shadows.
+            // Panes of glass are visible and receive shadows.
             AlphaTest::Everything => (None, false),
         };
         let surface = file.pbr_metallic_roughness();
@@ -119,7 +119,7 @@ impl<'a> Materials<'a> {
                 true => clamped(Vec3::from_array(file.emissive_factor())),
                 false => Vec3::ZERO,
             },
-            // A mesh has one set of coordinates here.
+            // Meshes have one set of coordinates here.
             normal_map: normals
                 .filter(|(_, at)| Some(*at) == coordinates)
                 .map(|(texture, _)| texture),
@@ -150,8 +150,8 @@ enum AlphaTest {
     Everything,
 }
 
-/// Returns the alpha test of a material, given its texture of base colours. Alpha is the texture's
-/// times the factor's.
+/// Returns the alpha test of a material with this base colour texture. Alpha is the texture's times
+/// the factor's.
 fn alpha_test(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<AlphaTest, Invalid> {
     let is_mask = file.alpha_mode() == AlphaMode::Mask;
     let cutoff = match file.alpha_mode() {
@@ -165,7 +165,7 @@ fn alpha_test(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<AlphaTe
         return Err(Invalid::new(
             "alpha mask",
             "needs the texture of its colours, which is missing, unknown or without coordinates",
-            "give the picture as PNG or JPEG together with the model, and export texture coordinates",
+            "provide the image as PNG or JPEG together with the model, and export texture coordinates",
         ));
     }
     let factor = surface.base_color_factor()[3];
@@ -182,10 +182,10 @@ fn alpha_test(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<AlphaTe
     })
 }
 
-/// A picture of the file, and its coordinates on a mesh.
+/// An image of the file, and its coordinates on a mesh.
 #[derive(Clone, Copy, Debug)]
 struct TextureMap {
-    /// Number of the picture.
+    /// Index of the image.
     picture: usize,
     coordinates: Coordinates,
 }
@@ -213,13 +213,13 @@ impl Coordinates {
         }
     }
 
-    /// Returns whether a primitive has them.
+    /// Reports whether a primitive has them.
     fn has(&self, primitive: &Primitive<'_>) -> bool {
         primitive.get(&Semantic::TexCoords(self.set)).is_some()
     }
 
-    /// Returns the coordinates that the texture is read at: scaled, turned counter-clockwise (v
-    /// points down), then moved.
+    /// Returns the coordinates for the texture lookup: scaled, turned counter-clockwise (v points
+    /// down), then moved.
     pub(super) fn at(&self, uv: [f32; 2]) -> Vec2 {
         let uv = Vec2::from_array(uv);
         if !self.is_transformed {

@@ -31,8 +31,8 @@ use primitive::FileMeshes;
 use std::io::Read as _;
 use umbrage_core::{Geometry, Invalid, Scene};
 
-/// Reads one scene of a file. Cameras and lights that it lacks are found as for any model alone:
-/// see [`lone_model`].
+/// Reads one scene of a file. Missing cameras and lights are added as for any lone model: see
+/// [`lone_model`].
 pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, SceneError> {
     let bytes = bytes_of(wanted, files)?;
     let mut scene = read(&bytes, wanted, files).map_err(|fault| invalid(wanted, fault))?;
@@ -59,7 +59,7 @@ pub(crate) fn add(
     parts(&bytes, wanted, files, has_looks, ignore, scene).map_err(|fault| invalid(wanted, fault))
 }
 
-/// Returns whether one scene of a file has a light that is on. Its meshes are not read.
+/// Reports whether one scene of a file has a light that is on. Its meshes are not read.
 pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bool, SceneError> {
     let bytes = bytes_of(wanted, files)?;
     has_light(&bytes, wanted).map_err(|fault| invalid(wanted, fault))
@@ -91,7 +91,7 @@ fn invalid(wanted: &SceneOfFile, fault: Invalid) -> SceneError {
     }
 }
 
-/// Reads a scene without what a model alone gets.
+/// Reads a scene without the additions for a lone model.
 fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, Invalid> {
     let file = name_of(&wanted.file);
     let mut scene = Scene {
@@ -109,8 +109,8 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
     Ok(scene)
 }
 
-/// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`;
-/// `add_others` adds what else a node has.
+/// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`.
+/// `add_others` adds the other contents of a node.
 fn parts(
     bytes: &[u8],
     wanted: &SceneOfFile,
@@ -144,7 +144,7 @@ fn parts(
     Ok(reader.parts)
 }
 
-/// The parts of a file that were read.
+/// Data of a file that have been read.
 struct Reader<'a> {
     data: FileBytes<'a>,
     materials: Materials<'a>,
@@ -186,13 +186,13 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
     Ok(())
 }
 
-/// The error of a file that only damage or a faulty program could have made so.
+/// Returns the error of a damaged file, or one from a faulty program.
 fn broken(what: impl Into<String>, why: impl Into<String>) -> Invalid {
-    let help = "export the model again; https://github.khronos.org/glTF-Validator tells all faults of a file";
+    let help = "export the model again; https://github.khronos.org/glTF-Validator lists all errors of a file";
     Invalid::new(what, why, help)
 }
 
-/// Names a thing of a document in errors: ``node 3 `lamp` ``.
+/// Returns the name of an element of a document for errors: ``node 3 `lamp` ``.
 fn told(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} {index} `{name}`"),

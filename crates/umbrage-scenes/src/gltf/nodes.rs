@@ -1,4 +1,4 @@
-//! The tree of nodes: where things stand.
+//! The tree of nodes, and their placements.
 
 use super::{broken, told};
 use gltf::{Document, Node, Scene, scene::Transform};
@@ -6,31 +6,31 @@ use std::collections::HashMap;
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
 use umbrage_core::{Invalid, invalid::finite};
 
-/// A node of the chosen scene, and where it stands.
+/// A node of the chosen scene, and its placement.
 #[derive(Clone, Debug)]
 pub(super) struct PlacedNode<'a> {
     pub(super) node: Node<'a>,
-    /// Multiplied in 64 bits, from the root down.
+    /// Placement, multiplied in 64 bits from the root down.
     pub(super) world_from_node: DAffine3,
 }
 
 impl PlacedNode<'_> {
-    /// Tells the node in errors.
+    /// Returns the node's name for errors.
     pub(super) fn told(&self) -> String {
         told("node", self.node.index(), self.node.name())
     }
 
-    /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all
-    /// axes.
+    /// Returns the placement of the node's mesh. `None` if the node hides it by a size of zero
+    /// along all axes.
     pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
         let place = self.world_from_node.as_affine3a();
         if place.matrix3 == Mat3A::ZERO {
             return Ok(None);
         }
-        finite("its place in the world", &place.to_cols_array())?;
+        finite("its world transform", &place.to_cols_array())?;
         if place.matrix3.as_dmat3().determinant() == 0.0 {
             return Err(Invalid::new(
-                "its place in the world",
+                "its world transform",
                 "flattens the mesh",
                 "use sizes other than zero along each axis, or zero along all to hide it",
             ));
@@ -38,15 +38,14 @@ impl PlacedNode<'_> {
         Ok(Some(place))
     }
 
-    /// Returns where the node's origin is.
+    /// Returns the position of the node's origin.
     pub(super) fn position(&self) -> Result<Vec3, Invalid> {
         let position = self.world_from_node.translation.as_vec3();
-        finite("its place in the world", &position.to_array())?;
+        finite("its world transform", &position.to_array())?;
         Ok(position)
     }
 
-    /// Returns the direction in the world of one of the node's own, as a unit vector: sizes don't
-    /// count.
+    /// Returns the world direction of a local direction, as a unit vector, ignoring scales.
     pub(super) fn direction(&self, local: DVec3) -> Result<Vec3, Invalid> {
         let direction = self.world_from_node.transform_vector3(local);
         direction
@@ -54,7 +53,7 @@ impl PlacedNode<'_> {
             .map(|unit| unit.as_vec3())
             .ok_or_else(|| {
                 Invalid::new(
-                    "its place in the world",
+                    "its world transform",
                     "has no direction: a size is zero, or out of range",
                     "use sizes other than zero for nodes with cameras and lights",
                 )
@@ -67,10 +66,10 @@ pub(super) fn placed<'a>(
     document: &'a Document,
     scene: Scene<'a>,
 ) -> Result<Vec<PlacedNode<'a>>, Invalid> {
-    // `None` for the scene.
+    // The parents of nodes; `None` for roots.
     let mut parents: HashMap<usize, Option<usize>> = HashMap::new();
     let mut out = Vec::new();
-    // The next node is the last one.
+    // Visit the last node next.
     let roots = scene.nodes().map(|node| (node, DAffine3::IDENTITY, None));
     let mut open: Vec<(Node<'a>, DAffine3, Option<usize>)> = roots.collect();
     open.reverse();
@@ -95,7 +94,8 @@ pub(super) fn placed<'a>(
     Ok(out)
 }
 
-/// The error of a node that is reached a second time, from another parent or from below.
+/// Returns the error of a node that is reached a second time, from another parent or from one of
+/// its descendants.
 fn reached_again(
     document: &Document,
     parents: &HashMap<usize, Option<usize>>,
@@ -110,7 +110,7 @@ fn reached_again(
         None => "the scene".to_owned(),
     };
     let first = parents[&node.index()];
-    // Parents were reached before their children, so this ends.
+    // Parents were reached before their children, so this loop ends.
     let mut ancestors = std::iter::successors(second, |parent| parents[parent]);
     let why = if ancestors.any(|ancestor| ancestor == node.index()) {
         format!("is below itself: it is a child of {}", name(second))
@@ -123,11 +123,11 @@ fn reached_again(
     Invalid::new(
         what,
         why,
-        "list each node once, below one parent; copies need nodes of their own",
+        "list each node once, below one parent; copies need separate nodes",
     )
 }
 
-/// Returns where a node stands in its parent.
+/// Returns the placement of a node in its parent.
 fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
     match node.transform() {
         Transform::Matrix { matrix } => {
@@ -151,7 +151,7 @@ fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
             finite("scale", &scale)?;
             let rotation = DQuat::from_array(rotation.map(f64::from));
             if rotation.length_squared() == 0.0 {
-                return Err(broken("rotation", "is zero, which is no quaternion"));
+                return Err(broken("rotation", "is zero, which is not a quaternion"));
             }
             Ok(DAffine3::from_scale_rotation_translation(
                 DVec3::from_array(scale.map(f64::from)),

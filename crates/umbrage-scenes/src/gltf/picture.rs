@@ -1,4 +1,4 @@
-//! Pictures: PNG and JPEG, of bytes in the file or beside it.
+//! Images: PNG and JPEG, from bytes in the file or next to it.
 
 use super::{
     broken,
@@ -12,7 +12,7 @@ use image::{ImageFormat, ImageReader};
 use std::{collections::HashMap, io::Cursor, path::Path, rc::Rc};
 use umbrage_core::{Invalid, Texture};
 
-/// The pictures of a file, each read once for each meaning.
+/// The images of a file, each read once for each meaning.
 #[derive(Debug)]
 pub(super) struct Pictures<'a> {
     document: &'a Document,
@@ -27,8 +27,8 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Returns the index among `textures` of a picture; `None` if it is missing or of another kind.
-    /// Only alpha tests need it for shadows.
+    /// Returns the index of an image among `textures`. `None` if it is missing or of another kind.
+    /// Only alpha tests need images for shadows.
     pub(super) fn texture(
         &mut self,
         index: usize,
@@ -72,7 +72,7 @@ impl<'a> Pictures<'a> {
                 data.fetch(uri, u64::MAX)?
             }
             (None, None) => {
-                let why = "are nowhere: it has neither a URI nor a buffer view";
+                let why = "are missing: it has neither a URI nor a buffer view";
                 return Err(broken("its bytes", why));
             }
         };
@@ -93,7 +93,7 @@ fn decode(
         _ => {
             return Err(Invalid::new(
                 "its bytes",
-                "are neither a PNG nor a JPEG picture",
+                "are neither a PNG nor a JPEG image",
                 "save it as one of the two",
             ));
         }
@@ -105,7 +105,7 @@ fn decode(
             format!("save it again, at most {PICTURE_SIDE} texels a side"),
         )
     };
-    // Its size is told at its beginning.
+    // Read its size from its header.
     let [width, height] = ImageReader::with_format(Cursor::new(bytes), format)
         .into_dimensions()
         .map(|(width, height)| [width, height].map(u64::from))
@@ -115,7 +115,7 @@ fn decode(
     Ok(Some(texture_of(name.to_owned(), &picture, meaning)))
 }
 
-/// Whether a picture says of itself that it is neither PNG nor JPEG.
+/// Reports whether an image declares itself to be neither PNG nor JPEG.
 fn is_of_another_kind(image: &Image) -> bool {
     let ending = |uri: &str| {
         let ending = Path::new(uri).extension()?;

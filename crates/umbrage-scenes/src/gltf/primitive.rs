@@ -1,4 +1,4 @@
-//! Meshes: each primitive becomes a mesh, since it has one material.
+//! Meshes. Each primitive becomes a mesh, since it has one material.
 
 use super::{
     accessor::AccessorNumbers,
@@ -13,7 +13,7 @@ use std::collections::{HashMap, hash_map::Entry};
 use umbrage_core::glam::{Vec3, Vec4};
 use umbrage_core::{Invalid, Mesh, Scene};
 
-/// The meshes of a file that were read, by their number.
+/// The meshes of a file that have been read, by number.
 #[derive(Debug, Default)]
 pub(super) struct FileMeshes {
     known: HashMap<usize, Vec<ModelPart>>,
@@ -80,7 +80,7 @@ fn part(
         let uvs: Vec<[f32; 2]> = shape.attribute(primitive, &set, data)?;
         mesh.uvs = uvs.into_iter().map(|uv| coordinates.at(uv)).collect();
         if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
-            let why = "leaves the range of 32-bit floats";
+            let why = "exceeds the range of 32-bit floats";
             return Err(broken("texture transform", why));
         }
         if let Some(alpha) = material_of_scene.and_then(|m| m.alpha) {
@@ -94,7 +94,7 @@ fn part(
     }
     mesh.positions = shape.positions;
     mesh.triangles = shape.triangles;
-    // Normals and tangents of which one is useless are computed instead.
+    // Recompute normals and tangents if one of them is invalid.
     if mesh.normals.contains(&Vec3::ZERO) {
         mesh.normals.clear();
     }
@@ -115,9 +115,9 @@ fn part(
     }))
 }
 
-/// Returns a mesh without normals and tangents whose triangles share no vertices. Normals that are
-/// averaged at its vertices are then those of the triangles, which the specification asks for where
-/// a file has none (section 3.7.2.1).
+/// Returns a mesh without normals and tangents whose triangles share no vertices. Averages of
+/// normals at its vertices are then those of the triangles, which the specification requires for
+/// files without normals (section 3.7.2.1).
 fn flat(mesh: &Mesh) -> Mesh {
     fn of_corners<T: Copy>(corners: &[u32], values: &[T]) -> Vec<T> {
         match values {
@@ -135,7 +135,7 @@ fn flat(mesh: &Mesh) -> Mesh {
     }
 }
 
-/// Returns the name that errors tell a part by.
+/// Returns the name of a part for errors.
 fn name_of_part(mesh: &FileMesh<'_>, primitive: &Primitive<'_>) -> String {
     let name = mesh.name().unwrap_or("mesh");
     match primitive.index() {
@@ -149,7 +149,7 @@ fn name_of_part(mesh: &FileMesh<'_>, primitive: &Primitive<'_>) -> String {
 struct PrimitiveShape {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// The used vertices of the file in rising order, unless all are used.
+    /// The used vertices of the file in ascending order. `None` if all are used.
     used: Option<Vec<u32>>,
     /// Number of vertices in the file.
     count: usize,
@@ -227,13 +227,13 @@ fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, Invalid> {
         Mode::Triangles => {
             let (triangles, rest) = list.as_chunks::<3>();
             if !rest.is_empty() {
-                let why = format!("are made of {} corners, no multiple of 3", list.len());
+                let why = format!("have {} corners, which is not a multiple of 3", list.len());
                 return Err(broken("its triangles", why));
             }
             Ok(triangles.to_vec())
         }
         Mode::TriangleStrip => {
-            // Every second one is turned over, so that all face one way.
+            // Reverse every second one, so that all have the same orientation.
             let corners = |(i, three): (usize, &[u32])| match i % 2 {
                 0 => [three[0], three[1], three[2]],
                 _ => [three[0], three[2], three[1]],
@@ -252,7 +252,7 @@ fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, Invalid> {
     }
 }
 
-/// Strips jump by triangles that have a corner twice.
+/// Reports whether the corners differ. Strips skip ahead by triangles with a repeated corner.
 fn has_three_corners(triangle: &[u32; 3]) -> bool {
     let [a, b, c] = *triangle;
     a != b && b != c && c != a

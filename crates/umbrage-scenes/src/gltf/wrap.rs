@@ -1,7 +1,6 @@
-//! How masks go on beyond their textures. Holes repeat
-//! ([`AlphaCutout`](umbrage_core::AlphaCutout)); the format's samplers may clamp or mirror instead,
-//! which is the same only where a mesh doesn't leave its texture, or finds the same holes beyond
-//! it.
+//! Wrapping of alpha tests. Alpha tests repeat ([`AlphaCutout`](umbrage_core::AlphaCutout)). The
+//! format's samplers may clamp or mirror instead, which is equivalent only if a mesh stays within
+//! its texture, or finds the same alpha beyond it.
 
 use super::budget::ReadBudget;
 use gltf::texture::WrappingMode;
@@ -9,14 +8,15 @@ use std::collections::BTreeSet;
 use umbrage_core::glam::Vec2;
 use umbrage_core::{AlphaCutout, Invalid, Texture};
 
-/// What coordinates may reach beyond a texture, texels: exporters round them, and those of 16 bits
-/// are off by half of 2^-16, which is 1/16 of a texel where a texture is 8,192 texels wide.
+/// Tolerance for coordinates outside a texture, texels. Exporters round coordinates, and those of
+/// 16 bits have an error of half of 2^-16, which is 1/16 of a texel for a texture 8,192 texels
+/// wide.
 const ROUNDING: f64 = 0.125;
 
-/// How a texture goes on along u and along v.
+/// Wrapping of a texture along u and along v.
 pub(super) type Wraps = [WrappingMode; 2];
 
-/// Errors if a mesh shows other holes where its texture repeats than where it goes on by `wraps`.
+/// Returns an error if a mesh shows other holes with a repeated texture than with `wraps`.
 pub(super) fn check(
     uvs: &[Vec2],
     wraps: Wraps,
@@ -36,7 +36,7 @@ pub(super) fn check(
     if columns.iter().all(is_found) && rows.iter().all(is_found) {
         return Ok(());
     }
-    // Many meshes may ask it of one large picture.
+    // Many meshes may check one large image.
     budget.decode(columns.len() as u64 * rows.len() as u64)?;
     let is_hole = |x: i64, y: i64| {
         let texel = texture.texels[(y * i64::from(size.x) + x) as usize];
@@ -52,17 +52,17 @@ pub(super) fn check(
     }
     Err(Invalid::new(
         "alpha mask",
-        "goes on beyond its texture, which is clamped or mirrored there; holes are repeated here, and would be others",
-        "keep texture coordinates within 0 to 1, or draw what is mirrored into the picture",
+        "exceeds its texture, which is clamped or mirrored there; alpha tests repeat here, and would differ",
+        "keep texture coordinates within 0 to 1, or draw the mirrored part into the image",
     ))
 }
 
-/// Returns the texels along one axis that a mesh shows: of each, the one that it finds where the
-/// texture repeats, and the one that it asks for.
+/// Returns the texels that a mesh shows along one axis, as pairs: the texel of a repeated texture,
+/// and that of `wrap`.
 fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64; 2]> {
     let count_real = f64::from(count);
     let first = (f64::from(low) * count_real + ROUNDING).floor() as i64;
-    // At least one: a mesh may show a line of its texture.
+    // Include at least one: a mesh may show a line of its texture.
     let end = (f64::from(high) * count_real - ROUNDING).ceil() as i64;
     let last = end.saturating_sub(1).max(first);
     let count = i64::from(count);
@@ -74,8 +74,8 @@ fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64;
             i.min(2 * count - 1 - i)
         }
     };
-    // Beyond these all pairs come again: mirrored ones after two textures, clamped ones after one
-    // at either side.
+    // All further pairs are repetitions: of mirrored textures after two, of clamped ones after one
+    // on either side.
     let shown = |i: &i64| (first..=last).contains(i);
     let parts = [
         first..=last.min(first.saturating_add(2 * count)),

@@ -1,37 +1,37 @@
-//! Whether a model brings ground of its own, and a floor for one that doesn't.
+//! Detection of a model's own ground, and a floor for models without ground.
 
 use super::twice_area;
 use crate::primitives::quad;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Aabb, Geometry, Mesh};
 
-/// What counts as the bottom of a model: this share of its height.
+/// The bottom of a model, as a fraction of its height.
 const BOTTOM: f32 = 0.12;
-/// A model brings its own ground if surfaces that face up there cover this share of the rectangle
-/// around it, seen from above. (Floors of rooms do; the bottoms of solids face down.) So it does if
-/// all its surface faces up by as much on balance, as a landscape's.
+/// A model has its own ground if upward surfaces at its bottom cover this fraction of its bounding
+/// rectangle, seen from above. (Floors of rooms do; the bottoms of solids face down.) It also does
+/// if its whole surface faces up by as much on balance, like a landscape.
 const COVERS: f64 = 0.5;
-/// Half the floor's side over the model's greatest extent: its edge is far behind the model.
+/// Half the floor's side over the model's greatest extent. Its edge is far behind the model.
 const HALF_SIDE: f32 = 12.0;
-/// How far the floor lies below a flat bottom, over the model's greatest extent, so that no two
+/// Distance of the floor below a flat bottom, over the model's greatest extent, so that no two
 /// faces share a plane.
 const BELOW: f32 = 1e-3;
 
-/// What lies under a model.
+/// The ground below a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ground {
-    /// The mean height of its own ground; none if it brings none.
+    /// The mean height of its own ground. `None` without ground.
     pub(super) own: Option<f32>,
-    /// Whether its bottom is flat: then a floor lies a little below.
+    /// `true` if its bottom is flat, which puts the floor slightly lower.
     has_flat_bottom: bool,
 }
 
 impl Ground {
-    /// Looks for the ground of a model.
+    /// Detects the ground of a model.
     pub(super) fn of(geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let extent = bounds.extent();
-        // Seen from above; what has no footprint, such as a wall, has no ground either.
+        // Measure the footprint from above. Models without one, such as a wall, have no ground.
         let footprint = f64::from(extent.x) * f64::from(extent.z);
         let bottom = bounds.min.y + BOTTOM * extent.y;
         let flat = bounds.min.y + BELOW * extent.max_element();
@@ -68,8 +68,8 @@ impl Ground {
         }
     }
 
-    /// Returns the height of the floor that a model with these bounds gets; none if it brings its
-    /// own ground.
+    /// Returns the height of the floor for a model with these bounds. `None` if it has its own
+    /// ground.
     pub(super) fn floor_height(&self, bounds: Aabb) -> Option<f32> {
         if self.own.is_some() {
             return None;

@@ -1,19 +1,19 @@
-//! Buildings around their own floor, seen from inside: from the place and in the direction that see
-//! deepest.
+//! Buildings around their own floor, seen from inside: from the position and in the direction with
+//! the greatest depth.
 
 use super::{ground::Ground, sun::seen_points};
 use crate::framing::Shot;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Bvh, Geometry};
 
-/// Height of the eye over the floor, as a share of the height of the building.
+/// Height of the eye over the floor, as a fraction of the building's height.
 const EYE_HEIGHT: f32 = 0.22;
-/// Full vertical angle of the picture, degrees: rooms are narrow.
+/// Full vertical angle of the image, degrees. It is wide, since rooms are narrow.
 const FOV_Y_DEGREES: f32 = 60.0;
-/// How far the view goes down, as a share of how far it goes ahead.
+/// Slope of the view: downwards, as a fraction of forwards.
 const DOWN: f32 = 0.12;
-/// Places of the eye that are tried: how far back from the middle and how far to the side, as
-/// shares of length and width.
+/// Candidate positions of the eye: backwards and sideways from the centre, as fractions of length
+/// and width.
 const EYES: [[f32; 2]; 12] = [
     [0.0, 0.0],
     [0.1, 0.0],
@@ -28,23 +28,22 @@ const EYES: [[f32; 2]; 12] = [
     [0.3, 0.15],
     [0.3, -0.15],
 ];
-/// What is nearer than this share of the model's greatest extent is in the way.
+/// Geometry closer than this fraction of the model's greatest extent is an obstruction.
 const NEAR: f32 = 0.05;
-/// How much the share of the picture that is in the way takes from a view's depth.
+/// Factor by which the obstructed fraction of the image reduces a view's depth.
 const NEAR_COUNTS: f32 = 2.0;
-/// Level directions in which walls are looked for.
+/// Number of horizontal directions in which walls are searched.
 const DIRECTIONS: usize = 32;
-/// Walls stand around the middle in at least this share of them: a room that is open to one side
-/// has fewer.
+/// Least fraction of these directions with a wall. A room that is open to one side has fewer.
 const ENCLOSED: f32 = 0.85;
-/// Surfaces that a level ray from the middle meets, in the mean. Bowls, cups and boots have two, an
-/// inner and an outer one, and are seen from outside; rooms of bare walls have one, buildings with
+/// Mean number of surfaces on a horizontal ray from the centre. Bowls, cups and boots have two, an
+/// inner and an outer one, and are seen from outside. Rooms of bare walls have one, buildings with
 /// pillars and galleries more.
 const BOWLS: [f32; 2] = [1.4, 2.6];
-/// Surfaces that are counted along a ray: more make no difference.
+/// Greatest number of surfaces counted along a ray.
 const MOST: usize = 6;
 
-/// Returns a shot from inside a building around its own floor; none if the model isn't one.
+/// Returns a shot from inside a building around its own floor. `None` for other models.
 pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<Shot> {
     let bounds = geometry.bounds();
     let extent = bounds.extent();
@@ -77,8 +76,8 @@ pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<
     best.map(|(_, shot)| shot)
 }
 
-/// Returns how deep a view is: the mean distance of what is seen, less where much of it is near
-/// before the eye.
+/// Returns the depth of a view: the mean distance of visible points, reduced by obstructions close
+/// to the eye.
 fn depth_of(geometry: &Geometry, shot: &Shot) -> f32 {
     let seen = seen_points(geometry, shot);
     let near = NEAR * geometry.bounds().extent().max_element();
@@ -94,16 +93,16 @@ fn depth_of(geometry: &Geometry, shot: &Shot) -> f32 {
     sum / count * (1.0 - NEAR_COUNTS * share)
 }
 
-/// No triangle is passed over.
+/// Index that excludes no triangle from a ray query.
 const NONE: u32 = u32::MAX;
 
-/// Whether walls stand around a point, and not those of a bowl.
+/// Reports whether walls other than those of a bowl enclose a point.
 fn is_enclosed(geometry: &Geometry, middle: Vec3) -> bool {
     let reach = geometry.bounds().diagonal();
     let mut enclosed = 0;
     let mut surfaces = 0;
     for i in 0..DIRECTIONS {
-        // Between the axes, along which walls and their joints lie.
+        // Avoid the axes, along which walls and their joints are aligned.
         let angle = (i as f32 + 0.37) / DIRECTIONS as f32 * std::f32::consts::TAU;
         let way = Vec3::new(angle.cos(), 0.0, angle.sin()) * reach;
         let met = surfaces_along(geometry, middle, way);
@@ -115,7 +114,7 @@ fn is_enclosed(geometry: &Geometry, middle: Vec3) -> bool {
     share >= ENCLOSED && !(BOWLS[0]..=BOWLS[1]).contains(&mean)
 }
 
-/// Returns how many surfaces the segment from `from` to `from + way` meets, [`MOST`] at most.
+/// Returns the number of surfaces on the segment from `from` to `from + way`, at most [`MOST`].
 fn surfaces_along(geometry: &Geometry, from: Vec3, way: Vec3) -> usize {
     let bvh: &Bvh = geometry.bvh();
     let mut count = 0;
@@ -126,7 +125,7 @@ fn surfaces_along(geometry: &Geometry, from: Vec3, way: Vec3) -> usize {
             break;
         };
         count += 1;
-        // Beyond the surface by a thousandth of the model.
+        // Continue beyond the surface by a thousandth of the segment.
         at += t * (1.0 - at) + 1e-3;
         if at >= 1.0 {
             break;

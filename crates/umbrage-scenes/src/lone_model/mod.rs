@@ -1,13 +1,13 @@
-//! What a model alone needs to make a good first picture: a floor, a camera and a sun.
+//! Completion of a lone model for its first image: a floor, a camera and a sun.
 //!
-//! * A model that brings no ground of its own gets a floor under it ([`ground`]). It is seen from a
-//!   three-quarter view from slightly above, from as near as shows all of it and of its shadow.
-//! * A model with ground of its own is seen from there, too, without a floor; a room that is open
-//!   to one side through its opening.
-//! * A building around its own floor is seen from inside ([`interior`]): from where the view is
-//!   deepest.
-//! * The sun comes from the left, from above and from behind the model, so that shadows fall to the
-//!   right and towards the eye. Without a floor of ours another one may show more ([`sun`]).
+//! * A model without ground receives a floor ([`ground`]). Its view is a three-quarter view from
+//!   slightly above, as close as the model and its shadow permit.
+//! * A model with its own ground has the same view, without a floor. A room that is open to one
+//!   side is seen through its opening.
+//! * A building around its own floor is seen from inside ([`interior`]): from the position with the
+//!   greatest depth.
+//! * The sun is on the left, above and behind the model, so that shadows fall to the right and
+//!   towards the eye. Without an added floor, another sun may show more ([`sun`]).
 
 mod ground;
 mod interior;
@@ -22,20 +22,19 @@ use crate::{
 use umbrage_core::glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Geometry, Instance, Light, Scene};
 
-/// The picture of a model without a camera.
+/// Image size for a model without a camera.
 pub(crate) const SIZE: UVec2 = UVec2::new(640, 360);
-/// Its full vertical angle, degrees.
+/// Full vertical angle for a model without a camera, degrees.
 pub(crate) const FOV_Y_DEGREES: f32 = 36.0;
-/// The sun's width in the sky, degrees.
+/// Angular diameter of the sun, degrees.
 const SUN_DEGREES: f32 = 0.53;
-/// Sizes in metres between which 32-bit geometry works: areas are squared on the way to unit
-/// normals.
+/// Valid range of sizes for 32-bit geometry, metres. Areas are squared when normals are normalised.
 pub(crate) const SIZES: [f32; 2] = [1e-6, 1e8];
 
-/// Adds floor, camera and sun to a scene that holds a model alone, whose triangles are `geometry`.
+/// Adds a floor, a camera and a sun to the scene of a lone model with the triangles `geometry`.
 ///
 /// # Errors
-/// Errors if the model is too small or too large.
+/// Returns an error if the model is too small or too large.
 pub(crate) fn complete(
     scene: &mut Scene,
     geometry: &Geometry,
@@ -58,8 +57,8 @@ pub(crate) fn complete(
         scene.materials.push(matte(PALETTE[0]).material);
         let mut instance = Instance::new(scene.meshes.len(), Affine3A::IDENTITY);
         instance.material = Some(material);
-        // Nothing lies below it; and maps fitted around all casters stay as fine as the model asks
-        // for.
+        // Nothing is below the floor. Maps that are fitted around all casters keep their resolution
+        // for the model.
         instance.casts = false;
         scene.meshes.push(floor);
         scene.instances.push(instance);
@@ -73,12 +72,12 @@ pub(crate) fn complete(
     Ok(())
 }
 
-/// Adds what a scene of a model's file lacks, whose triangles are `geometry`: all that a model
-/// alone gets if it has neither a camera nor a light; else the one of these that is missing, and no
-/// floor, since somebody arranged the scene.
+/// Adds the missing parts to a scene of a model's file with the triangles `geometry`. A scene with
+/// neither a camera nor a light is completed like a lone model. Otherwise the missing one is added,
+/// without a floor, since the scene was arranged by its author.
 ///
 /// # Errors
-/// Errors if the model is too small or too large.
+/// Returns an error if the model is too small or too large.
 #[cfg(feature = "gltf")]
 pub(crate) fn add_missing(
     scene: &mut Scene,
@@ -113,7 +112,7 @@ pub(crate) fn add_missing(
     Ok(())
 }
 
-/// Returns the sun whose light travels this way.
+/// Returns the sun with this direction of light.
 fn sunlight(direction: Vec3) -> Light {
     Light::Directional {
         direction,
@@ -121,8 +120,8 @@ fn sunlight(direction: Vec3) -> Light {
     }
 }
 
-/// Returns the shot of a model from outside, from as near as shows all of it and of its shadow on a
-/// floor of ours.
+/// Returns the closest shot of a model from outside that contains all of it, and its shadow on an
+/// added floor.
 fn of_model(geometry: &Geometry, ground: &ground::Ground) -> Option<Shot> {
     let side = if ground.own.is_some() {
         opening_side(geometry).unwrap_or_else(|| best_side(geometry))
@@ -135,7 +134,7 @@ fn of_model(geometry: &Geometry, ground: &ground::Ground) -> Option<Shot> {
     let Some(height) = ground.floor_height(geometry.bounds()) else {
         return Some(shot);
     };
-    // The light's way depends on the view's directions alone, which stay.
+    // The light only depends on the view's directions, which don't change.
     let light = sun::from_left(&shot);
     let shadows = points
         .clone()
@@ -143,7 +142,7 @@ fn of_model(geometry: &Geometry, ground: &ground::Ground) -> Option<Shot> {
     frame_from(side, points.chain(shadows), fov_y, SIZE)
 }
 
-/// Errors if the geometry is too small or too large for 32-bit floats.
+/// Returns an error if the geometry is too small or too large for 32-bit floats.
 pub(crate) fn check_size(geometry: &Geometry, place: &Place) -> Result<(), SceneError> {
     let extent = geometry.bounds().extent().max_element();
     if (SIZES[0]..=SIZES[1]).contains(&extent) {
@@ -163,7 +162,7 @@ pub(crate) fn too(geometry: &Geometry, place: &Place) -> SceneError {
     }
 }
 
-/// Returns the triangle's area as a vector: along its normal, as long as twice its area.
+/// Returns the triangle's area vector: along its normal, with twice its area as length.
 fn twice_area(corners: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = corners;
     (b - a).cross(c - a)

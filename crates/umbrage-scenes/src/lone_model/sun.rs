@@ -1,23 +1,22 @@
-//! From where the sun shines.
+//! Directions of the sun.
 
 use crate::framing::Shot;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Geometry, light_space::look_along};
 
-/// The way the sun's light travels, in the view: from the left, from above and from behind the
-/// model, so that shadows fall to the right and towards the eye, nearly as long as the model is
-/// high.
+/// Direction of the sun's light in view space: from the left, above and behind the model. Shadows
+/// fall to the right and towards the eye, and are nearly as long as the model is high.
 const IN_VIEW: Vec3 = Vec3::new(0.75, -1.0, -0.15);
-/// Another sun is taken if it shows so many times as much.
+/// Least ratio of scores at which another sun is preferred.
 const BETTER: f32 = 1.5;
-/// Heights of the suns that are tried, as tangents of their angles above the horizon.
+/// Candidate heights of the sun, as tangents of their angles above the horizon.
 const HEIGHTS: [f32; 4] = [0.6, 1.2, 2.5, 6.0];
-/// Directions in the plane that are tried.
+/// Number of candidate directions in the plane.
 const AROUND: usize = 12;
-/// Seen points that are asked, across and down.
+/// Number of visible test points, across and down.
 const GRID: [usize; 2] = [32, 18];
 
-/// Returns the way the light of the usual sun travels.
+/// Returns the direction of the usual sun's light.
 pub(super) fn from_left(shot: &Shot) -> Vec3 {
     let forward = (shot.target - shot.eye).normalize();
     let right = forward.cross(shot.up).normalize();
@@ -25,8 +24,8 @@ pub(super) fn from_left(shot: &Shot) -> Vec3 {
     right * IN_VIEW.x + up * IN_VIEW.y - forward * IN_VIEW.z
 }
 
-/// Returns the usual sun's light, or another one's that shows clearly more: the greatest product of
-/// the shares of seen points in light and in shadow.
+/// Returns the direction of the usual sun, or of another one with a clearly greater score: the
+/// product of the fractions of visible points in light and in shadow.
 pub(super) fn that_shows_most(geometry: &Geometry, shot: &Shot, usual: Vec3) -> Vec3 {
     let seen = seen_points(geometry, shot);
     let usual_score = score(geometry, &seen, usual);
@@ -44,7 +43,7 @@ pub(super) fn that_shows_most(geometry: &Geometry, shot: &Shot, usual: Vec3) -> 
     best.1
 }
 
-/// Returns points that are seen, a little before their surfaces.
+/// Returns visible points, slightly in front of their surfaces.
 pub(super) fn seen_points(geometry: &Geometry, shot: &Shot) -> Vec<Vec3> {
     let Ok(view_from_world) = look_along(shot.eye, shot.target - shot.eye, shot.up) else {
         return Vec::new();
@@ -66,7 +65,7 @@ pub(super) fn seen_points(geometry: &Geometry, shot: &Shot) -> Vec<Vec3> {
     out
 }
 
-/// Returns the product of the shares of points in light and in shadow; 0 without points.
+/// Returns the product of the fractions of points in light and in shadow; 0 without points.
 pub(super) fn score(geometry: &Geometry, points: &[Vec3], light: Vec3) -> f32 {
     let to_sun = -light.normalize() * geometry.bounds().diagonal();
     let lit = points

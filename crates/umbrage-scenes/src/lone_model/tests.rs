@@ -13,7 +13,7 @@ fn place() -> Place {
     }
 }
 
-/// Returns a scene of a model alone, completed.
+/// Returns the completed scene of a lone model.
 fn first_picture(meshes: Vec<Mesh>) -> Result<Scene, SceneError> {
     let instances = (0..meshes.len()).map(|mesh| Instance::new(mesh, Affine3A::IDENTITY));
     let mut scene = Scene {
@@ -51,7 +51,7 @@ fn has_floor(scene: &Scene) -> bool {
     scene.meshes.iter().any(|mesh| mesh.name == "floor")
 }
 
-/// Returns the points' places in the picture, -1 to 1.
+/// Returns the positions of points in the image, -1 to 1.
 fn in_picture(scene: &Scene, points: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
     let clip_from_world = scene.cameras[0].space().clip_from_world();
     points.map(|p| clip_from_world.project_point3(p)).collect()
@@ -84,7 +84,7 @@ fn a_solid_of_any_size_stands_on_a_floor_with_its_shadow_in_view() {
                 assert!(p.truncate().abs().max_element() < 0.95, "{scale}: {p}");
                 assert!(p.z > 0.0 && p.z < 1.0, "{scale}: {p}");
             }
-            // The floor goes on behind the model, and casts nothing.
+            // The floor continues behind the model and doesn't cast.
             assert!(!scene.instances[1].casts && scene.instances[1].receives);
             let geometry = Geometry::bake(&scene).expect("valid");
             assert_eq!(geometry.casters().len(), mesh.triangles.len());
@@ -115,7 +115,7 @@ fn ground_of_ones_own_is_enough() {
     assert!(!has_floor(
         &first_picture(with_block).expect("of a good size")
     ));
-    // Seen from below it is no ground.
+    // From below, it is no ground.
     let ceiling = vec![turned_inside_out(ground), block(Vec3::ZERO, Vec3::ONE)];
     assert!(has_floor(&first_picture(ceiling).expect("of a good size")));
     // A landscape faces up at all heights.
@@ -130,7 +130,7 @@ fn ground_of_ones_own_is_enough() {
     ));
 }
 
-/// Whether the eye stands within the model's bounds.
+/// Reports whether the eye is within the model's bounds.
 fn is_inside(scene: &Scene, bounds: umbrage_core::Aabb) -> bool {
     let eye = Vec3::from(scene.cameras[0].world_from_view.translation);
     eye.cmpgt(bounds.min).all() && eye.cmplt(bounds.max).all()
@@ -149,13 +149,13 @@ fn rooms_are_seen_from_inside_open_ones_through_their_opening_and_bowls_from_out
     let seen = first_picture(vec![open]).expect("of a good size");
     let eye = Vec3::from(seen.cameras[0].world_from_view.translation);
     assert!(eye.z > size.z && !has_floor(&seen), "{eye}");
-    // An outer surface around it makes it a bowl.
+    // An outer surface around it turns it into a bowl.
     let outer = block(Vec3::splat(-0.3), size + 0.3);
     let bowl = first_picture(vec![closed, outer]).expect("of a good size");
     assert!(!is_inside(&bowl, bounds));
 }
 
-/// In a room with a hole in its roof only a steep sun shines in.
+/// Only a high sun shines into a room with a hole in its roof.
 #[test]
 fn the_sun_shines_where_it_is_seen() {
     let size = Vec3::new(4.0, 3.0, 4.0);

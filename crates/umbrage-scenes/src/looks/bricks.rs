@@ -1,4 +1,4 @@
-//! A brick wall: colour, relief, and the normals that fit the relief.
+//! A brick wall: colour, relief, and the normals of the relief.
 
 use super::{Look, texture, textured};
 use crate::builtin::noise::uniform;
@@ -6,9 +6,9 @@ use umbrage_core::glam::{IVec3, Vec2, Vec3};
 use umbrage_core::{Displacement, Material, Texture};
 
 const SIDE: u32 = 128;
-/// Courses a tile, of half as many bricks each.
+/// Courses in a tile, each with half as many bricks.
 const COURSES: f32 = 4.0;
-/// Half the width of a joint, and the width of a brick's sloping rim; parts of a tile.
+/// Half the width of a joint, and the width of a brick's sloping rim, as fractions of a tile.
 const JOINT: f32 = 0.02;
 const RIM: f32 = 0.025;
 
@@ -17,17 +17,17 @@ const RIM: f32 = 0.025;
 pub(crate) struct Bricks {
     /// Side of a tile of the texture on the wall, metres.
     pub(crate) tile: f32,
-    /// From the joints' bottom to the bricks' face, metres.
+    /// Depth of the joints below the bricks' faces, metres.
     pub(crate) depth: f32,
 }
 
 impl Bricks {
-    /// Colour alone.
+    /// Returns a look with colour alone.
     pub(crate) fn flat(self) -> Look {
         textured(texture("bricks", SIDE, color))
     }
 
-    /// Colour and normals: relief that changes no shadow.
+    /// Returns a look with colour and normals: relief without an effect on shadows.
     pub(crate) fn bumpy(self) -> Look {
         let look = self.flat();
         let material = Material {
@@ -40,7 +40,8 @@ impl Bricks {
         }
     }
 
-    /// Colour and relief: the wall's plane is half way between joints and faces.
+    /// Returns a look with colour and relief. The wall's plane is half way between joints and
+    /// faces.
     pub(crate) fn carved(self, subdivisions: u32) -> Look {
         let look = self.flat();
         let relief = Displacement {
@@ -59,14 +60,14 @@ impl Bricks {
         }
     }
 
-    /// Tangent-space normals of the relief, by differences over two texels, green up.
+    /// Returns tangent-space normals of the relief, from differences over two texels, green up.
     fn normals(self) -> Texture {
         let step = 1.0 / SIDE as f32;
         let slope = |uv: Vec2, d: Vec2| {
             (height(uv + d) - height(uv - d)) * self.depth / (2.0 * step * self.tile)
         };
         texture("brick normals", SIDE, |uv| {
-            // v runs down the picture, green up.
+            // v points down in the image, green up.
             let along_u = slope(uv, Vec2::new(step, 0.0));
             let along_v = slope(uv, Vec2::new(0.0, step));
             0.5 + 0.5 * Vec3::new(-along_u, along_v, 1.0).normalize()
@@ -74,12 +75,12 @@ impl Bricks {
     }
 }
 
-/// The brick that a point belongs to, and where in it, both from 0 to 1.
+/// Returns the brick at a point, and the position in it, both from 0 to 1.
 fn brick(uv: Vec2) -> (IVec3, Vec2) {
     let wrapped = uv - uv.floor();
     let course = (wrapped.y * COURSES).floor();
     let along = wrapped.x * COURSES * 0.5 + 0.5 * (course % 2.0);
-    // A brick may lie across the texture's edge.
+    // A brick may cross the texture's edge.
     let number = along.floor() % (0.5 * COURSES);
     (
         IVec3::new(number as i32, course as i32, 3),
@@ -87,14 +88,14 @@ fn brick(uv: Vec2) -> (IVec3, Vec2) {
     )
 }
 
-/// Distance from the middle of the nearest joint, parts of a tile.
+/// Returns the distance from the centre of the nearest joint, as a fraction of a tile.
 fn from_joint(uv: Vec2) -> f32 {
     let (_, p) = brick(uv);
     let edge = p.min(1.0 - p) * Vec2::new(2.0 / COURSES, 1.0 / COURSES);
     edge.min_element()
 }
 
-/// 0 in the joints, 1 on the bricks.
+/// Returns 0 in the joints and 1 on the bricks.
 fn height(uv: Vec2) -> f32 {
     ((from_joint(uv) - JOINT) / RIM).clamp(0.0, 1.0)
 }

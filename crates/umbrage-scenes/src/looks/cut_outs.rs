@@ -1,4 +1,4 @@
-//! Patterns with holes, cut out by alpha.
+//! Alpha-tested patterns.
 
 use super::{Look, matte, texture_with_alpha};
 use crate::{builtin::noise::uniform, detail::USUAL_CUTOFF};
@@ -9,18 +9,18 @@ use umbrage_core::{AlphaCutout, AlphaFilter, Material, Texture};
 const SPRIG_SIDE: u32 = 128;
 const NETTING_SIDE: u32 = 64;
 
-/// A sprig on a square: its stalk rises from the middle of the lower side, with leaves of this
-/// colour on both of its sides.
+/// A sprig on a square. Its stalk starts at the middle of the lower side, with leaves of this
+/// colour on both sides.
 pub(crate) fn sprig(color: [f32; 3]) -> Look {
     cut_out(texture_with_alpha("sprig", SPRIG_SIDE, |uv| {
         on_sprig(uv, Vec3::from(color))
     }))
 }
 
-/// Netting of crossed wires, one mesh of it a texture: wires run along both diagonals, and are
-/// `thickness` wide, parts of the texture's side.
+/// Netting of crossed wires. The texture covers one mesh of it; wires run along both diagonals.
+/// Their width is `thickness`, as a fraction of the texture's side.
 pub(crate) fn netting(color: [f32; 3], thickness: f32) -> Look {
-    // Across a diagonal, u + v (or u - v) grows by the square root of 2 for each unit.
+    // Across a diagonal, u + v (or u - v) grows by the square root of 2 per unit.
     let half = 0.5 * thickness * std::f32::consts::SQRT_2;
     cut_out(texture_with_alpha("netting", NETTING_SIDE, |uv| {
         let from_falling = distance_to_whole(uv.x + uv.y);
@@ -30,8 +30,8 @@ pub(crate) fn netting(color: [f32; 3], thickness: f32) -> Look {
     }))
 }
 
-/// Squares of one texel each, every second one a hole: so is the one at the texture's lower left if
-/// their number is even.
+/// Squares of one texel each, every second one a hole. The texture's lower left is a hole if
+/// `squares` is even.
 pub(crate) fn chequered_holes(squares: u32) -> Look {
     cut_out(texture_with_alpha("chequered holes", squares, |uv| {
         let place = (uv * squares as f32).as_uvec2();
@@ -40,7 +40,7 @@ pub(crate) fn chequered_holes(squares: u32) -> Look {
     }))
 }
 
-/// The texture's own colours where its alpha is one half or more.
+/// Returns a look with the texture's colours where its alpha is one half or more.
 fn cut_out(texture: Texture) -> Look {
     let alpha = AlphaCutout {
         texture: 0,
@@ -62,18 +62,18 @@ fn distance_to_whole(t: f32) -> f32 {
     (t - t.round()).abs()
 }
 
-/// Returns colour and alpha at a point of a sprig's square, v from its top.
+/// Returns colour and alpha at a point of a sprig's square, with v from the top.
 fn on_sprig(uv: Vec2, color: Vec3) -> Vec4 {
     const PAIRS: i32 = 5;
-    // From the foot of the stalk: x to the right, y up.
+    // Coordinates from the foot of the stalk: x to the right, y up.
     let p = Vec2::new(uv.x - 0.5, 1.0 - uv.y);
     let is_stalk = p.x.abs() < 0.012 && p.y < 0.9;
     let mut shade = is_stalk.then_some(0.6);
-    // From the foot up, so that upper leaves lie over lower ones.
+    // Draw from the foot up, so that upper leaves cover lower ones.
     for pair in 0..PAIRS {
         let height = 0.08 + 0.155 * pair as f32;
         for side in [-1.0, 1.0] {
-            // Leaves grow shorter, and point up more and more.
+            // Make upper leaves shorter and more upright.
             let along = Vec2::new(side, 0.35 + 0.2 * pair as f32).normalize();
             let length = 0.5 - 0.055 * pair as f32;
             if is_on_leaf(p - Vec2::new(0.0, height), along, length) {
@@ -89,8 +89,8 @@ fn on_sprig(uv: Vec2, color: Vec3) -> Vec4 {
     (color * shade.unwrap_or(1.0)).extend(alpha)
 }
 
-/// Returns whether a point, as seen from a leaf's stalk, lies on the leaf: between two parabolas
-/// that meet at its ends.
+/// Reports whether a point, relative to a leaf's stalk, is on the leaf: between two parabolas that
+/// meet at its ends.
 fn is_on_leaf(p: Vec2, along: Vec2, length: f32) -> bool {
     const WIDTH: f32 = 0.36;
     let t = p.dot(along) / length;

@@ -1,4 +1,4 @@
-//! How things in built-in scenes look: linear colours, and textures made in code.
+//! Looks of built-in scenes: linear colours, and textures made in code.
 
 mod bricks;
 mod cut_outs;
@@ -14,14 +14,14 @@ mod tests;
 use umbrage_core::glam::{UVec2, Vec2, Vec3, Vec4};
 use umbrage_core::{Material, Texture};
 
-/// A material and the textures that it counts from 0.
+/// A material and its textures, numbered from 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Look {
     pub(crate) material: Material,
     pub(crate) textures: Vec<Texture>,
 }
 
-/// The floor's colour, and those that other things get in turn.
+/// Colours of the floor, and of the other objects in turn.
 pub(crate) const PALETTE: [[f32; 3]; 8] = [
     [0.52, 0.50, 0.46],
     [0.60, 0.17, 0.12],
@@ -59,7 +59,7 @@ pub(crate) fn glossy(color: [f32; 3]) -> Look {
     }
 }
 
-/// The texture's own colours.
+/// Returns a look with the texture's colours.
 fn textured(texture: Texture) -> Look {
     let look = matte([1.0; 3]);
     Look {
@@ -71,12 +71,13 @@ fn textured(texture: Texture) -> Look {
     }
 }
 
-/// A square texture of `side` texels from what is at each texel's centre (u, v), origin top left.
+/// Returns a square texture of `side` texels. `at` returns the colour at a texel's centre (u, v),
+/// with the origin at the top left.
 fn texture(name: &str, side: u32, at: impl Fn(Vec2) -> Vec3) -> Texture {
     texture_with_alpha(name, side, |uv| at(uv).extend(1.0))
 }
 
-/// The same with alpha as the fourth number.
+/// Returns a [`texture`] with alpha as the fourth number.
 fn texture_with_alpha(name: &str, side: u32, at: impl Fn(Vec2) -> Vec4) -> Texture {
     let center = |i: u32| (i as f32 + 0.5) / side as f32;
     let texels = (0..side).flat_map(|y| (0..side).map(move |x| Vec2::new(center(x), center(y))));

@@ -29,7 +29,8 @@ fn plank(uv: Vec2) -> Vec3 {
     let number = across.floor();
     let grain = fractal(Vec3::new(3.0 * along, 9.0 * across, 10.0 * number), 4);
     let tone = 0.85 + 0.3 * uniform(IVec3::new(number as i32, 7, 1)) + 0.35 * grain;
-    // Planks meet in dark lines; they are as long as the texture, every other one shifted by half.
+    // Planks are separated by dark lines. They are as long as the texture, and every other one is
+    // shifted by half.
     let from_end = (along + 0.5 * (number % 2.0)).fract();
     let joint = across.fract().min(1.0 - across.fract()) < 0.03 || from_end < 0.008;
     Vec3::new(0.44, 0.25, 0.11) * if joint { 0.35 } else { tone }

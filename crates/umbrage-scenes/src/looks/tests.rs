@@ -41,8 +41,8 @@ fn looks_are_valid_and_within_range() {
     }
 }
 
-/// The lower rim of a brick slopes down: its normals look down, which is less than half in green;
-/// the left rim's look left, which is less than half in red.
+/// The lower rim of a brick slopes down: its normals point down, which is less than half in green.
+/// The normals of the left rim point left, which is less than half in red.
 #[test]
 fn normals_lean_as_the_relief_does() {
     let textures = WALL.bumpy().textures;

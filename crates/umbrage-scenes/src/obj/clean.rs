@@ -1,25 +1,25 @@
-//! Reads OBJ text and keeps only statements that make a mesh, checked, in the form that `tobj`
+//! Preprocessing of OBJ text: keeps checked statements that make a mesh, in a form that `tobj`
 //! reads correctly.
 //!
-//! `tobj` 4.0 alone takes lines for faces, loses the first vertex after a byte order mark, fails on
-//! comments behind faces, on continued lines, on a lone carriage return, on vertices of which only
-//! some are coloured and on names that aren't UTF-8, overflows on indices far out of range, and
-//! doesn't report the line of a fault.
+//! `tobj` 4.0 alone treats lines as faces and loses the first vertex after a byte order mark. It
+//! fails on comments after faces, on continued lines, on a lone carriage return, on vertices of
+//! which only some are coloured, and on names that aren't UTF-8. It overflows on indices far out of
+//! range, and doesn't report the line of an error.
 
 use super::parts::Looks;
 use crate::{SceneError, error::Place};
 use std::io::{self, BufRead, Read as _};
 use std::path::Path;
 
-/// Longest line that is read: a face with a million corners fits, and a file without line ends
-/// can't fill the memory.
+/// Greatest length of a line, bytes. A face with a million corners fits, and a file without line
+/// ends can't fill the memory.
 const LONGEST_LINE: u64 = 16 << 20;
-/// Most corners of one face: cutting concave polygons takes time that grows with their square.
+/// Greatest number of corners of a face. Cutting concave polygons takes quadratic time.
 const MOST_CORNERS: usize = 4096;
 /// Kinds of indices, in the order of a face's corner.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Checked statements, and what was kept from `tobj`.
+/// Checked statements, and the data withheld from `tobj`.
 #[derive(Debug, Default)]
 pub(super) struct CleanText {
     pub(super) statements: Vec<u8>,
@@ -27,7 +27,7 @@ pub(super) struct CleanText {
     pub(super) looks: Looks,
 }
 
-/// Reads a whole source; `unreadable` is the error of a source that fails.
+/// Reads a whole source. `unreadable` creates the error of a source that fails.
 pub(super) fn clean(
     mut source: impl BufRead,
     path: &Path,
@@ -63,9 +63,9 @@ pub(super) fn clean(
 /// The state between two lines.
 struct Cleaner<'a> {
     path: &'a Path,
-    /// Counted from 1.
+    /// Line number, counted from 1.
     line: usize,
-    /// A statement that goes on in the next line.
+    /// A statement that continues in the next line.
     continued: String,
     /// Vertices, texture coordinates and normals so far.
     counts: [usize; 3],
@@ -110,7 +110,8 @@ impl Cleaner<'_> {
         let mut words = text.split_whitespace();
         let keyword = words.next().unwrap_or_default();
         let words: Vec<&str> = words.collect();
-        // `tobj` would split the mesh at each material, and doesn't report the file of its name.
+        // Withhold it: `tobj` would split the mesh at each material, and doesn't report the file of
+        // its name.
         let name = || {
             let rest = text.trim().strip_prefix(keyword).unwrap_or_default();
             rest.trim().to_owned()
@@ -148,7 +149,7 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    /// Counts an element of a kind, and returns the numbers that it has to begin with.
+    /// Counts an element of a kind, and returns its first numbers.
     fn numbers(
         &mut self,
         kind: usize,
@@ -177,7 +178,7 @@ impl Cleaner<'_> {
             let help = "export the model as triangles: a face may have at most 4,096 corners";
             return Err(self.fault(why, help));
         }
-        // With fewer corners it has no area, and casts no shadow.
+        // A face with fewer corners has no area and casts no shadow.
         if words.len() >= 3 {
             self.clean.faces += 1;
             self.keep("f", words);
@@ -185,8 +186,8 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    /// Checks a corner. Negative indices count back from the latest; positive ones may run ahead,
-    /// and are checked at the end.
+    /// Checks a corner. Negative indices count back from the latest. Positive ones may refer to
+    /// later elements, and are checked at the end.
     fn corner(&mut self, word: &str) -> Result<(), SceneError> {
         const HELP: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
         for (kind, part) in word.split('/').enumerate() {

@@ -1,7 +1,7 @@
-//! Materials beside a model: `.mtl` files.
+//! Materials of a model: `.mtl` files.
 //!
-//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for holes, and `norm` or `map_Bump` for
-//! normals; the rest of the format is left aside.
+//! The reader supports `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for alpha tests, and `norm` or
+//! `map_Bump` for normals. It ignores the rest of the format.
 
 use crate::{
     Files, SceneError,
@@ -15,10 +15,10 @@ use std::{
 use umbrage_core::glam::Vec3;
 use umbrage_core::{AlphaCutout, AlphaFilter, MAX_SHININESS_LOG2, Material, Texture};
 
-/// Longest file that is read.
+/// Greatest length of a file, bytes.
 const LONGEST: u64 = 16 << 20;
 
-/// One `newmtl`, textures as paths.
+/// One `newmtl`, with textures as paths.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) name: String,
@@ -28,7 +28,7 @@ pub(super) struct Entry {
     normal_map: Option<PathBuf>,
 }
 
-/// The entries of a file; none if there is no such file, since models often come without theirs.
+/// Returns the entries of a file. A missing file has none, since many models lack theirs.
 pub(super) fn load(path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneError> {
     if !files.has(path) {
         return Ok(Vec::new());
@@ -36,7 +36,7 @@ pub(super) fn load(path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneEr
     let read = || {
         let mut bytes = Vec::new();
         let source = files.open(path)?;
-        // A byte more tells that there are more.
+        // Read one more byte, to detect longer files.
         match source.take(LONGEST + 1).read_to_end(&mut bytes)? as u64 <= LONGEST {
             true => Ok(bytes),
             false => Err(std::io::Error::other("is over 16 MiB long")),
@@ -95,8 +95,8 @@ impl Entry {
         Ok(())
     }
 
-    /// Returns the material. Its textures are read as far as they are there and `mapped` says that
-    /// the mesh can show them.
+    /// Returns the material. Its textures are read if they exist and the mesh is `mapped`, so that
+    /// it can show them.
     pub(super) fn material(
         &self,
         mapped: bool,
@@ -107,7 +107,7 @@ impl Entry {
         if let Some(path) = usable_map(self.color_map.as_deref(), mapped, files.files) {
             let texture = files.index(path, Meaning::Color, textures)?;
             material.diffuse_texture = Some(texture);
-            // Of pictures with alpha; without, it is 1 everywhere.
+            // Images without alpha have 1 everywhere.
             material.alpha = cut_out(texture, textures);
         }
         if let Some(path) = usable_map(self.alpha_map.as_deref(), mapped, files.files) {
@@ -116,7 +116,7 @@ impl Entry {
         }
         if let Some(path) = usable_map(self.normal_map.as_deref(), mapped, files.files) {
             let map = files.index(path, Meaning::Data, textures)?;
-            // Grey ones are heights, whose scale is not known.
+            // Grey bump maps are heights of unknown scale.
             let is_grey = textures[map]
                 .texels
                 .iter()
@@ -127,7 +127,7 @@ impl Entry {
     }
 }
 
-/// Returns the holes that a texture cuts at the usual cut-off; none if it cuts none.
+/// Returns the alpha test of a texture at the usual cut-off. `None` if it removes nothing.
 fn cut_out(texture: usize, textures: &[Texture]) -> Option<AlphaCutout> {
     let mut texels = textures[texture].texels.iter();
     let has_holes = texels.any(|texel| texel[3] < USUAL_CUTOFF);
@@ -138,12 +138,12 @@ fn cut_out(texture: usize, textures: &[Texture]) -> Option<AlphaCutout> {
     })
 }
 
-/// Returns a texture's path, if it is named, is there, and the mesh can show it.
+/// Returns a texture's path if it is set, the file exists, and the mesh can show it.
 fn usable_map<'a>(map: Option<&'a Path>, mapped: bool, files: &dyn Files) -> Option<&'a Path> {
     map.filter(|path| mapped && files.has(path))
 }
 
-/// One or three numbers, cut off at 0 and 1.
+/// Parses one or three numbers, clamped to 0 to 1.
 fn color(rest: &str) -> Result<Vec3, String> {
     let numbers = numbers(rest)?;
     let color = if numbers.len() < 3 {
@@ -154,7 +154,7 @@ fn color(rest: &str) -> Result<Vec3, String> {
     Ok(color.clamp(Vec3::ZERO, Vec3::ONE))
 }
 
-/// At least one finite number, at most three.
+/// Parses one to three finite numbers.
 fn numbers(rest: &str) -> Result<Vec<f32>, String> {
     let words: Vec<&str> = rest.split_whitespace().take(3).collect();
     let parsed = words
@@ -167,14 +167,14 @@ fn numbers(rest: &str) -> Result<Vec<f32>, String> {
     }
 }
 
-/// The nearest power of two's exponent.
+/// Returns the exponent of the nearest power of two.
 fn shininess(power: f32) -> u32 {
     (0..=MAX_SHININESS_LOG2)
         .find(|&n| power < (1_u32 << n) as f32 * std::f32::consts::SQRT_2)
         .unwrap_or(MAX_SHININESS_LOG2)
 }
 
-/// A PNG file's path; other kinds of image are left aside. Options come before it.
+/// Returns the path of a PNG file after its options. `None` for other kinds of images.
 fn file(rest: &str, folder: &Path) -> Option<PathBuf> {
     let name = if rest.starts_with('-') {
         rest.split_whitespace().last()?

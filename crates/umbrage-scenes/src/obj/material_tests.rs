@@ -20,7 +20,7 @@ fn load(mtl: Option<&str>, images: &[(&str, [u8; 3])]) -> Result<Scene, SceneErr
             .unwrap();
     }
     let mut scene = read_scene(&folder.path().join("m.obj"), &FilesOnDisk)?;
-    // The floor comes last; these tests are about the model.
+    // Ignore the floor, which comes last.
     assert_eq!(
         scene.meshes.pop().map(|mesh| mesh.name),
         Some("floor".to_owned())
@@ -62,7 +62,7 @@ fn faces_are_grouped_by_material() {
     let brick = scene.materials[1];
     let [color, normals] =
         [brick.diffuse_texture, brick.normal_map].map(|id| scene.textures[id.unwrap()].texels[0]);
-    // sRGB 128 by the standard's formula; normals as they are.
+    // sRGB 128 by the standard's formula; normals without conversion.
     assert!(
         (color[0] - 0.215_861).abs() < 1e-6 && normals[0] == 128.0 / 255.0,
         "{color:?} {normals:?}"
@@ -84,7 +84,7 @@ fn what_is_not_there_is_left_aside() {
     assert_eq!(other.materials[0].diffuse_texture, None);
 }
 
-/// Alpha of `map_Kd` counts where the picture has some, and `map_d` in its stead where it is there.
+/// Alpha of `map_Kd` is used if the image has some, and `map_d` overrides it.
 #[test]
 fn alpha_cuts_holes() {
     let folder = tempfile::tempdir().unwrap();

@@ -19,7 +19,7 @@ use std::path::Path;
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Camera, Geometry, Mesh, Scene};
 
-/// A model alone, on a floor, framed, in the sun: see [`lone_model`].
+/// Reads a lone model, with a floor, a camera and a sun: see [`lone_model`].
 pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let invalid = |fault| SceneError::Invalid {
@@ -43,7 +43,7 @@ pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneE
     Ok(scene)
 }
 
-/// A camera that sees all of the geometry.
+/// Returns a camera that sees all of the geometry.
 pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneError> {
     lone_model::check_size(geometry, &place)?;
     match frame(
@@ -61,7 +61,7 @@ pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneE
     }
 }
 
-/// A scene's name from its file's.
+/// Returns a scene's name for its file.
 pub(crate) fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(
         || "scene".to_owned(),
@@ -84,7 +84,7 @@ pub(crate) fn add(
     parts::add(model, path, has_looks.then_some(textures), scene)
 }
 
-/// Reads a model; `unreadable` is the error of a source that fails.
+/// Reads a model. `unreadable` creates the error of a source that fails.
 fn parse(
     path: &Path,
     source: impl BufRead,
@@ -109,7 +109,7 @@ fn parse(
     let parsed = tobj::load_obj_buf(&mut statements, &options, |_| Ok(Default::default()));
     let (models, _) =
         parsed.map_err(|e| fault(format!("can't be parsed: {e}"), "export the model again"))?;
-    // No statement that would split it was kept, so there is one.
+    // There is one mesh, since no statement that would split it was kept.
     match models.into_iter().next() {
         Some(model) if clean.faces > 0 => {
             let (mesh, face) = convert(name_of(path), &model.mesh);
@@ -126,15 +126,15 @@ fn parse(
     }
 }
 
-/// Returns the mesh, and the face to which each triangle belongs.
+/// Returns the mesh, and the face of each triangle.
 fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
     let positions: Vec<Vec3> = mesh
         .positions
         .chunks_exact(3)
         .map(Vec3::from_slice)
         .collect();
-    // `tobj` skips what some corners lack, and the rest no longer lines up: such attributes are
-    // left out.
+    // `tobj` skips attributes that some corners lack, so that the rest no longer lines up. Drop
+    // such attributes.
     let mut normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
     let are_unit = normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
     if normals.len() != positions.len() || !are_unit {
@@ -161,7 +161,7 @@ fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
     (mesh, face)
 }
 
-/// Returns the triangles, and the face to which each belongs.
+/// Returns the triangles, and the face of each.
 fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> (Vec<[u32; 3]>, Vec<u32>) {
     if mesh.face_arities.is_empty() {
         let triangles = mesh.indices.as_chunks::<3>().0.to_vec();

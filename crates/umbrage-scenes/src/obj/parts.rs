@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use umbrage_core::{Mesh, Scene};
 
-/// What a model's text says of its looks.
+/// Material statements of a model's text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Looks {
     /// Names of `.mtl` files.
@@ -19,7 +19,7 @@ pub(super) struct Looks {
     pub(super) runs: Vec<(usize, String)>,
 }
 
-/// Adds a model's mesh to a scene, cut up by its materials where these are there.
+/// Adds a model's mesh to a scene, split by its existing materials.
 pub(super) fn add(
     model: Model,
     path: &Path,
@@ -71,14 +71,14 @@ fn entries(looks: &Looks, path: &Path, files: &dyn Files) -> Result<Vec<Entry>, 
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     pub(super) mesh: Mesh,
-    /// The face to which each triangle belongs.
+    /// The face of each triangle.
     pub(super) face: Vec<u32>,
     pub(super) looks: Looks,
 }
 
 impl Model {
-    /// Returns a mesh for each entry that is used, in the order of their first faces; faces without
-    /// a known material share one.
+    /// Returns a mesh for each used entry, in the order of their first faces. Faces without a known
+    /// material share one.
     fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {
         // The first face of each run, and the run's entry.
         let mut named: Vec<(usize, Option<usize>)> = Vec::new();
@@ -100,7 +100,7 @@ impl Model {
             .collect()
     }
 
-    /// Returns a mesh of some triangles, with the vertices that they use.
+    /// Returns a mesh of some triangles and their vertices.
     fn part(&self, triangles: &[[u32; 3]]) -> Mesh {
         let old = &self.mesh;
         let mut known = HashMap::new();

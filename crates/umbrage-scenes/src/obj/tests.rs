@@ -13,7 +13,7 @@ fn parsed(source: impl BufRead) -> Result<Mesh, SceneError> {
     parse(path, source, &unreadable).map(|model| model.mesh)
 }
 
-/// The error's line and text.
+/// Returns the error's line and text.
 fn refused(text: impl AsRef<[u8]>) -> (Option<usize>, String) {
     let error = read(text).unwrap_err();
     let text = error.to_string();
@@ -100,7 +100,7 @@ fn polygons_are_cut_along_their_inside() {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         0.5 * (b - a).cross(c - a).z
     };
-    // Each part faces up; a fan from the first corner would have one that faces down.
+    // Each part faces up. A fan from the first corner would have a part that faces down.
     assert!(mesh.triangles.iter().all(|t| area(t) > 0.0), "{mesh:?}");
     assert!((mesh.triangles.iter().map(area).sum::<f32>() - 1.0).abs() < 1e-6);
 }
@@ -266,8 +266,8 @@ fn model_file(scale: f32, offset: f32) -> tempfile::TempDir {
     folder
 }
 
-/// Places in the picture, -1 to 1, and whether near and far hold them: of the corners, and of their
-/// shadows on the floor.
+/// Returns the positions of the corners, and of their shadows on the floor, in the image, -1 to 1.
+/// Depths within near and far are in range.
 fn framed_corners(scene: &Scene) -> Vec<Vec3> {
     let clip_from_world = scene.cameras[0].space().clip_from_world();
     let Light::Directional { direction, .. } = scene.lights[0] else {
@@ -328,7 +328,8 @@ fn models_beyond_32_bit_floats_are_refused() {
     }
 }
 
-/// If one of these reads rightly some day, the cleaner can lose its guard.
+/// If `tobj` reads one of these correctly in a later version, the cleaner no longer needs its
+/// guard.
 #[test]
 fn the_parser_alone_would_misread() {
     let alone = |text: String| {

@@ -4,8 +4,9 @@ use super::{bare, on_circle};
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
 
-/// Turns a profile of (radius, height) about the y axis. It runs from bottom to top; its two ends
-/// count as on the axis, so that the solid is closed. `2 * segments * (points - 2)` triangles.
+/// Revolves a profile of (radius, height) about the y axis, from bottom to top. Both ends are
+/// treated as on the axis, so that the solid is closed. It has `2 * segments * (points - 2)`
+/// triangles.
 pub(crate) fn lathe(profile: &[(f32, f32)], segments: u32) -> Mesh {
     let rings = &profile[1..profile.len() - 1];
     let mut positions = Vec::with_capacity(rings.len() * segments as usize + 2);
@@ -13,7 +14,7 @@ pub(crate) fn lathe(profile: &[(f32, f32)], segments: u32) -> Mesh {
         positions.extend((0..segments).map(|i| {
             let turn = f64::from(i) / f64::from(segments);
             let (cos, sin) = on_circle(turn);
-            // Towards -z, so that rings run counter-clockwise seen from above.
+            // Turn towards -z, so that rings are counter-clockwise seen from above.
             Vec3::new(r * cos, y, -r * sin)
         }));
     }
@@ -26,7 +27,7 @@ pub(crate) fn lathe(profile: &[(f32, f32)], segments: u32) -> Mesh {
     bare("lathe", positions, triangles)
 }
 
-/// An upright cylinder that stands at height 0.
+/// An upright cylinder whose foot is at height 0.
 pub(crate) fn pillar(radius: f32, height: f32, segments: u32) -> Mesh {
     lathe(
         &[(0.0, 0.0), (radius, 0.0), (radius, height), (0.0, height)],
@@ -34,9 +35,9 @@ pub(crate) fn pillar(radius: f32, height: f32, segments: u32) -> Mesh {
     )
 }
 
-/// Triangles between `rings` rings of `segments` vertices, each counter-clockwise seen against the
-/// direction in which they follow each other, closed by two last vertices: one before the first
-/// ring, one after the last.
+/// Returns the triangles between `rings` rings of `segments` vertices, each counter-clockwise seen
+/// against the order of rings. Two last vertices close them: one before the first ring, one after
+/// the last.
 pub(super) fn capped_rings(rings: u32, segments: u32) -> Vec<[u32; 3]> {
     let next = |i: u32| (i + 1) % segments;
     let first = rings * segments;

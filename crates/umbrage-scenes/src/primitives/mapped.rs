@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{DVec3, Vec2};
 
-/// Nearer to the axis than this, parts of the radius, a vertex is a pole and has no longitude.
+/// Distance from the axis, as a fraction of the radius, below which a vertex is a pole without
+/// longitude.
 const POLE: f64 = 1e-9;
 
-/// A mesh around the origin with longitude and latitude as texture coordinates: u grows to the
-/// right seen from outside, from -z through -x, v from the top. Vertices are doubled where
-/// longitudes part and at the poles; triangles across the seam reach beyond u = 1.
+/// Returns a mesh around the origin with longitude and latitude as texture coordinates. Seen from
+/// outside, u grows to the right, from -z through -x; v starts at the top. Vertices are doubled at
+/// the seam and at the poles; triangles across the seam exceed u = 1.
 pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
     let mut out = Mesh {
         name: mesh.name.clone(),
@@ -35,7 +36,7 @@ pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
     out
 }
 
-/// A triangle's coordinates without a jump.
+/// Returns a triangle's coordinates without a jump.
 fn unwrapped(corners: [DVec3; 3]) -> [Vec2; 3] {
     let mut longitudes = corners.map(longitude);
     let most = longitudes.iter().flatten().copied().fold(0.0, f64::max);
@@ -55,7 +56,7 @@ fn unwrapped(corners: [DVec3; 3]) -> [Vec2; 3] {
     })
 }
 
-/// 0 to below 1; none at the poles.
+/// Returns the longitude, from 0 to below 1. `None` at the poles.
 fn longitude(p: DVec3) -> Option<f64> {
     if p.x.hypot(p.z) <= POLE * p.length() {
         return None;

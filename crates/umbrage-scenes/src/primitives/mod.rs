@@ -1,5 +1,5 @@
-//! Shapes that built-in scenes are made of: closed unless they say otherwise, counter-clockwise
-//! seen from outside.
+//! Shapes of built-in scenes. They are closed unless stated otherwise, and counter-clockwise seen
+//! from outside.
 
 mod lathe;
 mod mapped;
@@ -23,7 +23,7 @@ mod tests;
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
 
-/// A mesh whose shading normals core averages.
+/// Returns a mesh whose shading normals core averages.
 fn bare(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh {
         name: name.to_owned(),
@@ -33,8 +33,8 @@ fn bare(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     }
 }
 
-/// The point at `turn` (of a full turn) on the unit circle, from +x towards +y. In `f64`, so that
-/// every platform's library rounds to the same `f32`.
+/// Returns the point at `turn` (of a full turn) on the unit circle, from +x towards +y. Computed in
+/// `f64`, so that the library of every platform rounds to the same `f32`.
 pub(crate) fn on_circle(turn: f64) -> (f32, f32) {
     let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
     (cos as f32, sin as f32)

@@ -5,7 +5,7 @@ use crate::polygon::triangulate;
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
 
-/// A simple outline in x and y, counter-clockwise seen from +z, extruded from `near` down to `far`
+/// Extrudes a simple outline in x and y, counter-clockwise seen from +z, from `near` down to `far`
 /// in z.
 pub(crate) fn prism(outline: &[(f32, f32)], near: f32, far: f32) -> Mesh {
     let n = outline.len() as u32;

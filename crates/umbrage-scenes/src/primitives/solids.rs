@@ -4,13 +4,13 @@ use super::bare;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Vec2, Vec3};
 
-/// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads
-/// along each. Its texture spans it once, u along x and v along z.
+/// A rectangle around height 0 that faces up, open at its rim: `half` is half its size in x and z,
+/// `cells` the number of quads along each. The texture covers it once, u along x and v along z.
 pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) -> f32) -> Mesh {
     grid_with(half, cells, &height)
 }
 
-/// [`grid`], compiled once instead of for each function of the height.
+/// [`grid`] with a dynamic height function, which is compiled once.
 fn grid_with(half: [f32; 2], cells: [u32; 2], height: &dyn Fn(f32, f32) -> f32) -> Mesh {
     let [nx, nz] = cells;
     let at = |i: u32, n: u32, half: f32| half * (2.0 * i as f32 / n as f32 - 1.0);
@@ -40,8 +40,8 @@ fn grid_with(half: [f32; 2], cells: [u32; 2], height: &dyn Fn(f32, f32) -> f32) 
     }
 }
 
-/// One quad from its corners in order, open; it faces where they run counter-clockwise. The first
-/// is its texture's bottom left.
+/// One open quad from its corners in order. They are counter-clockwise on its front, and the first
+/// is the texture's bottom left.
 pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
     let uvs = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].to_vec();
     Mesh {
@@ -50,7 +50,7 @@ pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
     }
 }
 
-/// The same mesh, its texture repeated: `times` along u and v.
+/// Returns the mesh with its texture repeated `times` along u and v.
 pub(crate) fn tiled(mesh: Mesh, times: Vec2) -> Mesh {
     Mesh {
         uvs: mesh.uvs.iter().map(|uv| *uv * times).collect(),
@@ -58,7 +58,7 @@ pub(crate) fn tiled(mesh: Mesh, times: Vec2) -> Mesh {
     }
 }
 
-/// A box that is seen from inside: it faces in.
+/// A box whose faces point inwards.
 pub(crate) fn room(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = Mesh {
         name: "room".to_owned(),
@@ -87,8 +87,8 @@ pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
     .map(|(min, max)| block(min, max))
 }
 
-/// Where a box's corner (0 or 1 along each axis) lies in the texture of the side that faces along
-/// `normal`: upright on walls, and as from above, -z on top, on the floor.
+/// Returns the texture position of a box's corner (0 or 1 along each axis) on the side with this
+/// `normal`: upright on walls, and seen from above on the floor, with -z at the top.
 fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
     let up = if normal.y == 0.0 {
         Vec3::Y
@@ -99,7 +99,7 @@ fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
     Vec2::new(0.5 + p.dot(up.cross(normal)), 0.5 - p.dot(up))
 }
 
-/// A box with flat shading normals: four vertices a side. Its texture spans each side once.
+/// A box with flat shading normals and four vertices a side. The texture covers each side once.
 pub(crate) fn block(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Mesh {
     let (min, max) = (min.into(), max.into());
     let mut mesh = bare("box", Vec::new(), Vec::new());

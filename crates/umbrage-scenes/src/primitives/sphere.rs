@@ -4,13 +4,14 @@ use std::collections::HashMap;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{DVec3, Vec3};
 
-/// A sphere of `20 * 4^splits` nearly equal triangles with all vertices on it, from an icosahedron.
+/// A sphere of `20 * 4^splits` nearly equal triangles from an icosahedron, with all vertices on the
+/// sphere.
 pub(crate) fn icosphere(center: impl Into<Vec3>, radius: f32, splits: u32) -> Mesh {
     sphere(center.into(), radius, splits, icosahedron())
 }
 
-/// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are
-/// vertices and every quarter turn a meridian is made of edges, where a texture can begin and end.
+/// A sphere of `8 * 4^splits` triangles from an octahedron. They are less equal, but the poles are
+/// vertices, and the meridians of every quarter turn are edges, where a texture can begin and end.
 pub(crate) fn octasphere(radius: f32, splits: u32) -> Mesh {
     let directions = [
         DVec3::Y,
@@ -77,7 +78,7 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     }
     directions.extend_from_within(..);
     directions.extend_from_within(..4);
-    // The three golden rectangles are turns of one another about the diagonal.
+    // The three golden rectangles are rotations of each other about the diagonal.
     directions[4..8]
         .iter_mut()
         .for_each(|d| *d = DVec3::new(d.z, d.x, d.y));

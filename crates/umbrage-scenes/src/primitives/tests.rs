@@ -2,7 +2,8 @@ use super::*;
 use std::collections::HashMap;
 use umbrage_core::glam::DVec3;
 
-/// Six times the volume; positive when triangles wind counter-clockwise seen from outside.
+/// Returns six times the volume, which is positive if triangles are counter-clockwise seen from
+/// outside.
 fn signed_volume(mesh: &Mesh) -> f64 {
     let corner = |v: u32| mesh.positions[v as usize].as_dvec3();
     mesh.triangles
@@ -12,7 +13,8 @@ fn signed_volume(mesh: &Mesh) -> f64 {
         .sum()
 }
 
-/// Whether each directed edge, by position, is met by exactly one in the other direction.
+/// Reports whether each directed edge, by position, has exactly one counterpart in the other
+/// direction.
 fn is_closed(mesh: &Mesh) -> bool {
     let key = |v: u32| {
         mesh.positions[v as usize]
@@ -73,7 +75,7 @@ fn solids_are_closed_face_out_and_hold_their_volume() {
         mesh.validate().unwrap();
         assert!(is_closed(&mesh), "{} leaks", mesh.name);
         let found = signed_volume(&mesh) / 6.0;
-        // Facets cut a few per cent off round shapes; the tube's ends are slanted.
+        // Facets reduce round shapes by a few per cent, and the tube's ends are slanted.
         assert!(
             found > 0.9 * volume && found < 1.2 * volume,
             "{}: {found} for {volume}",
@@ -140,7 +142,7 @@ fn a_sphere_keeps_its_vertices_on_its_surface() {
     let center = Vec3::new(1.0, 2.0, 3.0);
     let mesh = icosphere([1.0, 2.0, 3.0], 0.5, 5);
     assert_eq!(mesh.triangles.len(), 20_480);
-    // One rounding to f32 of coordinates below 4.
+    // Allow one rounding to f32 of coordinates below 4.
     assert!(
         mesh.positions
             .iter()
@@ -166,7 +168,7 @@ fn spheres_are_mapped_without_jumps() {
                 "{a} {b} {c}"
             );
         }
-        // Seen from +z, which is the middle of the texture, u grows to the right.
+        // Seen from +z, the centre of the texture, u grows to the right.
         for (p, uv) in mesh
             .positions
             .iter()

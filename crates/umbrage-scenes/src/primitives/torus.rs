@@ -4,9 +4,9 @@ use super::on_circle;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Vec2, Vec3};
 
-/// A ring around the y axis: `major` to the middle of its tube, `minor` the tube's radius,
-/// `segments` around the axis and around the tube. u runs around the axis and v around the tube,
-/// once each; the seams' vertices are double.
+/// A ring around the y axis. `major` is the distance to the centre of its tube, `minor` the tube's
+/// radius, `segments` are around the axis and around the tube. u runs once around the axis and v
+/// once around the tube; vertices at the seams are doubled.
 pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
     let [around, across] = segments;
     let mut mesh = Mesh {
@@ -15,7 +15,7 @@ pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
     };
     for j in 0..=across {
         for i in 0..=around {
-            // The last is the first again, bit for bit.
+            // The last vertex equals the first, bit for bit.
             let (x, z) = on_circle(f64::from(i % around) / f64::from(around));
             let (out, up) = on_circle(f64::from(j % across) / f64::from(across));
             let r = major + minor * out;

@@ -10,7 +10,7 @@ pub(crate) fn tube(path: &[(Vec3, f32)], segments: u32) -> Mesh {
     let mut side = (path[1].0 - path[0].0).any_orthonormal_vector();
     for (i, &(center, radius)) in path.iter().enumerate() {
         let tangent = path[(i + 1).min(path.len() - 1)].0 - path[i.saturating_sub(1)].0;
-        // Carried along the path, so that neighbouring rings don't twist.
+        // Transport the frame along the path, so that neighbouring rings don't twist.
         side = side.reject_from(tangent).normalize();
         let other = tangent.normalize().cross(side);
         positions.extend((0..segments).map(|k| {

@@ -1,32 +1,32 @@
-//! Which graphics adapter to use.
+//! Choice of a graphics adapter.
 
 use umbrage_core::BackendError;
 use wgpu::{Adapter, Backends, DeviceType, Instance, InstanceDescriptor, PowerPreference};
 
-/// Which graphics adapter to use. The default takes the most powerful hardware, or a software
-/// driver if there is nothing else.
+/// Choice of a graphics adapter. The default is the most powerful hardware, or a software driver if
+/// there is no hardware.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterChoice {
     /// Part of the adapter's name, in any case: `nvidia`, `llvmpipe`.
     pub name: Option<String>,
-    /// Discrete or integrated hardware first.
+    /// Preference for discrete or integrated hardware.
     pub power: PowerPreference,
-    /// Whether software drivers (lavapipe, SwiftShader, WARP) will do.
+    /// Use of software drivers (lavapipe, SwiftShader, WARP).
     pub software: Software,
-    /// Graphics APIs. OpenGL is left out unless named: many of its drivers cannot draw into float
+    /// Graphics APIs. OpenGL is only used if listed: many of its drivers cannot draw into float
     /// images.
     pub backends: Backends,
 }
 
-/// Whether drivers that run on the CPU will do.
+/// Use of drivers that run on the CPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Software {
-    /// Only when there is no hardware.
+    /// Used only if there is no hardware.
     #[default]
     Allowed,
-    /// Nothing else: for results that don't depend on the machine.
+    /// No other adapters: for results that don't depend on the machine.
     Only,
-    /// Never.
+    /// Never used.
     Never,
 }
 
@@ -42,7 +42,7 @@ impl Default for AdapterChoice {
 }
 
 impl AdapterChoice {
-    /// Returns the default, changed by the environment variables that wgpu programs share:
+    /// Returns the default, modified by the usual environment variables of wgpu programs:
     /// `WGPU_ADAPTER_NAME`, `WGPU_POWER_PREF` (`low`, `high`) and `WGPU_BACKEND` (`vulkan`, `gl`,
     /// ..).
     pub fn from_env() -> Self {
@@ -56,7 +56,7 @@ impl AdapterChoice {
         }
     }
 
-    /// Returns the adapter that fits best.
+    /// Returns the adapter that matches best.
     pub(crate) fn find(&self) -> Result<Adapter, BackendError> {
         let mut desc = InstanceDescriptor::new_without_display_handle_from_env();
         desc.backends = self.backends;
@@ -83,7 +83,7 @@ impl AdapterChoice {
         is_named && is_of_kind
     }
 
-    /// Returns a key by which better adapters come first: the kind of hardware, then whether the
+    /// Returns a sort key that puts better adapters first: the kind of hardware, then whether the
     /// API is OpenGL.
     fn rank(&self, info: &wgpu::AdapterInfo) -> (u8, bool) {
         let saves_power = self.power == PowerPreference::LowPower;
@@ -103,7 +103,7 @@ impl AdapterChoice {
                         `apt-get install mesa-vulkan-drivers libvulkan1`)"
                 .to_owned();
         if !found.is_empty() {
-            help = format!("ask for one of those found, or {help}");
+            help = format!("request one of those found, or {help}");
         }
         let found = if found.is_empty() {
             "none".to_owned()

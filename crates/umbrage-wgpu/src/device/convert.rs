@@ -1,6 +1,6 @@
-//! Converts between images and plain floats by drawing, where copies of memory won't do: drivers
-//! differ in how they turn whole steps into floats, and what is read back must be what shaders
-//! load; and nothing can be copied to depth of 32 bits.
+//! Conversion between images and floats by drawing, where copies don't work. Drivers convert
+//! integer steps to floats differently, but readback must equal what shaders load. Data can't be
+//! copied to 32-bit depth.
 
 use crate::{
     filter::color_attachment,
@@ -26,25 +26,25 @@ use {crate::gbuffer, umbrage_core::Image};
 #[derive(Debug, Default)]
 pub(crate) struct Converter {
     layouts: Layouts,
-    /// By the format that they write.
+    /// Pipelines by output format.
     pipelines: HashMap<Format, RenderPipeline>,
-    /// Plain floats, for each image that is converted.
+    /// Float copies, one for each image to convert.
     floats: Vec<GpuImage>,
     bindings: Vec<Binding>,
 }
 
-/// One layer to be converted.
+/// One layer to convert.
 #[derive(Debug)]
 struct Layer {
     from: TextureView,
     to: TextureView,
-    /// Of the image that is written.
+    /// Format of the output image.
     format: Format,
 }
 
 impl Converter {
-    /// Records the passes that make images readable by copies of memory, and returns what to copy:
-    /// the images themselves, or floats in their place.
+    /// Records the passes that make images readable by copies. Returns the images to copy: the
+    /// originals, or float copies.
     pub(crate) fn read(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -62,8 +62,8 @@ impl Converter {
         readable
     }
 
-    /// Writes `contents` into the images: into depth by passes that it records, into others at
-    /// once.
+    /// Writes `contents` into the images: records passes for depth, and writes other formats
+    /// immediately.
     #[cfg(feature = "testing")]
     pub(crate) fn write(
         &mut self,
@@ -92,8 +92,8 @@ impl Converter {
         self.convert(factory, encoder, &layers);
     }
 
-    /// Makes an image of floats for each image to whose format `float_format` gives one. Returns
-    /// the indices of those images.
+    /// Creates a float image for each image for which `float_format` returns a format. Returns the
+    /// indices of those images.
     fn fit_floats(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -159,8 +159,7 @@ impl Layer {
     }
 }
 
-/// Returns the format of the floats through which images of this format are read back; `None` where
-/// copies of memory do.
+/// Returns the float format for reading back images of this format; `None` if copies work.
 fn readable_format(format: Format) -> Option<Format> {
     match format {
         Format::Depth16 => Some(Format::R32),
@@ -201,7 +200,7 @@ fn pipeline(
     )
 }
 
-/// Returns an image's texels as the bytes of its own format.
+/// Returns an image's texels as bytes in its own format.
 #[cfg(feature = "testing")]
 fn bytes(image: &Image) -> Vec<u8> {
     match image.desc.format {
@@ -216,7 +215,7 @@ fn bytes(image: &Image) -> Vec<u8> {
     }
 }
 
-/// Returns the values in whole steps, `scale` of them to one.
+/// Returns the values as integers, multiplied by `scale`.
 #[cfg(feature = "testing")]
 fn whole_bytes(values: &[f32], scale: f32) -> Vec<u8> {
     values.iter().map(|v| (v * scale).round() as u8).collect()

@@ -1,11 +1,11 @@
-//! Errors that arrive outside of calls.
+//! Device errors that arrive outside of calls.
 
 use crate::device::error_scopes::backend_error;
 use std::sync::{Arc, Mutex, PoisonError};
 use umbrage_core::BackendError;
 use wgpu::Device;
 
-/// What went wrong on a device since it was made.
+/// Errors of a device since its creation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DeviceErrors(Arc<Mutex<State>>);
 
@@ -16,7 +16,8 @@ struct State {
 }
 
 impl DeviceErrors {
-    /// Listens to a device. Without a listener, wgpu panics on errors that no scope caught.
+    /// Registers as listener of a device. Without a listener, wgpu panics on errors outside of
+    /// scopes.
     pub(crate) fn of(device: &Device) -> Self {
         let errors = Self::default();
         let listener = errors.clone();
@@ -30,8 +31,10 @@ impl DeviceErrors {
         errors
     }
 
+    /// Reports errors since the last call.
+    ///
     /// # Errors
-    /// Errors if the device is gone, or failed since the last call.
+    /// Errors if the device is lost, or failed since the last call.
     pub(crate) fn check(&self) -> Result<(), BackendError> {
         self.change(|s| match (&s.lost, s.uncaptured.take()) {
             (Some(message), _) => Err(BackendError::DeviceLost(message.clone())),

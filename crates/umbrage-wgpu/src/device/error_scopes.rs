@@ -1,4 +1,4 @@
-//! From wgpu's error scopes to [`BackendError`].
+//! Conversion of wgpu's error scopes to [`BackendError`].
 
 use std::{
     pin::Pin,
@@ -8,9 +8,9 @@ use std::{
 use umbrage_core::BackendError;
 use wgpu::{Device, Error, ErrorFilter, ErrorScopeGuard};
 
-/// Catches all errors of a device on this thread until closed. wgpu would panic on them otherwise.
+/// Catches all errors of a device on this thread until closed. Otherwise, wgpu would panic on them.
 ///
-/// The fields are in the order in which scopes must be closed: the last one opened comes first.
+/// Fields are in the order in which scopes must be closed: the last one opened comes first.
 #[derive(Debug)]
 pub(crate) struct Scopes {
     validation: ErrorScopeGuard,
@@ -30,9 +30,9 @@ impl Scopes {
         }
     }
 
-    /// Closes the scopes without waiting for what they caught.
+    /// Closes the scopes without waiting for their errors.
     pub(crate) fn close_later(self) -> ClosedScopes {
-        // All are popped now, since scopes that are opened next must be next to them.
+        // Pop all scopes now, since scopes must nest.
         let validation = self.validation.pop();
         let memory = self.memory.pop();
         let internal = self.internal.pop();
@@ -46,10 +46,10 @@ impl Scopes {
         }
     }
 
-    /// The worst error since the scopes were opened: without memory, validation errors are only
-    /// what follows from it.
+    /// Closes the scopes and returns the worst error. If memory ran out, validation errors only
+    /// follow from that.
     pub(crate) fn close(self) -> Result<(), BackendError> {
-        // On native devices, these futures are ready at once.
+        // On native devices, these futures are ready immediately.
         let validation = pollster::block_on(self.validation.pop());
         let memory = pollster::block_on(self.memory.pop());
         let internal = pollster::block_on(self.internal.pop());
@@ -57,7 +57,7 @@ impl Scopes {
     }
 }
 
-/// Errors with the worst of three errors: where memory ran out, the others only follow from it.
+/// Errors with the worst of three errors. If memory ran out, the others only follow from that.
 fn worst(
     validation: Option<Error>,
     memory: Option<Error>,
@@ -69,16 +69,16 @@ fn worst(
         .map_or(Ok(()), |e| Err(backend_error(&e)))
 }
 
-/// What closed scopes caught, once it is known. Browsers know one thread alone, to which their
-/// futures are bound.
+/// Result of closed scopes, once it is available. Browsers have one thread, to which the futures
+/// are bound.
 #[cfg(not(target_arch = "wasm32"))]
 type Caught = dyn Future<Output = Result<(), BackendError>> + Send;
 #[cfg(target_arch = "wasm32")]
 type Caught = dyn Future<Output = Result<(), BackendError>>;
 
-/// Scopes that are closed, and whose errors may still be on the way.
+/// Closed scopes whose errors may not have arrived yet.
 pub(crate) struct ClosedScopes {
-    /// Behind a lock that is never waited for, so that its owner may be shared between threads.
+    /// Behind a lock that never blocks, so that the struct is `Sync`.
     pending: Mutex<Pin<Box<Caught>>>,
 }
 
@@ -89,8 +89,8 @@ impl std::fmt::Debug for ClosedScopes {
 }
 
 impl ClosedScopes {
-    /// Returns what the scopes caught, or `None` while that isn't known. Not to be called again
-    /// once it is.
+    /// Returns the scopes' result, or `None` while it is not available. Must not be called again
+    /// after that.
     pub(crate) fn poll(&mut self) -> Option<Result<(), BackendError>> {
         let mut context = Context::from_waker(Waker::noop());
         let pending = self
@@ -104,7 +104,7 @@ impl ClosedScopes {
     }
 }
 
-/// Words wgpu's error in ours.
+/// Converts a wgpu error.
 pub(crate) fn backend_error(error: &Error) -> BackendError {
     match error {
         Error::OutOfMemory { source } => BackendError::OutOfMemory(source.to_string()),

@@ -1,22 +1,22 @@
-//! When errors of the graphics API are reported.
+//! Immediate or deferred reporting of errors of the graphics API.
 
 use crate::device::error_scopes::{ClosedScopes, Scopes};
 use umbrage_core::BackendError;
 
-/// When errors of the graphics API are reported: memory that runs out, a kernel's WGSL that the
-/// compiler refuses.
+/// Time at which errors of the graphics API are reported, such as out-of-memory errors or invalid
+/// WGSL of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApiErrors {
-    /// By the call that made the error: it waits for the device's answer, which on all systems but
-    /// browsers is there at once. In browsers that answer can't arrive while a call waits for it,
-    /// and [`Later`](Self::Later) is meant.
+    /// Reported by the call that caused the error. It waits for the device's response, which is
+    /// immediate except in browsers. In browsers the response can't arrive during a call, and
+    /// [`Later`](Self::Later) is used.
     AtOnce,
-    /// By `take_error`, in the same frame or one of the next.
+    /// Reported by `take_error`, in the same frame or a later one.
     Later,
 }
 
 impl Default for ApiErrors {
-    /// At once, but later in browsers.
+    /// Returns `AtOnce`, or `Later` in browsers.
     fn default() -> Self {
         if cfg!(target_arch = "wasm32") {
             Self::Later
@@ -26,12 +26,12 @@ impl Default for ApiErrors {
     }
 }
 
-/// Scopes whose errors are not known yet.
+/// Closed scopes whose errors have not arrived yet.
 #[derive(Debug, Default)]
 pub(crate) struct LaterErrors(Vec<ClosedScopes>);
 
 impl LaterErrors {
-    /// Closes scopes. What they caught is returned at once, or remembered.
+    /// Closes scopes. Returns their result immediately, or stores them.
     pub(crate) fn close(&mut self, scopes: Scopes, when: ApiErrors) -> Result<(), BackendError> {
         if when == ApiErrors::AtOnce && cfg!(not(target_arch = "wasm32")) {
             return scopes.close();
@@ -40,7 +40,7 @@ impl LaterErrors {
         Ok(())
     }
 
-    /// Returns the first error that is known by now.
+    /// Returns the first error that has arrived.
     pub(crate) fn take(&mut self) -> Option<BackendError> {
         while let Some(first) = self.0.first_mut() {
             match first.poll() {

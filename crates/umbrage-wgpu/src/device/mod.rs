@@ -1,5 +1,4 @@
-//! The device: which adapter, what it can do, how it rounds, what it objects to, and what comes
-//! back from it.
+//! The graphics device: adapter choice, capabilities, rounding, errors, and readback.
 
 pub(crate) mod adapter;
 pub(crate) mod convert;

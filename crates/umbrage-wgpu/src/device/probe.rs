@@ -1,9 +1,10 @@
-//! Finds out how a device's rasteriser rounds vertices: no graphics API says all of it.
+//! Probe of a rasteriser's vertex rounding, which no graphics API reports completely.
 //!
-//! One small image is drawn (`probe.wgsl`) and read back. It holds 64 triangles whose right edges
-//! start at 64 places over an eighth of a pixel, between two points that belong to every grid. The
-//! row in which an edge crosses its column of pixel centres shows where its upper end was moved to,
-//! to a thousandth of a pixel; the number of different places shows the grid's step.
+//! Draws one small image (`probe.wgsl`) and reads it back. It contains 64 triangles whose right
+//! edges start at 64 positions over an eighth of a pixel, between two points that belong to every
+//! grid. The row in which an edge crosses its column of pixel centres shows the snapped position of
+//! its upper end, to a thousandth of a pixel. The number of different positions shows the grid
+//! step.
 
 use crate::{
     device::{
@@ -16,14 +17,14 @@ use glam::DVec2;
 use umbrage_core::{BackendError, DepthPlanes, Snapping};
 use wgpu::{Device, Queue, TextureFormat};
 
-/// Number of triangles, side by side.
+/// Number of triangles, from left to right.
 const STRIPS: usize = 64;
-/// Each triangle's part of the image, pixels wide.
+/// Width of each triangle's part of the image, pixels.
 const STRIP: usize = 4;
-/// The image's height.
+/// Height of the image, pixels.
 const ROWS: usize = 512;
 
-/// Draws triangles on a device and returns how its rasteriser rounded their vertices. Takes some
+/// Draws triangles on a device and returns the vertex rounding of its rasteriser. Takes a few
 /// milliseconds.
 ///
 /// # Errors
@@ -56,8 +57,8 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
     })
 }
 
-/// Returns the rounding of vertices and planes that the image shows. An image that no known
-/// rounding draws counts as the coarsest device's.
+/// Returns the rounding of vertices and planes in the image. An image that matches no known
+/// rounding counts as the coarsest.
 fn snapping_of_image(depths: &[f32]) -> Snapping {
     let rows: Vec<usize> = (0..STRIPS)
         .map(|strip| rows_right_of_centers(depths, strip))
@@ -69,7 +70,7 @@ fn snapping_of_image(depths: &[f32]) -> Snapping {
     distinct.sort_unstable();
     distinct.dedup();
     // An eighth of a pixel is 2^(bits - 3) steps. Rounding to nearest reaches the points at both
-    // ends, which is one more place than there are steps; rounding down doesn't.
+    // ends, which is one more position than there are steps; rounding down doesn't.
     let bits = distinct.len().ilog2() + 3;
     let unsnapped = Snapping {
         sub_pixel_bits: bits.clamp(*Snapping::BITS.start(), *Snapping::BITS.end()),
@@ -96,38 +97,39 @@ fn snapping_of_image(depths: &[f32]) -> Snapping {
     }
 }
 
-/// Returns how far right of the grid's point the right edge of a triangle starts, pixels.
+/// Returns the start of a triangle's right edge, pixels right of the grid point.
 fn edge_start(strip: usize) -> f64 {
     (strip as f64 + 0.5) / 512.0
 }
 
-/// Returns in how many rows, the last ones of the image, a triangle's right edge lies right of its
-/// column of pixel centres; 0 if it covers no pixel there.
+/// Returns the number of rows, at the bottom of the image, in which a triangle's right edge is
+/// right of its column of pixel centres; 0 if it covers no pixel there.
 fn rows_right_of_centers(depths: &[f32], strip: usize) -> usize {
     let column = strip * STRIP + 3;
     let first = (0..ROWS).find(|row| depths[row * STRIPS * STRIP + column] > 0.0);
     ROWS - first.unwrap_or(ROWS)
 }
 
-/// Returns where an edge starts, pixels right of the grid's point, that lies right of its column's
-/// centres in this many rows. The point lies a quarter pixel left of the centres and the edge's
-/// lower end an eighth right of them: by similar triangles, `rows : ROWS = 1/8 : 3/8 - start`.
+/// Returns the start of an edge, pixels right of the grid point, given the number of rows in which
+/// it is right of its column's centres. The grid point is a quarter pixel left of the centres, the
+/// edge's lower end an eighth right of them. By similar triangles,
+/// `rows : ROWS = 1/8 : 3/8 - start`.
 fn upper_end(rows: usize) -> f64 {
     0.375 - 0.125 * ROWS as f64 / rows as f64
 }
 
-/// Returns the depth of a triangle's plane at the first row's pixel left of the column, where the
-/// triangle's right edge starts `start` pixels right of the grid's point. Places are relative to
+/// Returns the depth of a triangle's plane at the first row's pixel left of the column, if the
+/// triangle's right edge starts `start` pixels right of the grid point. Coordinates are relative to
 /// the column's centres and the image's upper edge.
 fn depth_beside(start: f64) -> f64 {
-    // Upper and lower end of the right edge, which share a depth, and the corner on the left.
+    // Upper and lower end of the right edge, which have the same depth, and the left corner.
     let upper = DVec2::new(start - 0.25, 0.0);
     let lower = DVec2::new(0.125, ROWS as f64);
     let left = DVec2::new(-3.0, 0.0);
     let edge_depth = 0.25;
     let left_depth = 0.75;
     let pixel = DVec2::new(-1.0, 0.5);
-    // The left corner's barycentric weight.
+    // Barycentric weight of the left corner.
     let weight = twice_area(upper, lower, pixel) / twice_area(upper, lower, left);
     edge_depth + (left_depth - edge_depth) * weight
 }

@@ -1,7 +1,7 @@
-// Triangles in a row, 4 pixels apart. The right edge of each begins a little further right of the
-// grid than the one before it, and ends on the grid: so the rows in which it passes its column of
-// pixel centres tell where the driver moved its upper end. Positions are pixels; all numbers here
-// are exact.
+// Triangles in a row, 4 pixels apart. The right edge of each begins slightly further right of the
+// grid than the one before it, and ends on the grid. The row in which it crosses its column of
+// pixel centres therefore shows the snapped position of its upper end. Positions are pixels; all
+// numbers here are exact.
 
 const STRIP: f32 = 4.0;
 const ROWS: f32 = 512.0;

@@ -1,5 +1,4 @@
-//! Finds out whether a device rounds a product before it adds something to it: WGSL leaves that to
-//! drivers.
+//! Probe of a device's rounding of products before sums, which WGSL leaves to drivers.
 
 use crate::{
     device::probe_image::{draw_and_read, record_draw},
@@ -11,10 +10,10 @@ use wgpu::{Device, Queue, TextureFormat};
 
 const LABEL: &str = "umbrage probe of fusing";
 
-/// Numbers that each way is tried with.
+/// Numbers to test each expression with.
 const COLUMNS: usize = 4;
 
-/// Computes sums on a device and returns how it rounded them. Takes some milliseconds.
+/// Computes sums on a device and returns its rounding. Takes a few milliseconds.
 ///
 /// # Errors
 /// Errors if the device fails.
@@ -31,7 +30,7 @@ pub fn probe_fusing(device: &Device, queue: &Queue) -> Result<Fusing, BackendErr
     })
 }
 
-/// Returns the sum of a column if the product is not rounded; else it is 0.
+/// Returns the sum of a column if the product is not rounded; otherwise the sum is 0.
 fn unrounded_sum(column: usize) -> f32 {
     let e = (column + 1) as f32 / 32_768.0;
     e * e

@@ -46,7 +46,7 @@ pub(crate) fn draw_and_read<T: Pod>(
     back.read(ticket)
 }
 
-/// Records a pass that draws with this pipeline into a colour.
+/// Records a pass that draws with this pipeline into a colour target.
 pub(crate) fn record_draw(
     encoder: &mut CommandEncoder,
     view: &TextureView,

@@ -1,8 +1,7 @@
-//! Finds out what a device takes for a unit of polygon offset in images of 16 bits: Vulkan leaves
-//! that open.
+//! Probe of a device's unit of polygon offset in 16-bit images, which Vulkan leaves to devices.
 //!
-//! A triangle at a known depth is drawn into one texel with an offset of many units, and the texel
-//! is read back.
+//! Draws a triangle at a known depth into one texel with an offset of many units, and reads the
+//! texel back.
 
 use crate::{
     device::probe_image::draw_and_read,
@@ -20,10 +19,10 @@ const LABEL: &str = "umbrage probe of polygon offset";
 /// The triangle's depth, as in `probe_offset.wgsl`.
 const DEPTH: f32 = 0.25;
 
-/// The offset's constant, units: an eighth of the range of depths if a unit is a step.
+/// Constant of the offset, units: an eighth of the depth range if a unit is a step.
 const UNITS: i32 = 8_192;
 
-/// Draws a triangle on a device and returns what it took for a unit. Takes some milliseconds.
+/// Draws a triangle on a device and returns its offset unit. Takes a few milliseconds.
 ///
 /// # Errors
 /// Errors if the device fails.
@@ -35,7 +34,7 @@ pub(crate) fn probe_offset_unit(
     Ok(unit_of(f32::from(steps) / f32::from(u16::MAX)))
 }
 
-/// Returns the unit that moves [`DEPTH`] nearest to the depth that was found.
+/// Returns the unit for which [`DEPTH`] moves nearest to the measured depth.
 fn unit_of(depth: f32) -> OffsetUnit {
     let distance = |unit: OffsetUnit| (DEPTH + UNITS as f32 * unit.depth() - depth).abs();
     if distance(OffsetUnit::TwoSteps) < distance(OffsetUnit::OneStep) {
@@ -45,7 +44,7 @@ fn unit_of(depth: f32) -> OffsetUnit {
     }
 }
 
-/// Returns the texel that was drawn, in steps of 1/65535.
+/// Returns the drawn texel, in steps of 1/65535.
 fn draw(device: &Device, queue: &Queue) -> Result<u16, BackendError> {
     let pipeline = pipeline(device);
     let format = TextureFormat::Depth16Unorm;
@@ -88,7 +87,7 @@ mod tests {
 
     #[test]
     fn units_are_told_from_depths() {
-        // Mesa's, SwiftShader's (1.01 steps), hardware's; and a device that leaves offsets out.
+        // Values of Mesa, SwiftShader (1.01 steps), hardware, and a device that ignores offsets.
         assert_eq!(unit_of(0.5), OffsetUnit::TwoSteps);
         assert_eq!(unit_of(0.25 + 1.01 * 0.125), OffsetUnit::OneStep);
         assert_eq!(unit_of(0.375), OffsetUnit::OneStep);

@@ -1,4 +1,4 @@
-// One triangle over the whole window, at a depth of 1/4.
+// One triangle over the whole viewport, at a depth of 1/4.
 
 @vertex
 fn place(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {

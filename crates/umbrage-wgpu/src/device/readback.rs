@@ -1,4 +1,4 @@
-//! From GPU memory to vectors.
+//! Readback of GPU memory.
 
 use crate::resources::{counters::Counters, images::GpuImage, waiting::poll_until};
 use bytemuck::Pod;
@@ -10,11 +10,11 @@ use wgpu::{
     TextureAspect,
 };
 
-/// Buffers to read back through, used again by later frames.
+/// Readback buffers for reuse by later frames.
 #[derive(Debug, Default)]
 pub(crate) struct Spare(Vec<Buffer>);
 
-/// Copies that were recorded, to be read after the submission.
+/// Recorded copies, to be read after the submission.
 #[derive(Debug)]
 pub(crate) struct ReadBack<'a> {
     device: &'a Device,
@@ -23,7 +23,7 @@ pub(crate) struct ReadBack<'a> {
     copies: Vec<Copy>,
 }
 
-/// Index of a copy among those of a [`ReadBack`].
+/// Index of a copy in a [`ReadBack`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ticket(usize);
 
@@ -35,7 +35,7 @@ struct Copy {
     row: usize,
     /// Bytes from one row to the next in the buffer.
     padded_row: usize,
-    /// Whether mapping went well; empty before it is over.
+    /// Whether mapping succeeded; empty before it is done.
     mapped: Arc<OnceLock<bool>>,
 }
 
@@ -131,7 +131,7 @@ impl<'a> ReadBack<'a> {
         self.device.create_buffer(&desc)
     }
 
-    /// Waits for the submission and makes all copies readable.
+    /// Waits for the submission and maps all copies.
     pub(crate) fn wait(&self) -> Result<(), BackendError> {
         for copy in &self.copies {
             let mapped = copy.mapped.clone();
@@ -149,7 +149,7 @@ impl<'a> ReadBack<'a> {
         ))
     }
 
-    /// Returns what was copied, rows without padding.
+    /// Returns the copied data, without row padding.
     pub(crate) fn read<T: Pod>(&self, ticket: Ticket) -> Result<Vec<T>, BackendError> {
         let copy = &self.copies[ticket.0];
         let view = copy
@@ -170,8 +170,7 @@ impl<'a> ReadBack<'a> {
 }
 
 impl Drop for ReadBack<'_> {
-    /// Only buffers whose mapping went well are fit to be used again; keeping those of one frame
-    /// bounds the memory.
+    /// Keeps the buffers of this frame that were mapped successfully, which bounds the memory.
     fn drop(&mut self) {
         self.spare.0.clear();
         for copy in self.copies.drain(..) {

@@ -5,11 +5,12 @@ use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, TextureFormat, TextureUsages};
 
 /// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon
-/// offset, count into depth of 32 bits, and compare while sampling. Useful before
-/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
+/// offset, count into 32-bit depth, and use comparison samplers. Useful before
+/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only has access to the
+/// device.
 ///
 /// # Errors
-/// Errors with the first thing that is missing, and what to do about it.
+/// Errors with the first missing feature, and advice.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
     if recipe.shade.is_some() {
@@ -27,7 +28,7 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
         let help = "set the clamp to 0, or choose another adapter or backend";
         return Err(Invalid::new(
             "polygon offset",
-            "has a clamp, which this adapter can't do",
+            "has a clamp, which this adapter doesn't support",
             help,
         )
         .into());
@@ -55,16 +56,15 @@ pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid>
     if device == own {
         return Ok(());
     }
-    let help =
-        "prepare with the device that the renderer was made with, or make a renderer for each";
+    let help = "use the device that the renderer was created with, or create a renderer for each";
     Err(Invalid::new(
         "device",
-        "is not the one that the shadow renderer was made with",
+        "is not the one that the shadow renderer was created with",
         help,
     ))
 }
 
-/// Errors if an adapter cannot find receivers, which every [`Gpu`](crate::Gpu) has to.
+/// Errors if an adapter cannot compute receivers, which every [`Gpu`](crate::Gpu) requires.
 pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
     check_drawable(adapter, TextureFormat::Rgba32Float)?;

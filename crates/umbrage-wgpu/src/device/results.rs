@@ -1,4 +1,4 @@
-//! Reads masks, pictures, images and receivers back from the GPU.
+//! Readback of masks, colour images, recipe images and receivers.
 
 use crate::{
     device::readback::{ReadBack, Ticket},
@@ -13,7 +13,7 @@ use umbrage_core::{
 };
 use wgpu::CommandEncoder;
 
-/// Copies of the mask, of the picture and of kept images.
+/// Copies of the mask, of the colour image and of kept images.
 #[derive(Debug)]
 pub(crate) struct Tickets {
     mask: Option<Ticket>,
@@ -22,8 +22,8 @@ pub(crate) struct Tickets {
 }
 
 impl Tickets {
-    /// `kept` are the recipe's images as the [`Converter`](crate::device::convert::Converter) hands
-    /// them out, or none.
+    /// Records the copies. `kept` are the recipe's images from the
+    /// [`Converter`](crate::device::convert::Converter), or empty.
     pub(crate) fn record(
         encoder: &mut CommandEncoder,
         back: &mut ReadBack<'_>,
@@ -118,10 +118,10 @@ impl ReceiverTickets {
         let mut out = Receivers::empty(size);
         for i in 0..out.len() {
             let [x, y, z, receives] = positions[i];
-            // `t` is where the pixel's ray meets the triangle's plane, in multiples of the ray's
+            // `t` is the position of the hit with the triangle's plane, in multiples of the ray's
             // direction.
             let [nx, ny, nz, t] = normals[i];
-            // As in `resolve`, a huge `t` says that the ray runs along the triangle's plane.
+            // As in `resolve`, a huge `t` means that the ray is parallel to the triangle's plane.
             if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {
                 continue;
             }

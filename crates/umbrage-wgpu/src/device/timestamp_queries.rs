@@ -1,4 +1,4 @@
-//! Timestamp queries, which measure how long the stages took on the GPU.
+//! Timestamp queries for the GPU times of the stages.
 
 use crate::{
     device::readback::{ReadBack, Ticket},
@@ -12,14 +12,14 @@ use wgpu::{CommandEncoder, Device, Features, QuerySet, Queue};
 #[derive(Debug)]
 pub(crate) struct TimestampQueries {
     pairs: QueryPairs,
-    /// Nanoseconds a tick.
+    /// Nanoseconds per tick.
     nanoseconds: f64,
 }
 
 const STAGES: u32 = 4;
 
 impl TimestampQueries {
-    /// Returns `None` where the device has no timestamps.
+    /// Returns `None` if the device has no timestamps.
     pub(crate) fn new(device: &Device, queue: &Queue) -> Option<Self> {
         if !device.features().contains(Features::TIMESTAMP_QUERY) {
             return None;
@@ -41,7 +41,7 @@ impl TimestampQueries {
         }
     }
 
-    /// Records the copy of the queries that were written.
+    /// Records the copy of the written queries.
     pub(crate) fn read(
         &self,
         encoder: &mut CommandEncoder,
@@ -79,7 +79,7 @@ impl TimestampQueries {
     }
 }
 
-/// Which stages had passes.
+/// The stages that have passes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StagesWithPasses([bool; STAGES as usize]);
 

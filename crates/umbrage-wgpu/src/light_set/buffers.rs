@@ -1,29 +1,30 @@
-//! Buffers of a set: the numbers of all lights in one, and all tables in another.
+//! Buffers of a light set: one for the uniforms of all lights, and one for all tables.
 
 use crate::{light_set::options::LightId, resources::counters::ResourceFactory};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
 
-/// Most images of a kernel.
+/// Greatest number of images of a kernel.
 pub(crate) const MAX_IMAGES: usize = 4;
-/// Most tables of a kernel.
+/// Greatest number of tables of a kernel.
 pub(crate) const MAX_TABLES: usize = 5;
-/// Most images of a kernel with all tables: the last table is where those of further images are.
+/// Greatest number of images of a kernel with all tables: the last table uses the space of further
+/// images.
 pub(crate) const MAX_IMAGES_WITH_ALL_TABLES: usize = 1;
 /// Words of a light's entry: `ShadowLight` in light.wgsl.
 const ENTRY_WORDS: usize = 12;
-/// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's
+/// Greatest number of lights of a set, and of records of a kind: an index uses 12 bits of a light's
 /// entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
-/// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's
-/// entry.
+/// Greatest number of layers of a texture that lights can refer to: the index of the first one uses
+/// 12 bits of a light's entry.
 pub(crate) const MAX_NAMED_LAYERS: u32 = 1 << 12;
-/// Arrays in uniform buffers go in steps of so many bytes.
+/// Stride granularity of arrays in uniform buffers, bytes.
 const UNIFORM_STEP: u64 = 16;
 
-/// One light's part of the numbers of its kind, or one light's entry: equal parts of the numbers'
-/// buffer, each with a copy on this side.
+/// Records of the light entries, or of the uniforms of one kind of kernel: equal parts of the
+/// buffer, with a copy on the CPU.
 #[derive(Debug, Default)]
 pub(crate) struct Records {
     /// Bytes of a record.
@@ -31,19 +32,19 @@ pub(crate) struct Records {
     bytes: Vec<u8>,
     /// Whether each record is in use.
     used: Vec<bool>,
-    /// Records that the buffer doesn't hold yet.
+    /// Records that the buffer doesn't contain yet.
     changed: Vec<usize>,
-    /// How many records the buffer has room for.
+    /// Number of records that fit in the buffer.
     capacity: usize,
-    /// Where in the buffer the first one is, bytes.
+    /// Offset of the first record in the buffer, bytes.
     offset: u64,
 }
 
-/// What the buffers of a set took.
+/// Result of an upload to the buffers of a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Uploaded {
     pub(crate) bytes: u64,
-    /// Whether a new buffer was made, which bind groups must bind.
+    /// True if a new buffer was created, which bind groups must bind.
     pub(crate) made_buffer: bool,
 }
 
@@ -55,7 +56,7 @@ impl Uploaded {
 }
 
 impl Records {
-    /// Returns an empty list of records that hold so many bytes.
+    /// Returns an empty list of records of this size in bytes.
     pub(crate) fn new(bytes: u64) -> Self {
         Self {
             stride: bytes.next_multiple_of(UNIFORM_STEP) as usize,
@@ -63,7 +64,7 @@ impl Records {
         }
     }
 
-    /// Takes a record into use and returns its index.
+    /// Allocates a record and returns its index.
     pub(crate) fn take(&mut self) -> usize {
         if let Some(free) = self.used.iter().position(|used| !used) {
             self.used[free] = true;
@@ -78,7 +79,7 @@ impl Records {
         self.used[index] = false;
     }
 
-    /// Sets a record's bytes; those beyond the given ones stay 0.
+    /// Sets a record's bytes; those after the given ones stay 0.
     pub(crate) fn set(&mut self, index: usize, bytes: &[u8]) {
         let start = index * self.stride;
         let held = &mut self.bytes[start..start + self.stride];
@@ -90,12 +91,12 @@ impl Records {
         self.changed.push(index);
     }
 
-    /// Returns how many records there are, in use or not.
+    /// Returns the number of records, in use or not.
     pub(crate) fn count(&self) -> usize {
         self.used.len()
     }
 
-    /// Returns how many records the buffer has room for.
+    /// Returns the number of records that fit in the buffer.
     pub(crate) fn capacity(&self) -> usize {
         self.capacity
     }
@@ -105,7 +106,7 @@ impl Records {
         self.stride as u64
     }
 
-    /// Returns the bytes of all records, of one at least where there are bytes at all.
+    /// Returns the bytes of all records, counting at least one unless records are empty.
     fn needed_bytes(&self) -> u64 {
         self.count().max(1) as u64 * self.stride()
     }
@@ -133,24 +134,24 @@ impl Records {
     }
 }
 
-/// Where shaders read the numbers from.
+/// Address space of the uniforms in shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NumberSpace {
     /// A uniform buffer, which most drivers read fastest.
     Uniform,
-    /// A storage buffer, where there is more than a uniform buffer holds.
+    /// A storage buffer, used if they exceed a uniform buffer.
     Storage,
 }
 
-/// What shaders read of the lights: their entries, then the uniforms of each kind of kernel. All of
-/// it is in one buffer.
+/// Shader data of the lights: their entries, then the uniforms of each kind of kernel. All of it is
+/// in one buffer.
 #[derive(Debug)]
 pub(crate) struct LightNumbers {
     pub(crate) entries: Records,
-    /// For each kind, its lights' uniforms.
+    /// Uniforms of the lights of each kind.
     pub(crate) kernels: Vec<Records>,
     space: NumberSpace,
-    /// Most bytes of a uniform buffer.
+    /// Greatest size of a uniform buffer, bytes.
     most_uniform_bytes: u64,
     buffer: Option<Buffer>,
 }
@@ -174,13 +175,13 @@ impl LightNumbers {
         self.buffer.as_ref()
     }
 
-    /// Forgets the buffer: the next upload makes and fills another.
+    /// Drops the buffer: the next upload creates and fills another.
     pub(crate) fn lose_buffer(&mut self) {
         self.buffer = None;
     }
 
-    /// Sees to it that there is room for all records. Returns whether the layout changed, and with
-    /// it what shaders declare.
+    /// Ensures capacity for all records. Returns whether the layout changed, and with it the
+    /// shaders' declarations.
     pub(crate) fn make_room(&mut self) -> bool {
         let has_room = |list: &Records| list.capacity > 0 && list.count() <= list.capacity;
         if self.lists().all(has_room) {
@@ -193,8 +194,8 @@ impl LightNumbers {
         } else {
             NumberSpace::Storage
         };
-        // Each list grows by the same factor, so that lights can be added for a while without that
-        // shaders change: to all that a uniform buffer holds, or to twice of what is needed.
+        // Grow each list by the same factor, so that lights can be added for a while without
+        // changing shaders: to the whole uniform buffer, or to twice the needed size.
         let room = if fits {
             self.most_uniform_bytes
         } else {
@@ -212,7 +213,7 @@ impl LightNumbers {
         true
     }
 
-    /// Writes what changed; all of it where there is no buffer yet.
+    /// Writes the changes, or everything if there is no buffer yet.
     pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
         let mut uploaded = Uploaded::default();
         let size = self
@@ -244,14 +245,14 @@ impl LightNumbers {
     }
 }
 
-/// Where a kernel finds an image: the texture's index, and the first of its layers.
+/// Position of an image: the index of its texture, and the first of its layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ImagePlace {
     pub(crate) texture: u32,
     pub(crate) first: u32,
 }
 
-/// Where a kernel finds a table: its first row, and how many there are.
+/// Position of a table: its first row, and the number of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TablePlace {
     pub(crate) first: u32,
@@ -261,7 +262,7 @@ pub(crate) struct TablePlace {
 /// A light's entry: twin of `ShadowLight` in light.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LightEntry {
-    /// 0 of lights that are not served, else the kind of kernel, counted from 1.
+    /// 0 for lights without shadows, otherwise the kind of kernel, counted from 1.
     pub(crate) kind: u32,
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
@@ -295,22 +296,22 @@ impl LightEntry {
     }
 }
 
-/// All tables of all lights in one buffer. Lights whose tables are the same share them.
+/// All tables of all lights in one buffer. Lights with equal tables share them.
 #[derive(Debug, Default)]
 pub(crate) struct SharedTables {
     held: Vec<HeldTable>,
     buffer: Option<Buffer>,
-    /// Rows that the buffer holds, from its beginning.
+    /// Number of rows in the buffer, from its beginning.
     written: u32,
     moves: u64,
 }
 
-/// Rows that the device fills.
+/// Rows written by the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Region {
-    /// All casters' corners.
+    /// Corners of all casters.
     Corners,
-    /// A table of a light: its index.
+    /// A table of a light, by its index.
     Light(LightId, usize),
 }
 
@@ -338,7 +339,7 @@ impl Content {
 }
 
 impl SharedTables {
-    /// Returns where a table is, and puts it there first where it is new.
+    /// Returns the position of a table; adds it if it is new.
     pub(crate) fn place(&mut self, table: &Table) -> TablePlace {
         let known = self
             .held
@@ -353,7 +354,7 @@ impl SharedTables {
         )
     }
 
-    /// Sees to it that a region has at least so many rows. Returns whether its place changed.
+    /// Ensures that a region has at least `count` rows. Returns whether its position changed.
     pub(crate) fn reserve(&mut self, region: Region, count: u32) -> bool {
         let known = self.held.iter().position(|held| held.content.is(region));
         if let Some(index) = known {
@@ -379,13 +380,13 @@ impl SharedTables {
         }
     }
 
-    /// Returns a region's place; none of its rows if it wasn't reserved.
+    /// Returns a region's position, which is empty if it wasn't reserved.
     pub(crate) fn place_of(&self, region: Region) -> TablePlace {
         let known = self.held.iter().find(|held| held.content.is(region));
         known.map_or_else(TablePlace::default, HeldTable::place)
     }
 
-    /// Returns the bytes of all tables but a light's regions.
+    /// Returns the bytes of all tables except a light's regions.
     pub(crate) fn bytes_without(&self, light: LightId) -> u64 {
         let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light);
         let others = self.held.iter().filter(is_other);
@@ -404,8 +405,8 @@ impl SharedTables {
         self.moves
     }
 
-    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`,
-    /// and moves them together. Returns whether any moved: then all places are out of date.
+    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`.
+    /// Compacts the rest. Returns whether any moved, which invalidates all positions.
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,
@@ -424,7 +425,7 @@ impl SharedTables {
         true
     }
 
-    /// Moves all tables together.
+    /// Compacts all tables.
     fn pack(&mut self) {
         let mut first = 0;
         for held in &mut self.held {
@@ -446,7 +447,7 @@ impl SharedTables {
         place
     }
 
-    /// Writes what is new.
+    /// Writes new tables.
     pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
         let mut uploaded = Uploaded::default();
         let size = 16 * u64::from(self.rows()).max(1);
@@ -479,7 +480,7 @@ impl SharedTables {
         self.buffer.as_ref()
     }
 
-    /// Forgets the buffer: the next upload makes and fills another.
+    /// Drops the buffer: the next upload creates and fills another.
     pub(crate) fn lose_buffer(&mut self) {
         self.buffer = None;
         self.written = 0;
@@ -548,7 +549,7 @@ mod tests {
         assert_eq!(LightEntry::BYTES, 48);
     }
 
-    /// Lists take all of a uniform buffer; beyond it they are in a storage buffer.
+    /// Lists use all of a uniform buffer; beyond it, they use a storage buffer.
     #[test]
     fn numbers_are_uniform_as_long_as_they_fit() {
         let mut numbers = LightNumbers::new(1 << 16);
@@ -560,7 +561,7 @@ mod tests {
             layouts += u32::from(numbers.make_room());
             assert_eq!(numbers.space(), NumberSpace::Uniform);
         }
-        assert_eq!(layouts, 1, "one light has all the room");
+        assert_eq!(layouts, 1, "one light has the full capacity");
         numbers.entries.take();
         numbers.kernels[0].take();
         assert!(numbers.make_room());

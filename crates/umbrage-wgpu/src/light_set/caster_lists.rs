@@ -1,9 +1,10 @@
-//! Lists of casters that the device makes, for kernels that read them.
+//! Per-cell triangle lists that the device builds, for kernels that read them.
 //!
-//! All casters' corners, and each light's tables, are among the tables that the set's shaders read.
-//! Lists are made again when casters or their light's grid change. How many items they take the
-//! device alone knows: it counts first, and where there is no room it takes wider cells, so that
-//! the frame is right anyway; the count is read some frames later, without waiting, and makes room.
+//! The corners of all casters and each light's tables are among the tables of the set's shaders.
+//! Lists are rebuilt when casters or their light's grid change. Only the device knows the number of
+//! their items. It counts them first, and if they exceed the capacity, it uses wider cells, so that
+//! the frame is correct in any case. The count is read some frames later, without waiting, to
+//! adjust the capacity.
 
 use crate::{
     light_set::{
@@ -27,19 +28,19 @@ use wgpu::{
     ComputePassTimestampWrites, ComputePipeline, Device, Limits, ShaderStages,
 };
 
-/// How often lists may be tried: from the second time on with cells twice as wide as before.
+/// Greatest number of attempts: each further one doubles the width of cells.
 const TRIES: usize = 4;
-/// Items for which there is room before anything is known, a caster and a cell.
+/// Initial capacity for items, per caster and per cell.
 const ITEMS_A_CASTER: u64 = 3;
 const ITEMS_A_CELL: u64 = 2;
-/// Touches of a lamp's faces for which there is room, a caster.
+/// Initial capacity for touches of the faces of a light with a position, per caster.
 const TOUCHES_AT_LAMP: u64 = 2;
-/// Room over what was needed, as a fraction.
+/// Spare capacity, as a fraction (one over this) of what was needed.
 const SPARE: u64 = 4;
-/// Groups of threads for large casters: across, each takes another caster; down, another part of
-/// its cells.
+/// Workgroups for large casters: each column handles different casters, each row a different part
+/// of their cells.
 const LARGE_GROUPS: [u32; 2] = [1024, 4];
-/// Most casters: an id takes 29 bits of a touch.
+/// Greatest number of casters: an id uses 29 bits of a touch.
 const MOST_CASTERS: u64 = 1 << 29;
 
 /// Bytes of an unsorted item, and of a row of touches.
@@ -49,46 +50,46 @@ const TOUCH_BYTES: u64 = 16;
 /// Bytes of `ListsPlace`.
 const PLACE_BYTES: usize = 32;
 
-/// All that makes lists on the device.
+/// Builds the lists on the device.
 #[derive(Debug, Default)]
 pub(crate) struct CasterLists {
     corners: CornerStage,
-    /// Whether casters changed since their corners were placed.
+    /// True if casters changed since their corners were written.
     corners_stale: bool,
     kinds: Vec<ListKind>,
     lights: SecondaryMap<LightId, LightLists>,
-    /// What the tables' places were when anything was made; see [`SharedTables::moves`].
+    /// [`SharedTables::moves`] at the time of the last build.
     moves: u64,
     pub(crate) limits: ItemLimits,
 }
 
-/// What tests say of the room for items.
+/// Test overrides of the capacity for items.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ItemLimits {
-    /// The most.
+    /// Greatest capacity.
     pub(crate) most: Option<u32>,
-    /// Before anything is known.
+    /// Initial capacity.
     pub(crate) first: Option<u32>,
 }
 
-/// How lists were made. Public for tests alone.
+/// Result of building lists. Only public for tests.
 #[cfg_attr(
     not(feature = "testing"),
-    expect(unreachable_pub, reason = "public for tests alone")
+    expect(unreachable_pub, reason = "only public for tests")
 )]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listing {
-    /// Whether they had room at last.
+    /// True if the capacity sufficed in the end.
     pub has_room: bool,
-    /// How often cells were made twice as wide.
+    /// Number of times that cells were made twice as wide.
     pub halved: u32,
-    /// Items that the first try needs.
+    /// Number of items that the first attempt needs.
     pub items: u32,
-    /// Rows of touches that it needs.
+    /// Rows of touches that the first attempt needs.
     pub touches: u32,
 }
 
-/// Pipelines of all lists of one text.
+/// Pipelines of all lists with the same WGSL.
 #[derive(Debug)]
 struct ListKind {
     modules: Vec<Module>,
@@ -100,25 +101,25 @@ struct ListKind {
     filled: [ComputePipeline; 4],
 }
 
-/// What of a pass there is an invocation for.
+/// Unit of a pass's invocations.
 #[derive(Clone, Copy, Debug)]
 enum For {
     Casters,
     Cells,
-    /// And one cell more.
+    /// Blocks of cells, including one extra cell.
     Blocks,
     Large,
     One,
 }
 
-/// A pass: its shader, and what it does for each cell that a caster touches.
+/// A pass: its shader, its action for each cell that a caster touches, and its invocations.
 type Pass = (&'static str, Option<u32>, For);
 
 const FIND_COVERS: Option<u32> = Some(0);
 const COUNT: Option<u32> = Some(1);
 const FILL: Option<u32> = Some(2);
 
-/// The passes of a try.
+/// Passes of an attempt.
 const TRY: [Pass; 6] = [
     ("visit_small", FIND_COVERS, For::Casters),
     ("visit_large", FIND_COVERS, For::Large),
@@ -127,7 +128,7 @@ const TRY: [Pass; 6] = [
     ("sum_blocks", None, For::Blocks),
     ("sum_all", None, For::One),
 ];
-/// The passes after the last try.
+/// Passes after the last attempt.
 const FILLED: [Pass; 4] = [
     ("place_cells", None, For::Blocks),
     ("visit_small", FILL, For::Casters),
@@ -135,12 +136,12 @@ const FILLED: [Pass; 4] = [
     ("sort_items", None, For::Cells),
 ];
 
-/// Bytes of what an indirect dispatch reads.
+/// Bytes of the arguments of an indirect dispatch.
 const DISPATCH_BYTES: u64 = 12;
-/// Passes of a further try: it begins with clearing cells.
+/// Number of passes of a further attempt, which begins by clearing cells.
 const FURTHER: u64 = 1 + TRY.len() as u64;
 
-/// For how much there is room.
+/// Capacity of the buffers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Room {
     triangles: u32,
@@ -153,9 +154,9 @@ struct Room {
 #[derive(Debug)]
 struct LightLists {
     room: Room,
-    /// What the last lists that were read needed.
+    /// Needs reported by the last lists that were read.
     needed: Option<Listing>,
-    /// The grid for which lists are made.
+    /// The grid for which lists are built.
     grid: Vec<u8>,
     kind: usize,
     is_stale: bool,
@@ -172,45 +173,45 @@ struct ListBuffers {
     work: Buffer,
     unsorted: Buffer,
     touches: Buffer,
-    /// What passes of further tries are dispatched by.
+    /// Indirect dispatch arguments of further attempts.
     further: Buffer,
 }
 
-/// Returns why a device can't make lists, if it can't.
+/// Returns the reason why a device can't build lists, or `None`.
 pub(crate) fn why_not_listed(casters: &Casters, limits: &Limits) -> Option<String> {
     let has_compute = limits.max_compute_invocations_per_workgroup >= 256
         && limits.max_compute_workgroups_per_dimension >= 1 << 15
         && limits.max_storage_buffers_per_shader_stage >= 5;
     if !has_compute {
         return Some(
-            "the device lists casters by compute shaders with groups of 256 and five storage buffers, which its limits don't allow".to_owned(),
+            "building caster lists needs compute workgroups of 256 and five storage buffers, which exceeds the device's limits".to_owned(),
         );
     }
     if triangle_count(casters) >= MOST_CASTERS {
         return Some(format!(
-            "it lists fewer than {MOST_CASTERS} triangles, and there are more"
+            "caster lists support fewer than {MOST_CASTERS} triangles, and there are more"
         ));
     }
     if casters.meshes().any(|(_, mesh)| mesh.draw.holes.is_some()) {
         return Some(
-            "it lists triangles with holes only where `SetFrame::geometry` has them".to_owned(),
+            "caster lists support alpha-tested triangles only in `SetFrame::geometry`".to_owned(),
         );
     }
     why_unreadable(casters, limits)
 }
 
-/// Returns whether a light shows lists that the device makes.
+/// Returns whether a light uses device-built lists.
 fn wants_lists(light: &HeldLight) -> bool {
     shown_lists(light).is_some()
 }
 
-/// Returns the lists of the plan that a light shows.
+/// Returns the lists of a light's current plan.
 fn shown_lists(light: &HeldLight) -> Option<&DeviceLists> {
     light.state.shown()?.lists.as_ref()
 }
 
 impl CasterLists {
-    /// Says that casters changed.
+    /// Marks all lists as out of date.
     pub(crate) fn mark_stale(&mut self) {
         self.corners_stale = true;
         for lists in self.lights.values_mut() {
@@ -218,8 +219,8 @@ impl CasterLists {
         }
     }
 
-    /// Sees to it that there is room for the lists of all lights that want them. Returns whether
-    /// any place changed.
+    /// Ensures capacity for the lists of all lights that use them. Returns whether any position
+    /// changed.
     pub(crate) fn make_room(
         &mut self,
         device: &Device,
@@ -273,7 +274,7 @@ impl CasterLists {
         changed
     }
 
-    /// Makes and writes what the passes of this frame read.
+    /// Creates and writes the inputs of this frame's passes.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -289,7 +290,7 @@ impl CasterLists {
             return;
         };
         if self.moves != tables.moves() {
-            // What the device made is where it was, or gone.
+            // Rebuild everything: the device's rows were moved or lost.
             self.moves = tables.moves();
             self.mark_stale();
         }
@@ -324,7 +325,7 @@ impl CasterLists {
         }
     }
 
-    /// Waits for the last lists of a light, and returns how they were made.
+    /// Waits for the last lists of a light, and returns their result.
     #[cfg(feature = "testing")]
     pub(crate) fn look(&mut self, device: &Device, id: LightId) -> Option<Listing> {
         let lists = self.lights.get_mut(id)?;
@@ -333,12 +334,12 @@ impl CasterLists {
         lists.needed
     }
 
-    /// Returns how many lights' lists this frame makes.
+    /// Returns the number of lights whose lists are built in this frame.
     pub(crate) fn stale_count(&self) -> u32 {
         self.lights.values().filter(|lists| lists.is_stale).count() as u32
     }
 
-    /// Records the passes of all lists that are out of date. `stamps` gives the timestamps of a
+    /// Records the passes of all lists that are out of date. `stamps` returns the timestamps of a
     /// light's pass.
     pub(crate) fn encode<'q>(
         &mut self,
@@ -393,7 +394,7 @@ impl ListKind {
             factory.counters.pipelines += 1;
             let constants: Vec<(&str, f64)> =
                 does.iter().map(|&does| ("DOES", f64::from(does))).collect();
-            // The one that says how many threads others have reads them, too.
+            // The pass that writes the dispatch arguments of others also binds them.
             let further = matches!(of, For::One).then_some(&further_layout);
             let groups = [Some(&layout), further];
             let groups = &groups[..1 + usize::from(further.is_some())];
@@ -462,7 +463,7 @@ impl Room {
         unsorted.max(touches).max(4 * made.work_words())
     }
 
-    /// Returns by what passes of a further try are dispatched: three words each.
+    /// Returns the dispatch arguments of the passes of a further attempt: three words each.
     fn further(&self) -> Vec<u32> {
         let first = std::iter::once(For::Cells);
         let passes = first.chain(TRY.map(|(_, _, of)| of));
@@ -496,8 +497,8 @@ impl LightLists {
         }
     }
 
-    /// Returns the room for the lists of so many triangles: at least what there was, while they
-    /// fit.
+    /// Returns the capacity for the lists of this number of triangles. Keeps at least the current
+    /// capacity if the lists fit.
     fn wanted_room(&mut self, made: &DeviceLists, triangles: u32, limits: ItemLimits) -> Room {
         if let Some(needed) = self.read.take(Listing::read) {
             self.needed = Some(needed);
@@ -507,7 +508,7 @@ impl LightLists {
         let first_items = limits.first.map_or(first_items, u64::from);
         let at_lamp = if made.faces > 1 { TOUCHES_AT_LAMP } else { 1 };
         let first_touches = (at_lamp + 1) * u64::from(triangles) + 1024;
-        // Rounded up, so that a caster more or less changes nothing.
+        // Round up, so that small changes of the number of casters have no effect.
         let rounded = |count: u64| {
             let step = (count / 16).max(1).next_power_of_two();
             count.next_multiple_of(step).min(u64::from(u32::MAX / 4)) as u32

@@ -1,7 +1,7 @@
-//! The casters of a light set: meshes in the caller's buffers, placed into the world.
+//! The casters of a light set: meshes in the caller's buffers, with their placements.
 //!
-//! Culling and drawing read plain arrays, one entry a slot. The casters of a mesh have consecutive
-//! slots, so that neighbours are drawn by one instanced draw.
+//! Culling and drawing read plain arrays, with one entry per slot. The casters of a mesh have
+//! consecutive slots, so that neighbours are drawn by one instanced draw.
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
@@ -16,44 +16,44 @@ use umbrage_core::{Aabb, Invalid, invalid};
 use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
 
 new_key_type! {
-    /// Names a mesh of a [`LightSet`](crate::LightSet).
+    /// Identifies a mesh of a [`LightSet`](crate::LightSet).
     pub struct MeshId;
-    /// Names a caster of a [`LightSet`](crate::LightSet).
+    /// Identifies a caster of a [`LightSet`](crate::LightSet).
     pub struct CasterId;
 }
 
-/// Slots that a mesh gets with its first caster.
+/// Number of slots of a mesh with its first caster.
 const FIRST_SLOTS: u32 = 4;
-/// Unchanged instances between changed ones that are written along: a write of its own takes about
-/// as long as 12 kB more of another.
+/// Greatest number of unchanged instances between changed ones that are written along: a separate
+/// write costs about as much as 12 kB.
 const GREATEST_GAP: u32 = 256;
 /// Casts read instances as vertices, and the passes that list casters read them as a table.
 const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
-/// Frames without a move after which a caster counts as still.
+/// Number of frames without a move after which a caster counts as still.
 const REST: u64 = 30;
 
-/// Triangles in the caller's buffers, which casters place into the world.
+/// Triangles in the caller's buffers, placed into the world by casters.
 #[derive(Clone, Debug)]
 pub struct CasterMesh<'a> {
-    /// Names the mesh in errors.
+    /// Name of the mesh in errors.
     pub label: &'a str,
-    /// Vertices, usage `VERTEX`; for lists that the device makes `STORAGE`, too, as the indices.
-    /// The set keeps the buffer alive as long as the mesh is there.
+    /// Vertices, usage `VERTEX`. For device-built lists, both vertices and indices also need
+    /// `STORAGE`. The set keeps the buffer alive as long as the mesh exists.
     pub vertices: &'a Buffer,
-    /// Where positions are in it.
+    /// Layout of the positions in the vertex buffer.
     pub layout: VertexLayout,
-    /// Vertex indices; none when every three vertices are a triangle.
+    /// Vertex indices; `None` if every three vertices are a triangle.
     pub indices: Option<Indices<'a>>,
-    /// Which indices are drawn, or which vertices when there are none.
+    /// Range of indices to draw, or of vertices if there are no indices.
     pub range: Range<u32>,
     /// Added to each index.
     pub base_vertex: i32,
-    /// Box around the positions, as they are in the buffer. Casters outside a map are not drawn
-    /// into it, so a box that is too small loses shadows.
+    /// Box around the positions in the buffer. Casters outside a map are not drawn into it, so
+    /// shadows are lost if the box is too small.
     pub bounds: Aabb,
 }
 
-/// A mesh that outlives the borrow.
+/// A mesh, owned by the set.
 #[derive(Debug)]
 pub(crate) struct MeshDraw {
     pub(crate) label: String,
@@ -63,8 +63,8 @@ pub(crate) struct MeshDraw {
     pub(crate) range: Range<u32>,
     pub(crate) base_vertex: i32,
     bounds: Aabb,
-    /// The rule for its triangles' holes, if they have any. Shaders read such triangles from the
-    /// lists of their geometry, in world space.
+    /// Alpha test of its triangles, if any. Shaders read such triangles from the lists of their
+    /// geometry, in world space.
     pub(crate) holes: Option<HoleRule>,
 }
 
@@ -72,22 +72,22 @@ pub(crate) struct MeshDraw {
 #[derive(Debug)]
 pub(crate) struct MeshSlots {
     pub(crate) draw: MeshDraw,
-    /// The slots that the mesh may use.
+    /// Slots reserved for the mesh.
     block: Range<u32>,
-    /// The casters in its first slots, in order.
+    /// The casters in the first of these slots, in order.
     casters: Vec<CasterId>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Place {
     mesh: MeshId,
-    /// Among the mesh's casters.
+    /// Index among the mesh's casters.
     index: u32,
-    /// The frame in which it moved last.
+    /// The frame of its last move.
     moved_in: u64,
 }
 
-/// World from local as three columns and a translation, what instances are made of.
+/// World from local as three columns and a translation: the data of an instance.
 type Columns = [f32; 12];
 
 /// All meshes and casters.
@@ -95,28 +95,28 @@ type Columns = [f32; 12];
 pub(crate) struct Casters {
     meshes: SlotMap<MeshId, MeshSlots>,
     places: SlotMap<CasterId, Place>,
-    /// By slot: where a caster is. Slots without a caster have an empty box.
+    /// Box of the caster in each slot. Slots without a caster have an empty box.
     boxes: Boxes,
-    /// By slot.
+    /// Placement in each slot.
     columns: Vec<Columns>,
-    /// The columns on the device.
+    /// The placements on the device.
     instances: Option<Buffer>,
-    /// By slot, whether the caster moved lately.
+    /// For each slot, whether the caster moved recently.
     moving: Vec<bool>,
-    /// The casters that moved lately.
+    /// The casters that moved recently.
     moved_lately: Vec<CasterId>,
-    /// Counts frames.
+    /// Frame counter.
     frame: u64,
-    /// Boxes in which something changed.
+    /// Boxes with changes.
     changed: Vec<Aabb>,
-    /// Boxes in which something changed among the casters that are still.
+    /// Boxes with changes among the still casters.
     still_changed: Vec<Aabb>,
-    /// Slots whose columns changed.
+    /// Slots whose placements changed.
     written: Vec<u32>,
-    /// Whether meshes came or went, or slots were added, since changes were forgotten: then
-    /// pipelines and buffers may have to be made.
+    /// True if meshes were added or removed, or slots added, since changes were cleared. Pipelines
+    /// and buffers may then have to be created.
     has_grown: bool,
-    /// Whether casters were placed relative to another anchor since changes were forgotten.
+    /// True if casters were placed relative to another anchor since changes were cleared.
     is_rebased: bool,
 }
 
@@ -131,13 +131,13 @@ impl CasterMesh<'_> {
         triangles.validate(limits)?;
         if self.indices.is_none() && self.base_vertex != 0 {
             let base = self.base_vertex;
-            let why = format!("is {base}, and there are no indices to add it to");
-            let help = "use 0, and move the range";
+            let why = format!("is {base}, but there are no indices");
+            let help = "use 0, and shift the range";
             return Err(Invalid::new("base vertex", why, help));
         }
         self.bounds.validate()?;
         if self.bounds.is_empty() {
-            let help = "give the box around the mesh's positions";
+            let help = "use the box around the mesh's positions";
             return Err(Invalid::new("bounds", "are empty", help));
         }
         Ok(())
@@ -145,7 +145,7 @@ impl CasterMesh<'_> {
 }
 
 impl MeshDraw {
-    /// Returns how many triangles a caster has.
+    /// Returns the number of triangles per caster.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.range.end - self.range.start) / 3
     }
@@ -161,13 +161,13 @@ impl MeshDraw {
         }
     }
 
-    /// Draws the casters in some slots.
+    /// Draws the casters in a range of slots.
     pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, slots: Range<u32>) {
         match self.indices {
             Some(_) if self.holes.is_none() => {
                 pass.draw_indexed(self.range.clone(), self.base_vertex, slots);
             }
-            // Shaders read the indices of triangles with holes themselves.
+            // Shaders read the indices of alpha-tested triangles themselves.
             _ => pass.draw(self.range.clone(), slots),
         }
     }
@@ -194,7 +194,7 @@ impl Casters {
         Ok(self.insert(draw))
     }
 
-    /// Adds a part of the casters with holes, where they are.
+    /// Adds a part of the alpha-tested casters, which are in world space.
     ///
     /// Errors if its box is not finite.
     pub(crate) fn add_cut_outs(
@@ -204,7 +204,7 @@ impl Casters {
         bounds: Aabb,
     ) -> Result<CasterId, Invalid> {
         let mesh = self.insert(MeshDraw {
-            label: "triangles with holes".to_owned(),
+            label: "alpha-tested triangles".to_owned(),
             vertices: lists.positions.clone(),
             layout: VertexLayout::PACKED,
             indices: Some((lists.indices.clone(), IndexFormat::Uint32)),
@@ -216,7 +216,7 @@ impl Casters {
         self.add(mesh, Affine3A::IDENTITY)
     }
 
-    /// Removes what [`add_cut_outs`](Self::add_cut_outs) added.
+    /// Removes a part added by [`add_cut_outs`](Self::add_cut_outs).
     pub(crate) fn remove_cut_outs(&mut self, id: CasterId) -> Result<(), Invalid> {
         let place = *self.places.get(id).ok_or_else(|| unknown("caster"))?;
         self.remove(id)?;
@@ -232,7 +232,7 @@ impl Casters {
         })
     }
 
-    /// Removes a mesh that no caster uses.
+    /// Removes a mesh that has no casters.
     pub(crate) fn remove_mesh(&mut self, id: MeshId) -> Result<(), Invalid> {
         let mesh = self.meshes.get(id).ok_or_else(|| unknown("mesh"))?;
         if !mesh.casters.is_empty() {
@@ -241,7 +241,7 @@ impl Casters {
             return Err(Invalid::new(what, why, "remove its casters first"));
         }
         self.meshes.remove(id);
-        // What its buffers were not good for may be possible now.
+        // Without its buffers, the device may be able to build caster lists.
         self.has_grown = true;
         Ok(())
     }
@@ -262,7 +262,7 @@ impl Casters {
             index,
             moved_in: 0,
         });
-        // It was found above.
+        // The mesh was found above.
         let mesh = &mut self.meshes[mesh_id];
         mesh.casters.push(id);
         let slot = mesh.block.start + index;
@@ -292,7 +292,7 @@ impl Casters {
         self.changed.push(bounds);
         self.places[id].moved_in = self.frame;
         if !self.moving[slot as usize] {
-            // It leaves the casters that are still.
+            // The caster leaves the still ones.
             self.moving[slot as usize] = true;
             self.moved_lately.push(id);
             self.still_changed.push(before);
@@ -300,8 +300,8 @@ impl Casters {
         Ok(())
     }
 
-    /// Places a caster without a note of where something changed: everything is drawn again. It
-    /// stays among those that move, or among those that are still.
+    /// Places a caster without recording a change: everything is redrawn. It keeps its state as
+    /// still or moving.
     pub(crate) fn rebase(
         &mut self,
         id: CasterId,
@@ -330,7 +330,7 @@ impl Casters {
             self.still_changed.push(bounds);
         }
         if slot != last {
-            // The last of the mesh's casters takes the free slot.
+            // The last of the mesh's casters moves to the free slot.
             let moved = mesh.casters[place.index as usize];
             self.places[moved].index = place.index;
             self.boxes.copy(last, slot);
@@ -342,7 +342,7 @@ impl Casters {
         Ok(())
     }
 
-    /// Marks a box as changed: something that the caller draws itself moved there.
+    /// Marks a box as changed, for geometry that the caller draws.
     pub(crate) fn touch(&mut self, bounds: &Aabb) {
         self.changed.push(*bounds);
         self.still_changed.push(*bounds);
@@ -369,7 +369,7 @@ impl Casters {
             }
             let slot = meshes[place.mesh].block.start + place.index;
             moving[slot as usize] = false;
-            // It joins the casters that are still.
+            // The caster joins the still ones.
             still_changed.push(boxes.get(slot));
             false
         });
@@ -380,17 +380,17 @@ impl Casters {
         self.boxes.around_all()
     }
 
-    /// Returns where something changed since [`forget_changes`](Self::forget_changes).
+    /// Returns the changes since [`forget_changes`](Self::forget_changes).
     pub(crate) fn changed(&self) -> &[Aabb] {
         &self.changed
     }
 
-    /// Returns where the casters that are still changed since then.
+    /// Returns the changes among the still casters since then.
     pub(crate) fn still_changed(&self) -> &[Aabb] {
         &self.still_changed
     }
 
-    /// Returns, by slot, whether the caster moved lately.
+    /// Returns, for each slot, whether the caster moved recently.
     pub(crate) fn moving(&self) -> &[bool] {
         &self.moving
     }
@@ -452,7 +452,7 @@ impl Casters {
         self.instances.as_ref()
     }
 
-    /// Forgets the buffer: the next upload makes and fills another.
+    /// Drops the buffer: the next upload creates and fills another.
     pub(crate) fn lose_buffer(&mut self) {
         self.instances = None;
     }
@@ -470,7 +470,7 @@ impl Casters {
         self.meshes.get(id).map(|mesh| &mesh.draw)
     }
 
-    /// Returns how many casters there are.
+    /// Returns the number of casters.
     pub(crate) fn count(&self) -> usize {
         self.places.len()
     }
@@ -481,7 +481,7 @@ impl Casters {
         self.written.push(slot);
     }
 
-    /// Gives a mesh twice as many slots, behind all others; those that it had stay empty.
+    /// Doubles the slots of a mesh by moving it behind all others; its old slots stay empty.
     fn grow(&mut self, id: MeshId) {
         self.has_grown = true;
         let mesh = &mut self.meshes[id];
@@ -504,7 +504,7 @@ impl Casters {
 }
 
 impl MeshSlots {
-    /// Returns the slots that hold casters.
+    /// Returns the slots with casters.
     pub(crate) fn slots(&self) -> Range<u32> {
         self.block.start..self.block.start + self.casters.len() as u32
     }
@@ -516,8 +516,8 @@ impl MeshSlots {
 fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, Invalid> {
     let within = |e: Invalid| e.within(format!("caster of mesh `{}`", mesh.label));
     invalid::finite("world from local", &world_from_local.to_cols_array()).map_err(within)?;
-    // Arvo 1990, "Transforming axis-aligned bounding boxes": the half extents go through the
-    // matrix's absolute values.
+    // Transform the half extents by the matrix's absolute values (Arvo 1990, "Transforming
+    // axis-aligned bounding boxes").
     let centre = world_from_local.transform_point3(mesh.bounds.center());
     let half = mesh.bounds.extent() * 0.5;
     let matrix = world_from_local.matrix3;
@@ -533,11 +533,11 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
 }
 
 fn unknown(what: &str) -> Invalid {
-    let help = "use an id that this set gave and that was not removed since";
+    let help = "use an id that this set returned and that is not removed";
     Invalid::new(what, "is not in the light set", help)
 }
 
-/// Returns how many of these rising slots are written together.
+/// Returns the number of these rising slots to write together.
 fn run_length(slots: &[u32]) -> usize {
     let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
     let end = slots.windows(2).position(is_gap);

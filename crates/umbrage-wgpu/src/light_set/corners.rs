@@ -1,5 +1,4 @@
-//! The corners of all casters, placed into the world by the device: what lists of casters are made
-//! of.
+//! World-space corners of all casters, computed by the device: the input of caster lists.
 
 use crate::{
     frame::PositionFormat,
@@ -16,23 +15,23 @@ use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
 use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
 
-/// Rows of a triangle.
+/// Rows per triangle.
 pub(crate) const CORNERS: u32 = 3;
 
 /// Bytes of `PlacedMesh` in corners.wgsl.
 const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
 
-/// Places the casters of all meshes.
+/// Transforms the casters of all meshes to world space.
 #[derive(Debug, Default)]
 pub(crate) struct CornerStage {
     pipeline: Option<ComputePipeline>,
     numbers: Windows,
     bindings: SecondaryMap<MeshId, Binding>,
-    /// The meshes that have casters, in order, with how many triangles.
+    /// The meshes that have casters, in order, with their numbers of triangles.
     placed: Vec<(MeshId, u32)>,
 }
 
-/// Returns the triangles of all casters, each as often as it is placed.
+/// Returns the number of triangles of all casters, counting each placement.
 pub(crate) fn triangle_count(casters: &Casters) -> u64 {
     casters.meshes().map(|(_, mesh)| triangles_of(mesh)).sum()
 }
@@ -42,7 +41,8 @@ fn triangles_of(mesh: &MeshSlots) -> u64 {
 }
 
 impl CornerStage {
-    /// Writes what the passes read. `first_row` is where the corners begin among the tables.
+    /// Writes the inputs of the passes. `first_row` is the row at which the corners begin in the
+    /// tables.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -95,7 +95,7 @@ impl CornerStage {
             let Some(mesh) = casters.mesh(id) else {
                 continue;
             };
-            // Without indices the vertices fill the binding, unread.
+            // Without indices, bind the vertices as a placeholder that is not read.
             let indices = mesh.indices.as_ref().map_or(&mesh.vertices, |(b, _)| b);
             let bound = vec![
                 Bound::Window(numbers.clone(), NUMBERS),
@@ -114,7 +114,7 @@ impl CornerStage {
         self.bindings.retain(|id, _| casters.mesh(id).is_some());
     }
 
-    /// Records that all casters are placed.
+    /// Records the passes that transform all casters.
     pub(crate) fn encode(&self, pass: &mut ComputePass<'_>) {
         let Some(pipeline) = &self.pipeline else {
             return;
@@ -131,7 +131,7 @@ impl CornerStage {
     }
 }
 
-/// Returns how many groups of 64, across and down, there are for so many invocations.
+/// Returns the numbers of workgroups of 64, across and down, for this number of invocations.
 pub(crate) fn group_counts(invocations: u32) -> [u32; 2] {
     const MOST_ACROSS: u32 = 1 << 15;
     let groups = invocations.div_ceil(64).max(1);
@@ -166,7 +166,7 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
     ]
 }
 
-/// Returns why compute shaders can't read the casters' buffers, if they can't.
+/// Returns the reason why compute shaders can't read the casters' buffers, or `None`.
 pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<String> {
     let most = limits.max_storage_buffer_binding_size;
     for (_, mesh) in casters.meshes() {
@@ -187,12 +187,12 @@ fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
     let bytes = buffer.size();
     if !buffer.usage().contains(BufferUsages::STORAGE) {
         return Some(format!(
-            "it lists the triangles of mesh `{label}` by compute shaders, whose buffers must have usage STORAGE, too"
+            "compute shaders list the triangles of mesh `{label}`, whose buffers need the usage `STORAGE`"
         ));
     }
     if !bytes.is_multiple_of(4) || bytes > most {
         return Some(format!(
-            "it lists the triangles of mesh `{label}` by compute shaders, which read buffers of whole words and up to {most} bytes, and one has {bytes}"
+            "compute shaders list the triangles of mesh `{label}`: its buffers must be a multiple of 4 and at most {most} bytes, and one has {bytes}"
         ));
     }
     None

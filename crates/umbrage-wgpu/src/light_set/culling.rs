@@ -1,19 +1,19 @@
-//! Which casters can show in a layer: their boxes against the layer's volume, many at a time.
+//! Culling of casters for a layer: tests many boxes at a time against the layer's volume.
 
 use glam::{Mat4, Vec3, Vec4};
 use std::ops::Range;
 use umbrage_core::{Aabb, Simd, SimdTask};
 
-/// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of
-/// the comparison and of the box itself has a relative error of 2^-24, and there are fewer than
-/// sixteen of them: this is 2^-18.
+/// Relative rounding bound of the test of a box against a plane. Each product and sum of the test
+/// and of the box itself has a relative error of 2^-24, and there are fewer than sixteen of them:
+/// this is 2^-18.
 const ROUNDING: f32 = 1.0 / 262_144.0;
-/// Half extent of boxes that hold nothing: they are outside of every plane.
+/// Half extent of empty boxes, which are outside of every plane.
 const NOTHING: f32 = -1e30;
-/// Slots that are drawn along, though they are outside, if that saves a draw.
+/// Greatest number of invisible slots that are drawn along to save a draw.
 const GREATEST_GAP: u32 = 8;
 
-/// Boxes in arrays, one entry a slot.
+/// Boxes in arrays, with one entry per slot.
 #[derive(Debug, Default)]
 pub(crate) struct Boxes {
     centre: [Vec<f32>; 3],
@@ -21,13 +21,13 @@ pub(crate) struct Boxes {
     half: [Vec<f32>; 3],
 }
 
-/// Which casters are drawn, by whether they moved lately.
+/// Selection of casters by whether they moved recently.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Wanted<'a> {
     All,
-    /// By slot, whether a caster moved lately: only those that did.
+    /// For each slot, whether the caster moved recently: selects those that did.
     Moving(&'a [bool]),
-    /// Only those that didn't.
+    /// Selects the casters that didn't.
     Still(&'a [bool]),
 }
 
@@ -41,10 +41,11 @@ impl Wanted<'_> {
     }
 }
 
-/// The volume of a layer. A box wholly on the outer side of one of its planes does not show there.
+/// The volume of a layer. A box entirely on the outer side of one of its planes is not visible
+/// there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Volume {
-    /// A plane's product with a homogeneous world position is not negative inside.
+    /// The product of a plane with a homogeneous world position is not negative inside.
     planes: [Vec4; 6],
 }
 
@@ -95,7 +96,7 @@ impl Boxes {
         }
     }
 
-    /// Returns the box around all.
+    /// Returns the box around all boxes.
     pub(crate) fn around_all(&self) -> Aabb {
         let mut all = Aabb::EMPTY;
         for axis in 0..3 {
@@ -110,7 +111,7 @@ impl Boxes {
     }
 }
 
-/// Finds the lowest and the highest end of intervals.
+/// Finds the least start and the greatest end of intervals.
 struct FindEnds<'a> {
     centre: &'a [f32],
     half: &'a [f32],
@@ -121,12 +122,12 @@ impl SimdTask for FindEnds<'_> {
 
     #[inline(always)]
     fn run(self) -> [f32; 2] {
-        // Lanes of their own: the least of several numbers is the same in any order.
+        // Use separate lanes: the minimum of several numbers is the same in any order.
         let mut min = [f32::INFINITY; CHUNK];
         let mut max = [f32::NEG_INFINITY; CHUNK];
         for (centre, half) in self.centre.chunks(CHUNK).zip(self.half.chunks(CHUNK)) {
             for (i, (&centre, &half)) in centre.iter().zip(half).enumerate() {
-                // Empty boxes change nothing.
+                // Skip empty boxes.
                 let is_empty = half < 0.0;
                 let low = if is_empty {
                     f32::INFINITY
@@ -149,20 +150,20 @@ impl SimdTask for FindEnds<'_> {
 }
 
 impl Volume {
-    /// Returns the volume of a layer of `size` texels a side; one texel around it belongs to it.
+    /// Returns the volume of a layer with a side of `size` texels, including a border of one texel.
     pub(crate) fn new(clip_from_world: &Mat4, size: u32) -> Self {
         let rows = clip_from_world.transpose();
         let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
         // Rasterisers move corners by less than a texel; the map spans two units of clip space.
         let wide = w * (1.0 + 2.0 / size.max(1) as f32);
-        // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
-        // world-view-projection matrix".
+        // Extract the planes as in Gribb and Hartmann 2001, "Fast extraction of viewing frustum
+        // planes from the world-view-projection matrix".
         Self {
             planes: [wide + x, wide - x, wide + y, wide - y, z, w - z],
         }
     }
 
-    /// Returns whether a box may show in the layer.
+    /// Returns whether a box may be visible in the layer.
     pub(crate) fn may_show(&self, bounds: &Aabb) -> bool {
         if bounds.is_empty() {
             return false;
@@ -174,7 +175,7 @@ impl Volume {
             .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
     }
 
-    /// Finds out of each slot whether its box may show in the layer.
+    /// Tests, for each slot, whether its box may be visible in the layer.
     pub(crate) fn find(&self, boxes: &Boxes, shown: &mut ShownSlots) {
         let slots = boxes.centre[0].len();
         shown.0.clear();
@@ -187,7 +188,7 @@ impl Volume {
     }
 }
 
-/// Compares all boxes with the planes of a volume.
+/// Tests all boxes against the planes of a volume.
 struct FindShown<'a> {
     planes: &'a [Vec4; 6],
     boxes: &'a Boxes,
@@ -218,12 +219,12 @@ impl SimdTask for FindShown<'_> {
     }
 }
 
-/// Finds out of at most [`CHUNK`] boxes whether they may show.
+/// Tests whether at most [`CHUNK`] boxes may be visible.
 #[inline(always)]
 fn find_chunk(planes: &[Vec4; 6], centre: [&[f32]; 3], half: [&[f32]; 3], out: &mut [u32]) {
-    // Whole chunks, so that compilers know how often loops run; the rest is not copied out.
+    // Use whole chunks, so that compilers know the loop counts; ignore the rest of the results.
     let mut middle = [[0.0_f32; CHUNK]; 3];
-    // Half extents with room for what is rounded.
+    // Half extents, padded for rounding.
     let mut padded = [[0.0_f32; CHUNK]; 3];
     for axis in 0..3 {
         let count = out.len();
@@ -248,22 +249,22 @@ fn find_chunk(planes: &[Vec4; 6], centre: [&[f32]; 3], half: [&[f32]; 3], out: &
     out.copy_from_slice(&inside[..out.len()]);
 }
 
-/// How many boxes are compared with a plane at a time.
+/// Number of boxes tested against a plane at a time.
 const CHUNK: usize = 64;
 
-/// Which slots may show in a layer.
+/// The slots that may be visible in a layer.
 #[derive(Debug, Default)]
 pub(crate) struct ShownSlots(Vec<u32>);
 
 impl ShownSlots {
-    /// Returns how many slots of a part may show, of those that are wanted.
+    /// Returns the number of wanted slots in a range that may be visible.
     pub(crate) fn count(&self, slots: Range<u32>, wanted: Wanted<'_>) -> u64 {
         let slots = slots.start as usize..slots.end as usize;
         let is_shown = |slot: &usize| self.0[*slot] != 0 && wanted.has(*slot);
         slots.filter(is_shown).count() as u64
     }
 
-    /// Appends the runs of slots of a part that may show, of those that are wanted, rising.
+    /// Appends the rising runs of wanted slots in a range that may be visible.
     pub(crate) fn runs(&self, slots: Range<u32>, wanted: Wanted<'_>, out: &mut Vec<Range<u32>>) {
         let gap = match wanted {
             Wanted::All => GREATEST_GAP,
@@ -283,7 +284,7 @@ impl ShownSlots {
     }
 }
 
-/// Returns the greatest product of a plane with a point of a box, with room for what is rounded.
+/// Returns the greatest product of a plane with a point of a box, padded for rounding.
 #[inline(always)]
 fn farthest_inside(plane: &Vec4, centre: Vec3, half: Vec3) -> f32 {
     let x = plane.x * centre.x;

@@ -1,4 +1,4 @@
-//! Whether what was recorded has been thrown away.
+//! Detection of recorded commands that were never submitted.
 
 use crate::resources::submissions::Submissions;
 use std::sync::{
@@ -7,7 +7,7 @@ use std::sync::{
 };
 use wgpu::{CommandEncoder, Device};
 
-/// Finds out whether an encoder that a set recorded into was dropped without being submitted.
+/// Detects whether an encoder that a set recorded into was dropped without being submitted.
 #[derive(Debug)]
 pub(crate) struct DroppedEncoders {
     submissions: Submissions,
@@ -43,7 +43,7 @@ impl DroppedEncoders {
         }
     }
 
-    /// Returns whether one was dropped since the last call.
+    /// Returns whether an encoder was dropped since the last call.
     pub(crate) fn any(&self) -> bool {
         self.dropped.swap(false, Ordering::Acquire)
     }

@@ -1,4 +1,4 @@
-//! A frame's passes, recorded.
+//! Recording of a frame's passes.
 
 use crate::{
     light_set::{
@@ -13,8 +13,7 @@ use umbrage_core::BackendError;
 use wgpu::{CommandEncoder, RenderPass, TextureView};
 
 impl LightSet {
-    /// Records the passes that draw what [`prepare`](Self::prepare) found to be drawn; none if
-    /// nothing changed.
+    /// Records the passes that [`prepare`](Self::prepare) selected; no passes if nothing changed.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
@@ -22,11 +21,11 @@ impl LightSet {
         self.encode_with(encoder, |_, _| ())
     }
 
-    /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of
-    /// each one that draws casters, for what the caller draws itself (skinned meshes): pipelines
-    /// with the target's [`primitive`](CastTarget::primitive) and
-    /// [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
-    /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see
+    /// Records the passes like [`encode`](Self::encode), and calls `own_draws` at the end of each
+    /// pass that draws casters. Use it for geometry that the caller draws, such as skinned meshes.
+    /// Pipelines need the target's [`primitive`](CastTarget::primitive) and
+    /// [`depth_stencil`](CastTarget::depth_stencil), and a vertex shader that ends in
+    /// `clip_from_world * p_world`. Changes of this geometry don't redraw layers: see
     /// [`touch`](Self::touch).
     ///
     /// # Errors
@@ -39,8 +38,8 @@ impl LightSet {
         self.encode_passes(encoder, &mut own_draws, None)
     }
 
-    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps.
-    /// `passes` is filled with those that are timed.
+    /// Records the passes like [`encode_with`](Self::encode_with), each between two timestamps.
+    /// `passes` receives the timed ones.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -55,7 +54,7 @@ impl LightSet {
         self.encode_passes(encoder, &mut own_draws, Some(timer))
     }
 
-    /// Records the passes of lists, casts and filters that this frame redraws.
+    /// Records the list, cast and filter passes that this frame redraws.
     ///
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     fn encode_passes(
@@ -92,7 +91,7 @@ impl LightSet {
             let cast = &light.maps.casts[name.cast];
             self.passes
                 .encode(encoder, pass, cast, &self.casters, own_draws, &mut clock);
-            // After the light's last pass its filters follow.
+            // Record the filters of a light after its last cast.
             if names
                 .peek()
                 .is_none_or(|(_, next)| next.light != name.light)
@@ -123,9 +122,9 @@ impl LightSet {
         Ok(())
     }
 
-    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after
-    /// those of [`encode`](Self::encode). Returns the masks: a texture with a layer for each light,
-    /// its visibility, 1 where nothing receives.
+    /// Records a pass for each light in [`prepare_masks`](Self::prepare_masks), after those of
+    /// [`encode`](Self::encode). Returns the masks: a texture with one layer per light that
+    /// contains its visibility, 1 for pixels that don't receive.
     ///
     /// # Errors
     /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
@@ -135,8 +134,8 @@ impl LightSet {
             .ok_or_else(masks::unprepared)
     }
 
-    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two
-    /// timestamps. `passes` is filled with those that are timed.
+    /// Records the passes like [`encode_masks`](Self::encode_masks), each between two timestamps.
+    /// `passes` receives the timed ones.
     ///
     /// # Errors
     /// Errors if [`encode_masks`](Self::encode_masks) does.

@@ -1,4 +1,4 @@
-//! Masks of a set's lights, for renderers that shade from a G-buffer: one layer a light.
+//! Masks of a set's lights, for renderers that shade from a G-buffer: one layer per light.
 
 use crate::{
     filter::color_attachment,
@@ -26,64 +26,68 @@ use wgpu::{
     TextureView, TextureViewDimension,
 };
 
-/// What masks are made for.
+/// Inputs of the masks.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskInputs<'a> {
     /// Size of the masks and of the receivers' textures, pixels.
     pub size: UVec2,
-    /// What the camera sees.
-    pub receivers: SetReceivers<'a>,
+    /// The visible surface points.
+    pub receivers: MaskReceivers<'a>,
     /// The lights, one layer each, in this order.
     pub lights: &'a [LightId],
-    /// How visibility is stored.
+    /// Texture format of visibility.
     pub format: MaskFormat,
 }
 
-/// What the camera sees, in textures of the caller's with usage `TEXTURE_BINDING`.
+/// The visible surface points, in the caller's textures with usage `TEXTURE_BINDING`.
 #[derive(Clone, Copy, Debug)]
-pub enum SetReceivers<'a> {
+pub enum MaskReceivers<'a> {
     /// World positions and normals.
     Positions(GBuffer<'a>),
-    /// A depth buffer, from which positions are computed where they are needed.
+    /// A depth buffer, from which positions are computed on the fly.
     Depth {
         /// The depth buffer, and its camera.
         depth: DepthBuffer<'a>,
-        /// Normals; none to compute them from neighbouring pixels, which is rough where a surface
-        /// is only a pixel wide.
+        /// Normals. `None` to derive them from neighbouring pixels, which is inaccurate where a
+        /// surface is only a pixel wide.
         normals: Option<SetNormals<'a>>,
     },
 }
+
+/// The former name of [`MaskReceivers`].
+#[deprecated(since = "0.1.0", note = "renamed to `MaskReceivers`")]
+pub type SetReceivers<'a> = MaskReceivers<'a>;
 
 /// Normals in world space, in a texture of any float or normalised format.
 #[derive(Clone, Copy, Debug)]
 pub struct SetNormals<'a> {
     /// The texture.
     pub texture: &'a TextureView,
-    /// How it holds normals.
+    /// Encoding of the normals.
     pub coding: NormalCoding,
 }
 
-/// How a texture holds unit normals.
+/// Encoding of unit normals in a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalCoding {
     /// x, y and z, each in -1..=1.
     Components,
-    /// x, y and z, each as half of it plus .5, in 0..=1.
+    /// x, y and z, each as half its value plus 0.5, in 0..=1.
     Halved,
     /// Octahedral coordinates, two components in -1..=1: Meyer, Suessmuth, Sussner, Stamminger and
     /// Greiner 2010, "On floating-point normal vectors".
     Octahedral,
-    /// Octahedral coordinates, each as half of it plus .5, in 0..=1.
+    /// Octahedral coordinates, each as half its value plus 0.5, in 0..=1.
     OctahedralHalved,
 }
 
-/// How masks store visibility, 0..=1.
+/// Texture format of visibility, 0..=1, in masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MaskFormat {
-    /// `R8Unorm`: in steps of 1/255, a byte a pixel and light.
+    /// `R8Unorm`: in steps of 1/255, one byte per pixel and light.
     #[default]
     Unorm8,
-    /// `R32Float`: as it was computed.
+    /// `R32Float`: unrounded.
     Float32,
 }
 
@@ -96,7 +100,7 @@ impl MaskFormat {
     }
 }
 
-/// What the shader of masks depends on.
+/// Parameters of the mask shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct MaskKey {
     revision: u64,
@@ -104,47 +108,47 @@ struct MaskKey {
     format: MaskFormat,
 }
 
-/// All that makes masks, ready to be encoded.
+/// The mask stage, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct MaskStage {
     made_for: Option<MaskKey>,
     pipeline: Option<RenderPipeline>,
     receivers: Binding,
-    /// The textures that `receivers` binds.
+    /// The textures bound by `receivers`.
     seen: Option<SeenTextures>,
     camera: Option<Buffer>,
-    /// What `camera` holds.
+    /// Contents of `camera`.
     camera_bytes: Vec<u8>,
     texture: Option<Texture>,
-    /// All layers.
+    /// View of all layers.
     whole: Option<TextureView>,
     layers: Vec<TextureView>,
-    /// For each layer, the light and its index in shaders; none of lights that are not served.
+    /// For each layer, the light and its index in shaders; `None` for lights without shadows.
     lights: Vec<(LightId, Option<u32>)>,
 }
 
-/// The caller's textures that are bound: depth and normals, or positions, normals and triangles.
+/// The caller's bound textures: depth and normals, or positions, normals and triangles.
 #[derive(Debug)]
 struct SeenTextures([Option<TextureView>; 3]);
 
 impl SeenTextures {
-    fn of(receivers: &SetReceivers<'_>) -> Self {
+    fn of(receivers: &MaskReceivers<'_>) -> Self {
         Self(views(receivers).map(Option::<&TextureView>::cloned))
     }
 
-    fn are(&self, receivers: &SetReceivers<'_>) -> bool {
+    fn are(&self, receivers: &MaskReceivers<'_>) -> bool {
         self.0.each_ref().map(Option::as_ref) == views(receivers)
     }
 }
 
-fn views<'a>(receivers: &SetReceivers<'a>) -> [Option<&'a TextureView>; 3] {
+fn views<'a>(receivers: &MaskReceivers<'a>) -> [Option<&'a TextureView>; 3] {
     match receivers {
-        SetReceivers::Positions(gbuffer) => [
+        MaskReceivers::Positions(gbuffer) => [
             Some(gbuffer.position),
             Some(gbuffer.normal),
             gbuffer.triangle,
         ],
-        SetReceivers::Depth { depth, normals } => [
+        MaskReceivers::Depth { depth, normals } => [
             Some(depth.depth),
             normals.map(|normals| normals.texture),
             None,
@@ -156,11 +160,11 @@ impl MaskInputs<'_> {
     pub(crate) fn validate(&self) -> Result<(), BackendError> {
         if self.size.min_element() == 0 {
             let why = format!("are {} x {} pixels", self.size.x, self.size.y);
-            return Err(Invalid::new("masks", why, "use at least one pixel each way").into());
+            return Err(Invalid::new("masks", why, "use at least one pixel in each direction").into());
         }
         match &self.receivers {
-            SetReceivers::Positions(gbuffer) => gbuffer.validate(self.size)?,
-            SetReceivers::Depth { depth, normals } => {
+            MaskReceivers::Positions(gbuffer) => gbuffer.validate(self.size)?,
+            MaskReceivers::Depth { depth, normals } => {
                 depth.validate()?;
                 self.check_texture(depth.depth.texture(), "depth buffer")?;
                 if let Some(normals) = normals {
@@ -173,7 +177,7 @@ impl MaskInputs<'_> {
         Ok(())
     }
 
-    /// Errors if a texture has another size than the masks.
+    /// Errors if the size of a texture is not that of the masks.
     fn check_texture(&self, texture: &Texture, what: &str) -> Result<(), Invalid> {
         let size = UVec2::new(texture.width(), texture.height());
         if size == self.size {
@@ -181,7 +185,7 @@ impl MaskInputs<'_> {
         }
         let why = format!("has {} x {} pixels", size.x, size.y);
         let help = format!(
-            "make it {} x {}, as the masks are",
+            "make it {} x {}, like the masks",
             self.size.x, self.size.y
         );
         Err(Invalid::new(what, why, help))
@@ -189,7 +193,7 @@ impl MaskInputs<'_> {
 }
 
 impl MaskStage {
-    /// Returns whether all that masks need is there but for the camera's numbers.
+    /// Returns whether everything but the camera uniforms is up to date.
     pub(crate) fn is_made_for(&self, shader: &SetShader, inputs: &MaskInputs<'_>) -> bool {
         self.fits(inputs)
             && self.pipeline.is_some()
@@ -200,8 +204,8 @@ impl MaskStage {
                 .is_some_and(|seen| seen.are(&inputs.receivers))
     }
 
-    /// Makes what is missing, and writes the camera. `lights` are the lights with their indices in
-    /// shaders, none where they are not served.
+    /// Creates missing objects, and writes the camera. `lights` are the lights with their indices
+    /// in shaders, `None` for lights without shadows.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -212,7 +216,7 @@ impl MaskStage {
     ) -> Result<(), BackendError> {
         self.lights.clear();
         self.lights.extend(lights);
-        if let SetReceivers::Depth { depth, .. } = &inputs.receivers {
+        if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
             self.write_camera(factory, &DepthCamera::of(depth)?);
         }
         if self.is_made_for(shader, inputs) {
@@ -247,7 +251,7 @@ impl MaskStage {
         Ok(())
     }
 
-    /// Records one pass a light. Returns the masks.
+    /// Records one pass per light. Returns the masks.
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
@@ -263,7 +267,7 @@ impl MaskStage {
             };
             let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage mask"),
-                // What receives nothing, and lights that are not served, stay lit.
+                // Pixels that don't receive, and lights without shadows, stay lit.
                 color_attachments: &[Some(color_attachment(layer, Color::WHITE))],
                 timestamp_writes,
                 ..RenderPassDescriptor::default()
@@ -287,7 +291,7 @@ impl MaskStage {
             .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
     }
 
-    /// Makes another texture if it doesn't fit.
+    /// Replaces the texture if it doesn't fit.
     fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
         if self.fits(inputs) {
             return;
@@ -309,16 +313,16 @@ impl MaskStage {
         self.texture = Some(texture);
     }
 
-    /// Binds what is seen. Returns the layout.
+    /// Binds the receivers. Returns the layout.
     fn bind(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        receivers: &SetReceivers<'_>,
+        receivers: &MaskReceivers<'_>,
     ) -> BindGroupLayout {
         let entries = match receivers {
-            SetReceivers::Positions(textures) => gbuffer_entries(textures),
-            SetReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
+            MaskReceivers::Positions(textures) => gbuffer_entries(textures),
+            MaskReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
         };
         let layouts = &mut pipelines.layouts;
         let stage = ShaderStages::FRAGMENT;
@@ -326,7 +330,7 @@ impl MaskStage {
             .bind(factory, layouts, stage, "umbrage receivers", entries)
     }
 
-    /// Writes the depth buffer's camera, if it is another one.
+    /// Writes the depth buffer's camera if it changed.
     fn write_camera(&mut self, factory: &mut ResourceFactory<'_>, camera: &DepthCamera) {
         let bytes = camera.bytes();
         if self.camera.is_some() && self.camera_bytes == bytes {
@@ -369,7 +373,7 @@ fn mask_extent(inputs: &MaskInputs<'_>) -> Extent3d {
     extent(inputs.size, inputs.lights.len().max(1) as u32)
 }
 
-impl SetReceivers<'_> {
+impl MaskReceivers<'_> {
     fn source(&self) -> ReceiverSource {
         match self {
             Self::Positions(gbuffer) => ReceiverSource::GBuffer {
@@ -396,13 +400,13 @@ impl SetReceivers<'_> {
     }
 }
 
-/// Returns the index of the bind group that holds what is seen: 0, or 1 where the set's is 0.
+/// Returns the index of the receivers' bind group: 0, or 1 if the set's is 0.
 fn own_group(set_group: u32) -> u32 {
     u32::from(set_group == 0)
 }
 
 /// Returns the error of masks that are not prepared.
 pub(crate) fn unprepared() -> BackendError {
-    let help = "call `prepare_masks` first, and look at its error";
+    let help = "call `prepare_masks` first, and check its error";
     Invalid::new("masks", "have nothing prepared", help).into()
 }

@@ -25,10 +25,14 @@ mod timestamps;
 #[cfg(feature = "testing")]
 pub use caster_lists::Listing;
 pub use casters::{CasterId, CasterMesh, MeshId};
-pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
+#[allow(deprecated, reason = "former names stay for one release")]
+pub use masks::SetReceivers;
+pub use masks::{MaskFormat, MaskInputs, MaskReceivers, NormalCoding, SetNormals};
+#[allow(deprecated, reason = "former names stay for one release")]
+pub use options::SetLight;
 pub use options::{
-    FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
-    Unserved,
+    FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight,
+    StillLayers, Unserved,
 };
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
@@ -50,20 +54,20 @@ use std::sync::Arc;
 use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
 use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 
-/// The shadows of any number of lights, each by a technique of its own: one
-/// [`prepare`](Self::prepare), one [`encode`](Self::encode), one bind group and one WGSL text for
+/// The shadows of any number of lights, each with its own technique. One
+/// [`prepare`](Self::prepare), one [`encode`](Self::encode), one bind group and one WGSL text serve
 /// all of them.
 ///
-/// The set keeps casters and lights from frame to frame, and draws only what changed: a layer is
-/// drawn again when its light moved, or when a caster that may show in it did. In a frame in which
-/// nothing changed, nothing is drawn or written.
+/// The set keeps casters and lights between frames, and only redraws changes. A layer is redrawn if
+/// its light moved, or if a caster that may be visible in it did. In a frame without changes,
+/// nothing is drawn or written.
 ///
 /// ```no_run
 /// use std::sync::Arc;
 /// use umbrage_core::{BackendError, Camera, Light, ShadowTechnique};
-/// use umbrage_wgpu::{LightSet, LightSetOptions, SetFrame, SetLight, wgpu};
+/// use umbrage_wgpu::{LightSet, LightSetOptions, SetFrame, ShadowedLight, wgpu};
 ///
-/// /// Once: a set with one light, whose text goes before the program's own fragment shader.
+/// /// Once: create a set with one light. Its text goes before the program's fragment shader.
 /// fn start(
 ///     device: &wgpu::Device,
 ///     light: Light,
@@ -71,11 +75,12 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// ) -> Result<LightSet, BackendError> {
 ///     let options = LightSetOptions { group: 1, ..LightSetOptions::default() };
 ///     let mut set = LightSet::new(device, options)?;
-///     set.add_light(SetLight { light, technique, priority: 1.0 })?;
+///     set.add_light(ShadowedLight { light, technique, priority: 1.0 })?;
 ///     Ok(set)
 /// }
 ///
-/// /// Every frame; then set `set.bind_group()` at group 1, and call `shadow(light, position, normal, pixel)`.
+/// /// Every frame. Then set `set.bind_group()` at group 1, and call
+/// /// `shadow(light, position, normal, pixel)`.
 /// fn frame(
 ///     set: &mut LightSet,
 ///     device: &wgpu::Device,
@@ -89,50 +94,50 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// ```
 ///
 /// # Order
-/// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. What
-/// `prepare` writes is in place from the next submission on. An encoder that is dropped without
-/// being submitted is found out: what it would have drawn is drawn with the next frame.
+/// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. Writes of
+/// `prepare` take effect with the next submission. If an encoder is dropped without being
+/// submitted, its draws are repeated in the next frame.
 #[derive(Debug)]
 pub struct LightSet {
     device: Device,
     options: LightSetOptions,
     limits: BackendLimits,
-    // The scene.
+    // Scene.
     casters: Casters,
-    /// Casters with holes.
+    /// Alpha-tested casters.
     cut_outs: Option<SetCutOuts>,
     lights: SlotMap<LightId, HeldLight>,
-    // What the lights' plans were made for, and whether layers must be assigned to them again.
+    // Inputs of the lights' plans, and whether layers must be assigned again.
     planned: Option<PlannedFor>,
-    /// Why the device can't make lists of casters, if it can't.
+    /// Reason why the device can't build caster lists, if it can't.
     unlisted: Option<String>,
     layers_changed: bool,
-    // What shaders see.
+    // Shader resources.
     pool: LayerPool,
     shader: SetShader,
     lists: CasterLists,
     masks: MaskStage,
-    // The frame.
+    // Frame state.
     passes: PassList,
     report: SetReport,
     meter: PriceMeter,
     errors: LaterErrors,
     dropped_encoders: DroppedEncoders,
-    // GPU objects that all lights share.
+    // GPU objects shared by all lights.
     counters: Counters,
     pipelines: Pipelines,
     /// Tables of filters.
     tables: Tables,
 }
 
-/// The casters with holes of a set.
+/// The alpha-tested casters of a set.
 #[derive(Debug)]
 struct SetCutOuts {
     lists: GpuCutOuts,
     casters: Vec<CasterId>,
 }
 
-/// What all plans depend on in addition to their lights.
+/// Inputs of all plans in addition to their lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PlannedFor {
     camera: Camera,
@@ -141,13 +146,13 @@ struct PlannedFor {
 }
 
 impl LightSet {
-    /// The features that a set requires: none. Where the device has `TIMESTAMP_QUERY` and
-    /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take
-    /// there.
+    /// The features that a set requires: none. If the device has `TIMESTAMP_QUERY` and
+    /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] uses measured costs of copies and
+    /// draws.
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
     /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment
-    /// shaders. Larger maps and more layers than these limits allow require more.
+    /// shaders. Maps or layers beyond these limits require more.
     pub const REQUIRED_LIMITS: Limits = Limits {
         max_storage_buffers_per_shader_stage: 2,
         max_storage_buffer_binding_size: 1 << 27,
@@ -192,16 +197,16 @@ impl LightSet {
         })
     }
 
-    /// Adds a mesh, which casts nothing yet.
+    /// Adds a mesh, which has no casters yet.
     ///
     /// # Errors
-    /// Errors, with the mesh's label, if a buffer lacks a usage, if layout or range don't fit the
+    /// Errors with the mesh's label if a buffer lacks a usage, if layout or range don't fit the
     /// buffers, or if the bounds are empty or not finite.
     pub fn add_mesh(&mut self, mesh: &CasterMesh<'_>) -> Result<MeshId, Invalid> {
         self.casters.add_mesh(mesh, &self.device.limits())
     }
 
-    /// Removes a mesh, and with it what keeps its buffers alive.
+    /// Removes a mesh, and releases its buffers.
     ///
     /// # Errors
     /// Errors if casters use it, or if there is no such mesh.
@@ -209,8 +214,7 @@ impl LightSet {
         self.casters.remove_mesh(mesh)
     }
 
-    /// Places a mesh into the world, as one more caster. Casters of one mesh are drawn as
-    /// instances.
+    /// Adds a caster: a placement of a mesh. Casters of one mesh are drawn as instances.
     ///
     /// # Errors
     /// Errors if there is no such mesh, or if the placement is not finite.
@@ -222,8 +226,8 @@ impl LightSet {
         self.casters.add(mesh, world_from_local)
     }
 
-    /// Moves a caster. Where it was and where it is, layers are drawn again; if it stays, nothing
-    /// is.
+    /// Moves a caster. Layers are redrawn at its old and its new position. Nothing is redrawn if it
+    /// stays.
     ///
     /// # Errors
     /// Errors if there is no such caster, or if the placement is not finite.
@@ -235,13 +239,13 @@ impl LightSet {
         self.casters.place(caster, world_from_local)
     }
 
-    /// Places a caster again because the [`Anchor`](umbrage_core::Anchor) changed, to which all
+    /// Places a caster again after a change of the [`Anchor`](umbrage_core::Anchor), to which all
     /// placements are relative. Call it for every caster in that frame, and
-    /// [`set_light`](Self::set_light) for every light with a place.
+    /// [`set_light`](Self::set_light) for every light with a position.
     ///
-    /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever
-    /// [`SetBudget::redraws`] says: those that waited would show what is a kilometre away. Unlike
-    /// after [`move_caster`](Self::move_caster), casters that were still count as still.
+    /// The next [`prepare`](Self::prepare) redraws all layers, ignoring [`SetBudget::redraws`]:
+    /// layers that waited would show geometry a kilometre away. Unlike after
+    /// [`move_caster`](Self::move_caster), still casters stay still.
     ///
     /// # Errors
     /// Errors if [`move_caster`](Self::move_caster) does.
@@ -261,13 +265,14 @@ impl LightSet {
         self.casters.remove(caster)
     }
 
-    /// Sets the triangles with holes that cast in addition to the set's casters (world space). They
-    /// replace those before; none leaves the set without any. Maps leave their holes out by the
-    /// rule of all backends.
+    /// Sets the alpha-tested triangles that cast in addition to the set's casters (world space).
+    /// They replace the previous ones; `None` removes them. Maps use the same alpha test as all
+    /// backends.
     ///
-    /// The set's own meshes must not hold these triangles: they hold
+    /// The set's own meshes must not contain these triangles, only those of
     /// [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
-    /// Techniques that read triangles ([`SetFrame::geometry`]) find the holes in that geometry.
+    /// Techniques that read triangles ([`SetFrame::geometry`]) use the alpha-tested triangles of
+    /// that geometry.
     ///
     /// # Errors
     /// Errors if positions are not finite.
@@ -291,9 +296,9 @@ impl LightSet {
         Ok(())
     }
 
-    /// Says that something changed in a box (world space) that the set can't know of: vertices in a
-    /// buffer, or what the caller draws itself ([`encode_with`](Self::encode_with)). Call it with
-    /// the box before and with the box after.
+    /// Reports a change in a box (world space) that the set can't detect: vertices in a buffer, or
+    /// geometry that the caller draws ([`encode_with`](Self::encode_with)). Call it with the box
+    /// before and the box after the change.
     ///
     /// # Errors
     /// Errors if a number is not finite.
@@ -307,7 +312,7 @@ impl LightSet {
     ///
     /// # Errors
     /// Errors if a number of the light or the priority can't be used, or if there are 4,096 lights.
-    pub fn add_light(&mut self, light: SetLight) -> Result<LightId, Invalid> {
+    pub fn add_light(&mut self, light: ShadowedLight) -> Result<LightId, Invalid> {
         check_light(&light.light, light.priority)?;
         if self.lights.len() == MAX_LIGHTS {
             let why = format!("has {MAX_LIGHTS} lights");
@@ -318,7 +323,7 @@ impl LightSet {
         Ok(self.lights.insert(HeldLight::new(index, light)))
     }
 
-    /// Moves or changes a light. If it stays the same, nothing happens.
+    /// Moves or changes a light. Has no effect if the light is unchanged.
     ///
     /// # Errors
     /// Errors if there is no such light, or if one of its numbers can't be used.
@@ -332,7 +337,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Gives a light another technique, or another setting of its technique.
+    /// Sets the technique of a light, or its settings.
     ///
     /// # Errors
     /// Errors if there is no such light.
@@ -347,7 +352,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Sets what decides which lights come first where not all can be served.
+    /// Sets the priority of a light, used if not all lights can have shadows.
     ///
     /// # Errors
     /// Errors if there is no such light, or if the priority is negative or not finite.
@@ -359,7 +364,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Removes a light. Its index goes to the next light that is added.
+    /// Removes a light. Its index is reused by the next light that is added.
     ///
     /// # Errors
     /// Errors if there is no such light.
@@ -374,7 +379,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Returns a light's index, for `shadow` in shaders. It stays as long as the light does.
+    /// Returns a light's index, for `shadow` in shaders. It is valid until the light is removed.
     ///
     /// # Errors
     /// Errors if there is no such light.
@@ -383,50 +388,49 @@ impl LightSet {
         Ok(state.index)
     }
 
-    /// Returns the lights that cast no shadows, as of the last [`prepare`](Self::prepare), and why.
+    /// Returns the lights without shadows as of the last [`prepare`](Self::prepare), with reasons.
     pub fn unserved(&self) -> impl Iterator<Item = (LightId, Unserved)> + '_ {
         self.lights
             .iter()
             .filter_map(|(id, light)| Some((id, light.state.unserved()?)))
     }
 
-    /// Returns what the last [`prepare`](Self::prepare) found to do.
+    /// Returns the statistics of the last [`prepare`](Self::prepare).
     pub fn report(&self) -> &SetReport {
         &self.report
     }
 
-    /// Returns the box for which lights are planned: one around all casters whose sides lie on a
-    /// coarse grid, so that it stays the same while casters move a little, and with it maps that
-    /// are fitted to it.
+    /// Returns the box for which lights are planned: a box around all casters whose sides are on a
+    /// coarse grid. It doesn't change when casters move a little, and neither do maps fitted to it.
     pub fn casters_box(&self) -> Aabb {
         steady_box::around(&self.casters.bounds())
     }
 
-    /// Returns how many casters there are; a part of those with holes counts as one.
+    /// Returns the number of casters; a part of the alpha-tested ones counts as one.
     pub fn caster_count(&self) -> usize {
         self.casters.count()
     }
 
-    /// Returns the WGSL to paste before your own shader: `fn shadow(light: u32, position: vec3f,
-    /// normal: vec3f, pixel: vec2u) -> f32`, the visibility of a light, 0..=1, at a position (world
-    /// space) with a unit normal; lights that are not served are lit. `pixel` turns the patterns of
-    /// kernels that vary from pixel to pixel. `shadow_on` takes a triangle's id besides, which
-    /// kernels that trace rays need.
+    /// Returns the WGSL to insert before your shader. `fn shadow(light: u32, position: vec3f,
+    /// normal: vec3f, pixel: vec2u) -> f32` returns the visibility of a light, 0..=1, at a position
+    /// (world space) with a unit normal. Lights without shadows are lit. `pixel` varies the
+    /// patterns of kernels that differ from pixel to pixel. `shadow_on` has a triangle id as an
+    /// additional parameter, which ray-tracing kernels need.
     ///
     /// The text changes with the kinds of kernels and the sizes of maps that lights use, as
-    /// [`wgsl_revision`](Self::wgsl_revision) shows.
+    /// reported by [`wgsl_revision`](Self::wgsl_revision).
     pub fn wgsl(&self) -> &str {
         self.shader.prefixed_text()
     }
 
     /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout
-    /// change: then rebuild the pipelines that contain the text.
+    /// change. Rebuild the pipelines that contain the text then.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }
 
-    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Get it in
-    /// every frame, after [`prepare`](Self::prepare).
+    /// Returns the bind group of [`wgsl`](Self::wgsl): set it at [`LightSetOptions::group`]. Get it
+    /// in every frame, after [`prepare`](Self::prepare).
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -434,16 +438,16 @@ impl LightSet {
         self.shader.bind_group().ok_or_else(shader::unprepared)
     }
 
-    /// Returns an error of the graphics API that came since the last call, with
-    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After one, the next frame makes all GPU
-    /// objects again.
+    /// Returns an error of the graphics API since the last call, for
+    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After an error, the next frame recreates all
+    /// GPU objects.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         self.forget_objects();
         Some(error)
     }
 
-    /// Returns the bytes of all maps, and of the layers that hold still casters.
+    /// Returns the bytes of all maps, including the layers of still casters.
     pub fn map_bytes(&self) -> u64 {
         self.pool.bytes() + still_bytes(&self.lights)
     }
@@ -463,11 +467,11 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 }
 
 fn unknown_light() -> Invalid {
-    let help = "use an id that this set gave and that was not removed since";
+    let help = "use an id that this set returned and that is not removed";
     Invalid::new("light", "is not in the light set", help)
 }
 
-/// Programs share a set between threads.
+/// Sets can be shared between threads.
 #[cfg(not(target_arch = "wasm32"))]
 const _: () = {
     const fn may_be_shared<T: Send + Sync>() {}

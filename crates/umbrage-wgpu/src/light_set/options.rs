@@ -5,19 +5,19 @@ use slotmap::new_key_type;
 use std::sync::Arc;
 use umbrage_core::{Aabb, Camera, Geometry, Light, RecipeError, ShadowTechnique, View};
 
-/// What a set may take.
+/// Budget of a light set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetBudget {
-    /// Most bytes of all lights' layers together. Lights that don't fit, those of the least
-    /// priority, are not served.
+    /// Greatest size of all lights' layers together, bytes. Lights that don't fit, those of the
+    /// least priority, have no shadows.
     pub bytes: u64,
-    /// Most layers drawn in a frame, but always those of one light. The others keep what was drawn
-    /// before, or wait: see [`Unserved::Waiting`](crate::Unserved::Waiting).
+    /// Greatest number of layers drawn per frame; at least those of one light are drawn. The others
+    /// keep their contents, or wait: see [`Unserved::Waiting`](crate::Unserved::Waiting).
     pub redraws: u32,
 }
 
 impl Default for SetBudget {
-    /// 256 MiB, and no bound on redraws.
+    /// Returns 256 MiB, and no limit on redraws.
     fn default() -> Self {
         Self {
             bytes: 256 << 20,
@@ -26,49 +26,49 @@ impl Default for SetBudget {
     }
 }
 
-/// Whether a layer in which something moves keeps what is still in a layer of its own, which is
-/// copied instead of drawn again.
+/// Use of separate layers for still casters, which are copied instead of redrawn where something
+/// moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StillLayers {
-    /// Where drawing what is still would take longer than the copy.
+    /// Used if drawing the still casters would cost more than the copy.
     #[default]
     Auto,
-    /// Wherever something moves.
+    /// Used wherever something moves.
     Always,
-    /// Nowhere.
+    /// Never used.
     Never,
 }
 
-/// Options that hold for all that a set does.
+/// Options of a light set.
 #[derive(Clone, Debug, Default)]
 pub struct LightSetOptions {
     /// Index of the bind group that [`LightSet::wgsl`](crate::LightSet::wgsl) declares: the only
-    /// one that the set takes.
+    /// one that the set uses.
     pub group: u32,
-    /// Stands before every name that [`LightSet::wgsl`](crate::LightSet::wgsl) declares.
+    /// Prefix of every name that [`LightSet::wgsl`](crate::LightSet::wgsl) declares.
     pub prefix: String,
-    /// What the set may take.
+    /// Budget of the set.
     pub budget: SetBudget,
-    /// Whether layers are split by what moves.
+    /// Use of separate layers for still casters.
     pub still_layers: StillLayers,
-    /// When errors of the graphics API are reported.
+    /// Time at which errors of the graphics API are reported.
     pub errors: ApiErrors,
 }
 
-/// What a frame is planned for.
+/// Inputs of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SetFrame<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// The casters' triangles, where the program has them: techniques that trace rays need them.
-    /// Without them, techniques that read lists of casters have the device list them
-    /// ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)), from
-    /// buffers that have usage `STORAGE`, too.
+    /// The casters' triangles, if available on the CPU; ray-tracing techniques need them. Without
+    /// them, the device builds caster lists for techniques that use lists
+    /// ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)). Its
+    /// buffers then also need the usage `STORAGE`.
     pub geometry: Option<FrameGeometry<'a>>,
 }
 
 impl<'a> SetFrame<'a> {
-    /// Returns what a light's plan is made for.
+    /// Returns the view for a light's plan.
     pub(crate) fn view_of(&self, light: &'a Light, casters: Aabb) -> View<'a> {
         View {
             camera: self.camera,
@@ -86,55 +86,71 @@ impl<'a> SetFrame<'a> {
 pub struct FrameGeometry<'a> {
     /// The triangles.
     pub triangles: &'a Geometry,
-    /// Another number whenever the triangles changed.
+    /// A number that must change whenever the triangles do.
     pub revision: u64,
 }
 
 new_key_type! {
-    /// Names a light of a [`LightSet`](crate::LightSet).
+    /// Identifies a light of a [`LightSet`](crate::LightSet).
     pub struct LightId;
 }
 
-/// A light and how its shadows are made.
+/// A light with its shadow technique.
 #[derive(Clone, Debug)]
-pub struct SetLight {
+pub struct ShadowedLight {
     /// The light.
     pub light: Light,
     /// The technique, with its settings. Techniques that draw from the camera (planar, volumes) are
-    /// refused.
+    /// rejected.
     pub technique: Arc<dyn ShadowTechnique>,
-    /// 0 or more. Where not all lights can be served, or redrawn in one frame, those with greater
-    /// numbers come first. Light that arrives times pixels that it lights is a good measure.
+    /// Priority, 0 or more. Lights with greater numbers come first if not all lights can have
+    /// shadows, or be redrawn in one frame. A good measure is the light's intensity times the
+    /// number of pixels that it lights.
     pub priority: f32,
 }
 
-/// Why a light casts no shadows.
+impl ShadowedLight {
+    /// Returns a light of priority 1 with a technique.
+    pub fn new(light: Light, technique: impl ShadowTechnique + 'static) -> Self {
+        Self {
+            light,
+            technique: Arc::new(technique),
+            priority: 1.0,
+        }
+    }
+}
+
+/// The former name of [`ShadowedLight`].
+#[deprecated(since = "0.1.0", note = "renamed to `ShadowedLight`")]
+pub type SetLight = ShadowedLight;
+
+/// Reason why a light casts no shadows.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unserved {
-    /// Its technique can't serve it here.
+    /// The technique doesn't support this light or scene.
     #[error(transparent)]
     Refused(RecipeError),
-    /// Lights of a higher priority take the bytes of [`SetBudget::bytes`](crate::SetBudget::bytes),
-    /// or all layers that the device allows in a texture.
-    #[error("lights of a higher priority take the bytes of the budget, or all layers of a texture")]
+    /// Lights of a higher priority use all of [`SetBudget::bytes`](crate::SetBudget::bytes), or all
+    /// layers that the device allows in a texture.
+    #[error("lights of a higher priority use the whole byte budget, or all layers of a texture")]
     OverBudget,
-    /// Its maps are drawn in one of the next frames: see
+    /// The maps are drawn in one of the next frames: see
     /// [`SetBudget::redraws`](crate::SetBudget::redraws).
-    #[error("its maps are drawn in one of the next frames, as the budget of redraws says")]
+    #[error("its maps wait for one of the next frames, because of the redraw budget")]
     Waiting,
 }
 
-/// What [`LightSet::prepare`](crate::LightSet::prepare) found to do.
+/// Statistics of [`LightSet::prepare`](crate::LightSet::prepare).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SetReport {
-    /// Lights that were planned.
+    /// Number of lights that were planned.
     pub planned: u32,
-    /// Layers that this frame draws.
+    /// Number of layers that this frame draws.
     pub redrawn: u32,
-    /// Lights whose lists of casters this frame makes.
+    /// Number of lights whose caster lists this frame builds.
     pub listed: u32,
-    /// Layers that wait for one of the next frames, as
-    /// [`SetBudget::redraws`](crate::SetBudget::redraws) demands.
+    /// Number of layers that wait for one of the next frames because of
+    /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     pub waiting: u32,
     /// Bytes written to the GPU.
     pub uploaded: u64,

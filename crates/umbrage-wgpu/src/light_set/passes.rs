@@ -23,7 +23,7 @@ use slotmap::SlotMap;
 use std::ops::Range;
 use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
 
-/// The cast that a pass draws.
+/// The cast drawn by a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassName {
     pub(crate) light: LightId,
@@ -32,13 +32,13 @@ pub(crate) struct PassName {
     pub(crate) part: PassCasters,
 }
 
-/// What passes are chosen by, and draw from.
+/// Inputs for the selection and recording of passes.
 #[derive(Debug)]
 pub(crate) struct CastSources<'a> {
     pub(crate) casters: &'a Casters,
     pub(crate) option: StillLayers,
     pub(crate) prices: &'a Prices,
-    /// Bytes that new layers of still casters may take.
+    /// Bytes left for new layers of still casters.
     pub(crate) bytes_left: u64,
 }
 
@@ -46,31 +46,31 @@ pub(crate) struct CastSources<'a> {
 #[derive(Debug)]
 struct CastPass {
     name: PassName,
-    /// Its part of the list of draws.
+    /// Range in the list of draws.
     draws: Range<usize>,
-    /// How many triangles it draws.
+    /// Number of triangles.
     triangles: u64,
 }
 
-/// What is drawn of a mesh.
+/// The draws of a mesh.
 #[derive(Debug)]
 struct MeshDraws {
     mesh: MeshId,
     pipeline: RenderPipeline,
-    /// Its part of the list of runs.
+    /// Range in the list of runs.
     runs: Range<usize>,
 }
 
-/// The passes of a frame. Its lists keep their memory from frame to frame.
+/// The passes of a frame. The lists keep their memory between frames.
 #[derive(Debug, Default)]
 pub(crate) struct PassList {
-    /// The lights that get new numbers or layers in this frame.
+    /// The lights whose uniforms or layers change in this frame.
     pub(crate) lights: Vec<LightId>,
     passes: Vec<CastPass>,
     draws: Vec<MeshDraws>,
     /// Runs of slots.
     runs: Vec<Range<u32>>,
-    /// Scratch: the slots that show in a layer.
+    /// Scratch: the slots visible in a layer.
     shown: ShownSlots,
     bindings: CastBindings,
 }
@@ -83,7 +83,7 @@ impl PassList {
         self.runs.clear();
     }
 
-    /// Appends the passes that draw the layers of a light in which something changed.
+    /// Appends the passes that redraw the changed layers of a light.
     pub(crate) fn push_light(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -126,7 +126,7 @@ impl PassList {
         }
     }
 
-    /// Appends a pass that draws a cast of a light: the casters that show in it, or a part of them.
+    /// Appends a pass that draws a cast of a light: its visible casters, or a part of them.
     fn push(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -172,7 +172,7 @@ impl PassList {
         });
     }
 
-    /// Writes what the passes read.
+    /// Writes the inputs of the passes.
     pub(crate) fn upload(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -185,17 +185,17 @@ impl PassList {
         self.bindings.write(factory, pipelines, targets, holes);
     }
 
-    /// Returns how many passes there are.
+    /// Returns the number of passes.
     pub(crate) fn count(&self) -> usize {
         self.passes.len()
     }
 
-    /// Returns which casts the passes draw.
+    /// Returns the casts drawn by the passes.
     pub(crate) fn names(&self) -> impl Iterator<Item = PassName> + '_ {
         self.passes.iter().map(|pass| pass.name)
     }
 
-    /// Records a cast; `own_draws` draws what the caller draws itself, in the same pass.
+    /// Records a cast; `own_draws` draws the caller's geometry in the same pass.
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
@@ -251,14 +251,14 @@ impl PassList {
                 mesh.draw(&mut pass, run.clone());
             }
         }
-        // What the caller draws belongs to what moves.
+        // The caller's geometry counts as moving.
         if part != PassCasters::Still {
             own_draws(&mut pass, &cast.target);
         }
     }
 }
 
-/// Records that the layer of still casters is copied into the cast's.
+/// Records a copy of the layer of still casters into the cast's layer.
 fn copy_still_layer(encoder: &mut CommandEncoder, still: &StillLayer, cast: &LightCast) {
     let mut to = cast.target.layer.texture().as_image_copy();
     to.origin.z = cast.texture_layer;
@@ -266,8 +266,8 @@ fn copy_still_layer(encoder: &mut CommandEncoder, still: &StillLayer, cast: &Lig
     encoder.copy_texture_to_texture(from, to, extent(cast.target.size, 1));
 }
 
-/// Returns whether a cast has a layer for the casters that are still. Makes one if it takes no more
-/// than the bytes that are left.
+/// Returns whether a cast has a layer for the still casters. Creates one if it fits into the
+/// remaining bytes.
 fn has_still_layer(
     factory: &mut ResourceFactory<'_>,
     cast: &mut LightCast,

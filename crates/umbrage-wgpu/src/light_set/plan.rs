@@ -1,4 +1,4 @@
-//! What a light's shadows are made of, as the set executes it.
+//! The plan of a light: its recipe, as the set executes it.
 
 use crate::{
     light_set::buffers::{MAX_IMAGES, MAX_IMAGES_WITH_ALL_TABLES, MAX_TABLES},
@@ -10,42 +10,42 @@ use umbrage_core::{
     ShadowTechnique, Source, Table, View,
 };
 
-/// What plans depend on in addition to their view.
+/// Inputs of plans in addition to their view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlanLimits<'a> {
     pub(crate) recipes: &'a BackendLimits,
-    /// Why the device can't make lists of casters, if it can't.
+    /// Reason why the device can't build caster lists, if it can't.
     pub(crate) unlisted: Option<&'a str>,
 }
 
-/// A light's recipe, and what of its kernel the set binds.
+/// A light's recipe, and the bindings of its kernel.
 #[derive(Debug)]
 pub(crate) struct LightPlan {
     pub(crate) recipe: Recipe,
     pub(crate) kind: KernelKind,
     /// The kernel's uniforms; empty if it has none.
     pub(crate) uniforms: Vec<u8>,
-    /// What makes the kernel's tables, if the device does.
+    /// Lists that the device builds for the kernel's tables, if any.
     pub(crate) lists: Option<DeviceLists>,
 }
 
-/// What of one plan differs from another.
+/// Difference between two plans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Difference {
     Nothing,
-    /// What the kernel reads in addition to the maps.
+    /// Inputs of the kernel other than the maps.
     Numbers,
-    /// What the maps hold.
+    /// Contents of the maps.
     Maps,
-    /// Which images there are, or which kernel reads them.
+    /// The set of images, or the kernel that reads them.
     Images,
 }
 
 impl LightPlan {
-    /// Plans a light. Where the program has no geometry, the device makes the tables of techniques
-    /// that list casters.
+    /// Plans a light. If the program has no geometry, the device builds the tables of techniques
+    /// that use caster lists.
     ///
-    /// Errors if the technique can't serve the light, or with `Unsupported` if the set can't
+    /// Errors if the technique doesn't support the light, or with `Unsupported` if the set can't
     /// execute its recipe.
     pub(crate) fn of(
         technique: &dyn ShadowTechnique,
@@ -72,7 +72,7 @@ impl LightPlan {
 
     /// Returns the plan of a valid recipe.
     ///
-    /// Errors with `Unsupported` if the set can't execute it, with the reason.
+    /// Errors with `Unsupported` and a reason if the set can't execute it.
     fn new(recipe: Recipe) -> Result<Self, RecipeError> {
         check_casts(&recipe)?;
         let receive = &recipe.receive;
@@ -109,7 +109,7 @@ impl LightPlan {
         })
     }
 
-    /// Returns what differs from `before`.
+    /// Returns the difference from `before`.
     pub(crate) fn difference(&self, before: &Self) -> Difference {
         let is_like = self.recipe.images == before.recipe.images
             && self.lists.is_some() == before.lists.is_some()
@@ -141,22 +141,21 @@ impl LightPlan {
     }
 }
 
-/// Errors unless all casts draw casters from the light: other sources belong to one camera's
-/// picture.
+/// Errors unless all casts draw casters from the light: other sources depend on one camera's image.
 fn check_casts(recipe: &Recipe) -> Result<(), RecipeError> {
     for cast in &recipe.casts {
         let draws_casters = matches!(cast.source, Source::Casters | Source::SomeCasters(_));
         let keeps_depth = !matches!(cast.mode, CastMode::StencilDepthFail { .. });
         if !draws_casters || !keeps_depth {
             return Err(RecipeError::unsupported(
-                "it draws from the camera, for one picture, and a light set serves any; use `ShadowRenderer`",
+                "it draws from the camera, which a light set doesn't support: use `ShadowRenderer`",
             ));
         }
     }
     if recipe.shade.is_some() {
         return Err(Invalid::new(
             "recipe",
-            "shades, and a light set leaves colours to the caller",
+            "shades, which a light set doesn't support",
             "plan it without shading",
         )
         .into());
@@ -169,7 +168,7 @@ fn all_equal<T>(a: &[T], b: &[T], equal: impl Fn(&T, &T) -> bool) -> bool {
 }
 
 fn same_cast(a: &Cast, b: &Cast) -> bool {
-    // The set finds itself which casters show, so which ones the recipe names makes no difference.
+    // Ignore the recipe's choice of casters: the set determines itself which are visible.
     a.image == b.image
         && a.layer == b.layer
         && a.space == b.space

@@ -1,5 +1,5 @@
-//! Where the lights' maps live: textures with many layers, one for each size and format. A light
-//! has some layers side by side.
+//! Storage of the lights' maps: textures with many layers, one for each size and format. Each light
+//! has some consecutive layers.
 
 use crate::resources::{
     counters::ResourceFactory,
@@ -17,7 +17,7 @@ pub(crate) struct LayerClass {
     pub(crate) format: Format,
 }
 
-/// Layers of one class that belong together, side by side.
+/// Consecutive layers of one class that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct LayerRange {
     /// Index of the class in the pool.
@@ -30,14 +30,14 @@ struct ClassTexture {
     class: LayerClass,
     /// Ranges in use, rising.
     used: Vec<Range<u32>>,
-    /// How many layers there must be.
+    /// Required number of layers.
     wanted: u32,
     texture: Option<Texture>,
     /// The texture with all layers, for kernels.
     whole: Option<TextureView>,
 }
 
-/// All classes. A class stays once it was there, so that shaders which name it stay the same.
+/// All classes. Classes are never removed, so that shaders that refer to them stay the same.
 #[derive(Debug, Default)]
 pub(crate) struct LayerPool {
     classes: Vec<ClassTexture>,
@@ -53,8 +53,8 @@ impl LayerClass {
 }
 
 impl LayerPool {
-    /// Takes as many layers as an image has, side by side; `None` if a texture of this class would
-    /// need more than `most`.
+    /// Allocates as many consecutive layers as an image has; `None` if a texture of this class
+    /// would need more than `most`.
     pub(crate) fn take(&mut self, image: &ImageDesc, most: u32) -> Option<LayerRange> {
         let class = LayerClass::of(image);
         let known = self.classes.iter().position(|c| c.class == class);
@@ -121,7 +121,7 @@ impl LayerPool {
         lost
     }
 
-    /// Returns an image in these layers; `None` before their texture is made.
+    /// Returns an image in these layers; `None` before their texture is created.
     pub(crate) fn image(&self, desc: ImageDesc, range: &LayerRange) -> Option<GpuImage> {
         let texture = self.classes[range.class].texture.clone()?;
         Some(GpuImage::window(texture, desc, range.layers.start))
@@ -152,8 +152,8 @@ impl LayerPool {
 }
 
 impl ClassTexture {
-    /// Returns the first layer of the first gap of `count` layers, and where its range belongs
-    /// among those in use.
+    /// Returns the first gap of `count` layers: the index of its range among those in use, and its
+    /// first layer.
     fn first_gap(&self, count: u32) -> (usize, u32) {
         let mut start = 0;
         for (place, used) in self.used.iter().enumerate() {

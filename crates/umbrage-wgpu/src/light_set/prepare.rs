@@ -1,4 +1,4 @@
-//! A frame's preparation: plans, layers, the choice of redraws, and what is written for them.
+//! Preparation of a frame: plans, layers, the choice of redraws, and uploads.
 
 use crate::{
     device::{error_scopes::Scopes, requirements::check_device},
@@ -23,13 +23,13 @@ use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
 use wgpu::{Device, Queue};
 
 impl LightSet {
-    /// Checks whether the set can serve a light with a technique. It makes nothing on the device,
-    /// so it suits lists in which a user picks one. Some techniques go through all triangles of the
-    /// frame to make their recipe: call it between frames, or about a small scene.
+    /// Checks whether the set supports a light with a technique. It creates nothing on the device,
+    /// so it can be used to fill menus. Some techniques visit all triangles of the frame to compute
+    /// their recipe: call it between frames, or for a small scene.
     ///
     /// # Errors
-    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have.
-    /// Whatever depends on the other lights, such as budgets, is left out.
+    /// Errors with the reason of [`Unserved::Refused`](crate::Unserved::Refused). Ignores
+    /// everything that depends on the other lights, such as budgets.
     pub fn check(
         &self,
         light: &Light,
@@ -47,13 +47,13 @@ impl LightSet {
         Ok(())
     }
 
-    /// Plans the lights that changed, finds the layers that must be drawn, and writes what they
-    /// need.
+    /// Plans the lights that changed, selects the layers to draw, and writes their inputs.
     ///
     /// # Errors
-    /// Errors if the camera can't be used or the device is another than the set's; with
-    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also if memory runs out, or a kernel's WGSL
-    /// is invalid (with the compiler's message). After an error all GPU objects are made again.
+    /// Errors if the camera is invalid or the device is not the set's. With
+    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it also errors if memory runs out, or a
+    /// kernel's WGSL is invalid (with the compiler's message). After an error all GPU objects are
+    /// recreated.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -82,13 +82,13 @@ impl LightSet {
         Ok(&self.report)
     }
 
-    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a
-    /// G-buffer. Call it after [`prepare`](Self::prepare).
+    /// Creates the resources of [`encode_masks`](Self::encode_masks), for renderers that shade from
+    /// a G-buffer. Call it after [`prepare`](Self::prepare).
     ///
     /// # Errors
-    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with
-    /// what to change. As [`prepare`](Self::prepare), with
-    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
+    /// Errors with advice if nothing is prepared, if there is no such light, or if textures can't
+    /// be used. With [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it also reports errors of the
+    /// graphics API, like [`prepare`](Self::prepare).
     pub fn prepare_masks(
         &mut self,
         queue: &Queue,
@@ -102,7 +102,7 @@ impl LightSet {
         {
             return Err(unknown_light().into());
         }
-        // Without new objects there are no errors of the device.
+        // Open scopes only for new objects: otherwise there are no device errors.
         let makes = !self.masks.is_made_for(&self.shader, inputs);
         let scopes = makes.then(|| Scopes::open(&self.device));
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
@@ -127,7 +127,7 @@ impl LightSet {
         outcome
     }
 
-    /// Makes new plans for the lights whose plan may have changed.
+    /// Replaces the plans that may have changed.
     fn plan_lights(&mut self, frame: &SetFrame<'_>) {
         let now = PlannedFor {
             camera: *frame.camera,
@@ -138,7 +138,7 @@ impl LightSet {
         let same_camera = before.is_some_and(|before| before.camera == now.camera);
         let same_casters = before
             .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
-        // Meshes decide whether the device can make lists.
+        // Meshes determine whether the device can build lists.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
             let unlisted = why_not_listed(&self.casters, &self.device.limits());
@@ -170,7 +170,7 @@ impl LightSet {
         }
     }
 
-    /// Decides which lights have layers, and takes and gives them.
+    /// Assigns layers to lights, and releases unused ones.
     fn assign_layers(&mut self) {
         if !std::mem::take(&mut self.layers_changed) {
             return;
@@ -186,7 +186,7 @@ impl LightSet {
         let mut fitting = Vec::new();
         for id in order {
             let light = &mut self.lights[id];
-            // Layers of still casters get the bytes that lights leave.
+            // Release the layers of still casters: they only get the bytes that lights leave.
             for cast in &mut light.maps.casts {
                 cast.still = None;
             }
@@ -207,7 +207,7 @@ impl LightSet {
         }
     }
 
-    /// Marks the layers in which something changed.
+    /// Marks the layers with changes.
     fn mark_stale(&mut self) {
         let casters = &self.casters;
         for light in self.lights.values_mut() {
@@ -220,7 +220,7 @@ impl LightSet {
         }
     }
 
-    /// Chooses the lights that get new numbers or layers in this frame, by urgency.
+    /// Chooses the lights whose uniforms or layers change in this frame, by urgency.
     fn choose_redraws(&mut self) {
         let lights = &mut self.lights;
         let chosen = &mut self.passes.lights;
@@ -241,7 +241,7 @@ impl LightSet {
         chosen.retain(|&id| {
             let light = &mut lights[id];
             let layers = light.waiting_layers();
-            // New numbers alone cost nothing.
+            // New uniforms alone cost nothing.
             let is_chosen = layers == 0 || layers <= left || is_first || light.is_undrawn();
             if is_chosen {
                 left = left.saturating_sub(layers);
@@ -255,7 +255,7 @@ impl LightSet {
         });
     }
 
-    /// Writes the frame. Errors of the graphics API are collected if anything may be made.
+    /// Writes the frame. Collects errors of the graphics API if objects may be created.
     fn write_within_scopes(&mut self, queue: &Queue) -> Result<(), BackendError> {
         let shows_plans = |&id: &LightId| self.lights[id].state.has_next();
         let makes = self.shader.is_outdated()
@@ -270,7 +270,7 @@ impl LightSet {
         closed.and(result)
     }
 
-    /// Makes and writes what the chosen lights, moved casters and the shaders need.
+    /// Creates and writes the resources of the chosen lights, moved casters and shaders.
     fn write(&mut self, queue: &Queue) -> Result<(), BackendError> {
         let textures_changed = self.make_textures(queue);
         self.show_plans(queue);
@@ -282,7 +282,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Makes the textures that are too small again. Returns whether there were any.
+    /// Recreates the textures that are too small. Returns whether there were any.
     fn make_textures(&mut self, queue: &Queue) -> bool {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         let lost = self.pool.make_textures(&mut factory);
@@ -290,7 +290,7 @@ impl LightSet {
             let mut ranges = light.maps.ranges.iter();
             let has_lost = ranges.any(|range| lost.contains(&range.class));
             if has_lost && light.state.shown().is_some() {
-                // The budget can't put this off: shaders would read an empty texture.
+                // Ignore the budget: shaders would read an empty texture.
                 light.state.lose_content();
                 if !self.passes.lights.contains(&id) {
                     self.passes.lights.push(id);
@@ -300,7 +300,7 @@ impl LightSet {
         !lost.is_empty()
     }
 
-    /// Shows the newest plans of the chosen lights.
+    /// Makes the newest plans of the chosen lights current.
     fn show_plans(&mut self, queue: &Queue) {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         for &id in &self.passes.lights {
@@ -350,7 +350,7 @@ impl LightSet {
         }
     }
 
-    /// Writes placements, and what the passes read.
+    /// Writes placements, and the inputs of the passes.
     fn upload_passes(&mut self, queue: &Queue) -> Uploaded {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         let uploaded = self.casters.upload(&mut factory);
@@ -360,7 +360,7 @@ impl LightSet {
         uploaded
     }
 
-    /// Writes what shaders read of the lights, and what makes lists of casters.
+    /// Writes the shader data of the lights, and the inputs of caster lists.
     fn write_shader(
         &mut self,
         queue: &Queue,
@@ -394,7 +394,7 @@ impl LightSet {
         Ok(uploaded)
     }
 
-    /// Marks everything to be drawn.
+    /// Marks everything to be redrawn.
     fn draw_all_again(&mut self) {
         self.lists.mark_stale();
         for light in self.lights.values_mut() {
@@ -402,7 +402,7 @@ impl LightSet {
         }
     }
 
-    /// Forgets all GPU objects, so that the next frame makes them again.
+    /// Drops all GPU objects, so that the next frame recreates them.
     pub(super) fn forget_objects(&mut self) {
         self.pipelines = Pipelines::default();
         self.masks = MaskStage::default();
@@ -421,7 +421,7 @@ impl LightSet {
     }
 }
 
-/// Returns whether a light's layers are those that its newest plan needs.
+/// Returns whether a light's layers are those of its newest plan.
 fn has_layers_for_plan(light: &HeldLight, pool: &LayerPool) -> bool {
     let Some(plan) = light.state.newest() else {
         return false;
@@ -435,7 +435,7 @@ fn has_layers_for_plan(light: &HeldLight, pool: &LayerPool) -> bool {
     images.len() == ranges.len() && fits
 }
 
-/// Takes a light's layers away.
+/// Releases a light's layers.
 fn release_layers(light: &mut HeldLight, pool: &mut LayerPool) {
     for range in light.maps.ranges.drain(..) {
         pool.give_back(&range);
@@ -445,7 +445,7 @@ fn release_layers(light: &mut HeldLight, pool: &mut LayerPool) {
     light.state.lose_layers();
 }
 
-/// Gives layers to a light that has none, unless a texture would need more than `most`.
+/// Allocates layers for a light that has none, unless a texture would need more than `most`.
 fn take_layers(light: &mut HeldLight, pool: &mut LayerPool, most: u32) {
     let LightState::OverBudget(plan) = &light.state else {
         return;

@@ -1,24 +1,24 @@
-//! What drawing a triangle and copying a texel take on this device, measured by timestamps where it
-//! has them.
+//! Costs of drawing a triangle and of copying a texel on this device, measured with timestamps if
+//! available.
 //!
-//! Results come a few frames after they were measured, without waiting: they only decide what is
-//! drawn and what is copied, and both give the same bits.
+//! Results arrive a few frames later, without waiting. They only decide between drawing and
+//! copying, which are bit-equal.
 
 use crate::resources::{late_read::LateRead, query_pairs::QueryPairs};
 use wgpu::{CommandEncoder, Device, Features, Queue, RenderPassTimestampWrites};
 
-/// Texels that are copied in the time in which a triangle is drawn, on devices without timestamps.
-/// An estimate: a copy reads and writes four bytes a texel, and a small triangle takes some hundred
-/// bytes of vertices, set-up and texels.
+/// Texels copied in the time of drawing a triangle, on devices without timestamps. An estimate: a
+/// copy reads and writes four bytes per texel, and a small triangle needs a few hundred bytes of
+/// vertices, set-up and texels.
 const TEXELS_A_TRIANGLE: f64 = 24.0;
-/// Share of a new measurement in the mean of all.
+/// Weight of a new measurement in the running mean.
 const NEW_SHARE: f64 = 0.25;
-/// Frames with redraws that are measured one after the other; from then on one of [`RARE`] is.
+/// Number of initial frames with redraws that are all measured; after them one of [`RARE`] is.
 const FIRST_FRAMES: u32 = 16;
 /// See [`FIRST_FRAMES`].
 const RARE: u32 = 32;
 
-/// What is known of prices.
+/// Measured costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Prices {
     /// Seconds to draw a triangle.
@@ -28,7 +28,7 @@ pub(crate) struct Prices {
 }
 
 impl Prices {
-    /// Returns how many texels are copied in the time in which a triangle is drawn.
+    /// Returns the number of texels copied in the time of drawing a triangle.
     pub(crate) fn texels_a_triangle(&self) -> f64 {
         match (self.triangle, self.texel) {
             (Some(triangle), Some(texel)) if texel > 0.0 => triangle / texel,
@@ -36,7 +36,7 @@ impl Prices {
         }
     }
 
-    /// Takes a measurement into the means.
+    /// Adds a measurement to the means.
     fn add(&mut self, measured: Self) {
         let mean = |held: &mut Option<f64>, new: Option<f64>| {
             if let Some(new) = new {
@@ -49,21 +49,21 @@ impl Prices {
     }
 }
 
-/// How much of what was timed in a frame.
+/// Amounts of work timed in a frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Timed {
     triangles: Option<u64>,
     texels: Option<u64>,
 }
 
-/// Measures prices.
+/// Measures costs.
 #[derive(Debug)]
 pub(crate) struct PriceMeter {
     prices: Prices,
     queries: Option<Queries>,
-    /// Frames with redraws so far.
+    /// Number of frames with redraws so far.
     frames: u32,
-    /// What the queries of the frame in flight are of.
+    /// The work timed by the queries in flight.
     timed: Timed,
 }
 
@@ -71,17 +71,17 @@ pub(crate) struct PriceMeter {
 struct Queries {
     pairs: QueryPairs,
     read: LateRead,
-    /// Seconds a tick; known once there is a queue.
+    /// Seconds per tick; `None` before there is a queue.
     period: Option<f64>,
 }
 
-/// The pair of the draw.
+/// Index of the draw's query pair.
 const DRAW: u32 = 0;
-/// The pair of the copy.
+/// Index of the copy's query pair.
 const COPY: u32 = 1;
 
 impl PriceMeter {
-    /// Measures nothing where the device lacks timestamps in passes or between them.
+    /// Returns a meter; it measures nothing if the device lacks timestamps in passes or encoders.
     pub(crate) fn new(device: &Device) -> Self {
         let needed = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let has_timestamps = device.features().contains(needed);
@@ -97,14 +97,14 @@ impl PriceMeter {
         &self.prices
     }
 
-    /// Sets what is known of prices, and measures nothing from then on.
+    /// Sets the costs, and disables measurement.
     #[cfg(feature = "testing")]
     pub(crate) fn assume(&mut self, prices: Prices) {
         self.prices = prices;
         self.queries = None;
     }
 
-    /// Takes what a frame before has measured, if it is there by now.
+    /// Reads the measurement of an earlier frame, if it has arrived.
     pub(crate) fn collect(&mut self, queue: &Queue) {
         let Some(queries) = &mut self.queries else {
             return;
@@ -124,7 +124,7 @@ impl PriceMeter {
         });
     }
 
-    /// Returns what times passes of this frame, if it is one to be measured.
+    /// Returns the meter for this frame's passes, if it is to be measured.
     pub(crate) fn begin_frame(&mut self) -> Option<FrameMeter<'_>> {
         let queries = self.queries.as_ref()?;
         if !queries.read.is_idle() {
@@ -150,8 +150,8 @@ pub(crate) struct FrameMeter<'a> {
 }
 
 impl FrameMeter<'_> {
-    /// Returns the timestamps of a pass that draws so many triangles into a cleared layer, if it is
-    /// to be timed.
+    /// Returns the timestamps of a pass that draws this number of triangles into a cleared layer,
+    /// if it is to be timed.
     pub(crate) fn draw(&mut self, triangles: u64) -> Option<RenderPassTimestampWrites<'_>> {
         if self.timed.triangles.is_some() || triangles == 0 {
             return None;
@@ -164,7 +164,7 @@ impl FrameMeter<'_> {
         })
     }
 
-    /// Records a copy of so many texels, between timestamps if it is to be timed.
+    /// Records a copy of this number of texels, between timestamps if it is to be timed.
     pub(crate) fn copy(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -181,7 +181,7 @@ impl FrameMeter<'_> {
         encoder.write_timestamp(&self.queries.pairs.set, 2 * COPY + 1);
     }
 
-    /// Records that what was timed is read.
+    /// Records the readback of the timestamps.
     pub(crate) fn end(self, encoder: &mut CommandEncoder) {
         let Queries { pairs, read, .. } = self.queries;
         let is_timed = [self.timed.triangles.is_some(), self.timed.texels.is_some()];

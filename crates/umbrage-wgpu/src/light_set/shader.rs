@@ -1,4 +1,4 @@
-//! What shaders see of a set: one text, one bind group, and the numbers behind them.
+//! Shader interface of a set: one WGSL text, one bind group, and the uniforms behind them.
 
 use crate::{
     light_set::{
@@ -28,7 +28,7 @@ use std::sync::Arc;
 use umbrage_core::{BackendError, Invalid, RecipeError};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 
-/// Text, bindings and numbers of a set.
+/// WGSL text, bindings and uniforms of a set.
 #[derive(Debug)]
 pub(crate) struct SetShader {
     group: u32,
@@ -37,32 +37,32 @@ pub(crate) struct SetShader {
     kinds: Vec<KernelKind>,
     numbers: LightNumbers,
     maps: Vec<MapBinding>,
-    /// As [`TextParts::classes`].
+    /// See [`TextParts::classes`].
     classes: Vec<Vec<Vec<usize>>>,
     tables: SharedTables,
-    /// Where each shown light's uniforms are.
+    /// Uniform record of each shown light.
     records: SecondaryMap<LightId, KernelRecord>,
     text: String,
-    /// The text as users get it.
+    /// The text with the user's prefix.
     prefixed_text: String,
     revision: u64,
     binding: Binding,
-    /// Whether kinds or maps were added since the text was made.
+    /// True if kinds or maps were added since the text was generated.
     is_outdated: bool,
-    /// Whether entries and uniforms are other than those that were written.
+    /// True if entries and uniforms differ from those that were written.
     has_changed: bool,
 }
 
-/// A light's uniforms, among those of its kind.
+/// A light's uniforms, by kind and index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct KernelRecord {
     kind: usize,
     index: usize,
 }
 
-/// Most textures that are bound: an index takes 8 bits of a light's entry.
+/// Greatest number of bound textures: an index uses 8 bits of a light's entry.
 const MAX_MAPS: u32 = 256;
-/// Most kinds of kernels: a kind takes 8 bits of a light's entry.
+/// Greatest number of kinds of kernels: a kind uses 8 bits of a light's entry.
 const MAX_KINDS: usize = 255;
 
 impl SetShader {
@@ -121,12 +121,12 @@ impl SetShader {
         &mut self.tables
     }
 
-    /// Marks that lights show other plans than those that were written.
+    /// Marks that the plans of shown lights differ from those that were written.
     pub(crate) fn change(&mut self) {
         self.has_changed = true;
     }
 
-    /// Returns an index for a new light.
+    /// Allocates an index for a new light.
     pub(crate) fn take_index(&mut self) -> u32 {
         self.numbers.entries.take() as u32
     }
@@ -135,8 +135,8 @@ impl SetShader {
         self.numbers.entries.give_back(index as usize);
     }
 
-    /// Frees a light's numbers. Shaders see it as not served from the next [`write`](Self::write)
-    /// on.
+    /// Frees a light's uniforms. From the next [`write`](Self::write) on, it has no shadows in
+    /// shaders.
     pub(crate) fn forget(&mut self, light: LightId) {
         if let Some(KernelRecord { kind, index }) = self.records.remove(light) {
             self.numbers.kernels[kind].give_back(index);
@@ -144,7 +144,7 @@ impl SetShader {
         self.has_changed = true;
     }
 
-    /// Forgets all buffers and bind groups.
+    /// Drops all buffers and bind groups.
     pub(crate) fn lose_buffers(&mut self) {
         self.numbers.lose_buffer();
         self.tables.lose_buffer();
@@ -152,10 +152,10 @@ impl SetShader {
         self.has_changed = true;
     }
 
-    /// Writes the numbers of all lights, and replaces text and bind group if needed.
-    /// `maps_changed`: whether textures were replaced.
+    /// Writes the uniforms of all lights, and replaces text and bind group if needed.
+    /// `maps_changed` is true if textures were replaced.
     ///
-    /// Errors if a kernel's WGSL can't be put under a prefix.
+    /// Errors if a kernel's WGSL can't be prefixed.
     pub(crate) fn write(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -168,7 +168,7 @@ impl SetShader {
             return Ok(Uploaded::default());
         }
         self.register_all(lights);
-        // What no light shows any more makes room for what is new.
+        // Free the tables that no light uses before adding new ones.
         self.retain_tables(lights);
         let most = factory.device.limits().max_storage_buffer_binding_size;
         self.refuse_long_tables(lights, most);
@@ -188,7 +188,7 @@ impl SetShader {
         Ok(uploaded)
     }
 
-    /// Ensures that there is a kind and there are bindings for all shown lights.
+    /// Ensures that kinds and bindings for all shown lights are registered.
     fn register_all(&mut self, lights: &mut SlotMap<LightId, HeldLight>) {
         let is_registered = |light: &HeldLight| {
             let plan = light.state.shown();
@@ -197,7 +197,7 @@ impl SetShader {
         if lights.values().all(is_registered) {
             return;
         }
-        // The text changes anyway: drop what no light uses.
+        // The text changes anyway: drop unused kinds and maps.
         self.kinds.clear();
         self.numbers.kernels.clear();
         self.maps.clear();
@@ -213,7 +213,7 @@ impl SetShader {
         }
     }
 
-    /// Returns whether text and bindings serve a light's plan.
+    /// Returns whether text and bindings support a light's plan.
     fn has_registered(&self, plan: &LightPlan, light: &HeldLight) -> bool {
         let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
             return false;
@@ -226,7 +226,7 @@ impl SetShader {
         })
     }
 
-    /// Adds what a light's plan needs.
+    /// Registers the kind and the maps of a light's plan.
     ///
     /// Errors with `Unsupported` if a shader can't bind that much.
     fn register(&mut self, plan: &LightPlan, light: &HeldLight) -> Result<(), RecipeError> {
@@ -266,7 +266,7 @@ impl SetShader {
     fn add_map(&mut self, binding: MapBinding) -> Result<usize, RecipeError> {
         if self.maps.len() == self.most_maps {
             let why = format!(
-                "the lights of the set have maps of {} other sizes and formats, and a shader of this device reads no more",
+                "the lights of the set have maps of {} other sizes and formats, which is the limit of shaders on this device",
                 self.most_maps
             );
             return Err(RecipeError::unsupported(why));
@@ -275,14 +275,14 @@ impl SetShader {
         Ok(self.maps.len() - 1)
     }
 
-    /// Sets the numbers of all lights.
+    /// Sets the uniforms of all lights.
     fn set_records(&mut self, lights: &SlotMap<LightId, HeldLight>) {
         let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
         for (id, light) in lights {
             let Some(plan) = light.state.shown() else {
                 continue;
             };
-            // It was registered.
+            // The kind was registered.
             let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
                 continue;
             };
@@ -330,7 +330,7 @@ impl SetShader {
             };
         }
         if plan.lists.is_some() {
-            // The last table is that of all casters' corners.
+            // The last table contains the corners of all casters.
             let last = receive.tables.len().saturating_sub(1);
             for i in 0..last {
                 entry.tables[i] = self.tables.place_of(Region::Light(id, i));
@@ -344,8 +344,8 @@ impl SetShader {
         entry
     }
 
-    /// Refuses the lights of least priority whose tables are longer than what a shader can bind,
-    /// with those of all lights before them.
+    /// Refuses the lights of least priority whose tables, together with those of all lights before
+    /// them, exceed what a shader can bind.
     fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, HeldLight>, most: u64) {
         let mut bytes = self.tables.made_bytes();
         let mut order: Vec<LightId> = lights.keys().collect();
@@ -376,7 +376,7 @@ impl SetShader {
             } else {
                 counted.truncate(counted_before);
                 let why = format!(
-                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; request a device with a greater `max_storage_buffer_binding_size`",
+                    "with its tables, the lights of the set need {} KiB, and shaders of the device can bind {} KiB; request a device with a greater `max_storage_buffer_binding_size`",
                     with_own >> 10,
                     most >> 10
                 );
@@ -386,7 +386,7 @@ impl SetShader {
         }
     }
 
-    /// Drops tables that no light shows any more.
+    /// Drops the tables that no shown light uses.
     fn retain_tables(&mut self, lights: &SlotMap<LightId, HeldLight>) {
         let plans = || lights.values().filter_map(|light| light.state.shown());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
@@ -433,7 +433,7 @@ impl SetShader {
         ];
         let mut entries = Vec::new();
         for (slot, buffer) in buffers {
-            // Both were uploaded.
+            // Both buffers were uploaded.
             entries.extend(buffer.map(|buffer| (slot, Bound::Buffer(buffer.clone()))));
         }
         let mut compares = false;
@@ -455,7 +455,7 @@ impl SetShader {
     }
 }
 
-/// Returns how a light's kernel reads input `i`, which is this image of the recipe.
+/// Returns the binding of input `i` of a light's kernel, which is this image of the recipe.
 fn map_binding(plan: &LightPlan, light: &HeldLight, i: usize, image: usize) -> MapBinding {
     MapBinding {
         class: light.maps.ranges[image].class,
@@ -463,8 +463,8 @@ fn map_binding(plan: &LightPlan, light: &HeldLight, i: usize, image: usize) -> M
     }
 }
 
-/// Returns the error of a set of which nothing is prepared.
+/// Returns the error of a set that is not prepared.
 pub(crate) fn unprepared() -> BackendError {
-    let help = "call `prepare` first, and look at its error";
+    let help = "call `prepare` first, and check its error";
     Invalid::new("light set", "has nothing prepared", help).into()
 }

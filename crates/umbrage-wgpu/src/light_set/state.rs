@@ -5,7 +5,7 @@ use crate::{
     filter::FilterStage,
     light_set::{
         culling::Volume,
-        options::{SetLight, Unserved},
+        options::{ShadowedLight, Unserved},
         plan::{Difference, LightPlan},
         pool::LayerRange,
     },
@@ -17,19 +17,19 @@ use crate::{
 use umbrage_core::{Aabb, RecipeError};
 use wgpu::Texture;
 
-/// The state of a light. A light that is not [`Shown`](Self::Shown) is lit everywhere.
+/// State of a light. A light that is not [`Shown`](Self::Shown) is lit everywhere.
 #[derive(Debug, Default)]
 pub(crate) enum LightState {
-    /// It was added since the last frame.
+    /// Added since the last frame.
     #[default]
     New,
-    /// Its technique can't serve it.
+    /// Not supported by its technique.
     Refused(RecipeError),
-    /// It has a plan and no layers: lights of a higher priority have them.
+    /// Has a plan, but no layers: lights of a higher priority use them.
     OverBudget(LightPlan),
-    /// It has layers, which do not show its plan yet.
+    /// Has layers that don't show its plan yet.
     Waiting(LightPlan),
-    /// Its layers and its numbers in shaders are those of a plan.
+    /// Has layers and uniforms of a plan.
     Shown {
         plan: LightPlan,
         /// The plan that replaces it.
@@ -47,7 +47,7 @@ impl LightState {
         }
     }
 
-    /// Returns the plan that shaders see.
+    /// Returns the plan used by shaders.
     pub(crate) fn shown(&self) -> Option<&LightPlan> {
         match self {
             Self::Shown { plan, .. } => Some(plan),
@@ -60,7 +60,7 @@ impl LightState {
         matches!(self, Self::Waiting(_) | Self::Shown { next: Some(_), .. })
     }
 
-    /// Returns why the light is lit everywhere, if it is.
+    /// Returns the reason why the light is lit everywhere, if it is.
     pub(crate) fn unserved(&self) -> Option<Unserved> {
         match self {
             Self::Refused(error) => Some(Unserved::Refused(error.clone())),
@@ -70,7 +70,7 @@ impl LightState {
         }
     }
 
-    /// Takes a new plan, and returns its difference from the newest one before.
+    /// Stores a new plan, and returns its difference from the previous newest one.
     pub(crate) fn take_plan(&mut self, new: LightPlan) -> Difference {
         let difference = self
             .newest()
@@ -86,8 +86,8 @@ impl LightState {
         difference
     }
 
-    /// Shows the newest plan. Returns its difference from the one that was shown, if there is a new
-    /// one.
+    /// Makes the newest plan current. If there is a new one, returns its difference from the one
+    /// before.
     pub(crate) fn show_next(&mut self) -> Option<Difference> {
         let (plan, difference) = match std::mem::take(self) {
             Self::Waiting(plan) => (plan, Difference::Images),
@@ -107,7 +107,7 @@ impl LightState {
         Some(difference)
     }
 
-    /// The light gets layers.
+    /// Updates the state after layers were assigned.
     pub(crate) fn gain_layers(&mut self) {
         *self = match std::mem::take(self) {
             Self::OverBudget(plan) => Self::Waiting(plan),
@@ -115,7 +115,7 @@ impl LightState {
         };
     }
 
-    /// The content of the light's layers is lost.
+    /// Updates the state after the content of the layers was lost.
     pub(crate) fn lose_content(&mut self) {
         *self = match std::mem::take(self) {
             Self::Shown { plan, next } => Self::Waiting(next.map_or(plan, |next| *next)),
@@ -123,7 +123,7 @@ impl LightState {
         };
     }
 
-    /// The light's layers are taken away.
+    /// Updates the state after the layers were released.
     pub(crate) fn lose_layers(&mut self) {
         self.lose_content();
         *self = match std::mem::take(self) {
@@ -136,60 +136,60 @@ impl LightState {
 /// A light of the set.
 #[derive(Debug)]
 pub(crate) struct HeldLight {
-    /// Its index in shaders.
+    /// Index in shaders.
     pub(crate) index: u32,
-    pub(crate) settings: SetLight,
-    /// Whether the settings changed since the last plan.
+    pub(crate) settings: ShadowedLight,
+    /// True if the settings changed since the last plan.
     pub(crate) has_changed: bool,
     pub(crate) state: LightState,
     pub(crate) maps: LightMaps,
-    /// Frames for which its redraw waited.
+    /// Number of frames for which its redraw waited.
     pub(crate) age: u32,
 }
 
 /// Layers of a light, and the stages that draw them.
 #[derive(Debug, Default)]
 pub(crate) struct LightMaps {
-    /// For each image of the plan, its layers in the pool.
+    /// Layers in the pool, for each image of the plan.
     pub(crate) ranges: Vec<LayerRange>,
     pub(crate) images: Vec<GpuImage>,
     pub(crate) casts: Vec<LightCast>,
     pub(crate) filters: FilterStage,
 }
 
-/// One cast of a light that is shown.
+/// One cast of a shown light.
 #[derive(Debug)]
 pub(crate) struct LightCast {
     pub(crate) target: CastTarget,
     /// Layer of the light's images that it draws into. Casts with the same number are drawn
     /// together.
     pub(crate) layer: u32,
-    /// Layer of the pool's texture that holds the light's.
+    /// The corresponding layer of the pool's texture.
     pub(crate) texture_layer: u32,
     pub(crate) volume: Volume,
-    /// The layer that it peels off.
+    /// The layer that it peels.
     pub(crate) peeled: Binding,
-    /// Whether something changed in it since it was drawn.
+    /// True if something changed in it since it was drawn.
     pub(crate) is_stale: bool,
-    /// Whether its layer holds anything of the plan that is shown. If not, no budget puts its draw
-    /// off: shaders read it.
+    /// True if its layer contains anything of the shown plan. If not, no budget delays its draw,
+    /// because shaders read it.
     pub(crate) is_drawn: bool,
-    /// A layer of the casters that are still, onto a copy of which those that move are drawn: see
+    /// Layer of the still casters; moving ones are drawn on top of a copy of it. See
     /// `still_layers.rs`.
     pub(crate) still: Option<StillLayer>,
 }
 
-/// A layer that holds the casters that are still.
+/// A layer of the still casters.
 #[derive(Debug)]
 pub(crate) struct StillLayer {
     pub(crate) texture: Texture,
     pub(crate) target: CastTarget,
-    /// Whether the casters that are still changed in it since it was drawn.
+    /// True if the still casters in it changed since it was drawn.
     pub(crate) is_stale: bool,
 }
 
 impl HeldLight {
-    pub(crate) fn new(index: u32, settings: SetLight) -> Self {
+    pub(crate) fn new(index: u32, settings: ShadowedLight) -> Self {
         Self {
             index,
             settings,
@@ -200,19 +200,19 @@ impl HeldLight {
         }
     }
 
-    /// Returns the order of redraws: greater numbers come first.
+    /// Returns the urgency of redraws: greater numbers come first.
     pub(crate) fn urgency(&self) -> f32 {
         self.settings.priority * (1 + self.age) as f32
     }
 
-    /// Returns whether shaders read a layer that was never drawn: its frame was prepared and then
-    /// not recorded, or not submitted.
+    /// Returns whether shaders read a layer that was never drawn: its frame was prepared, but not
+    /// recorded or submitted.
     pub(crate) fn is_undrawn(&self) -> bool {
         self.state.shown().is_some() && self.maps.casts.iter().any(|cast| !cast.is_drawn)
     }
 
-    /// Returns how many layers wait to be drawn: all of a plan that is not shown, else those in
-    /// which something changed.
+    /// Returns the number of layers to be drawn: all layers of a plan that is not shown, otherwise
+    /// those with changes.
     pub(crate) fn waiting_layers(&self) -> u32 {
         let all = |plan: &LightPlan| plan.recipe.casts.len() as u32;
         match &self.state {
@@ -227,8 +227,8 @@ impl HeldLight {
 }
 
 impl LightMaps {
-    /// Marks the casts in which one of these boxes may show; `still_changed` are those of casters
-    /// that are still.
+    /// Marks the casts in which one of these boxes may be visible; `still_changed` are those of
+    /// still casters.
     pub(crate) fn mark_stale(&mut self, changed: &[Aabb], still_changed: &[Aabb]) {
         for cast in &mut self.casts {
             let volume = cast.volume;
@@ -240,7 +240,7 @@ impl LightMaps {
             let cast = &self.casts[i];
             if !cast.is_stale && changed.iter().any(|b| cast.volume.may_show(b)) {
                 let layer = cast.layer;
-                // A layer is drawn as a whole: later casts into it may read what earlier ones drew.
+                // Mark all casts into the layer: later ones may read what earlier ones drew.
                 for other in &mut self.casts {
                     other.is_stale |= other.layer == layer;
                 }
@@ -248,7 +248,7 @@ impl LightMaps {
         }
     }
 
-    /// Marks all casts, as if nothing had been drawn.
+    /// Marks all casts as never drawn.
     pub(crate) fn mark_all_stale(&mut self) {
         for cast in &mut self.casts {
             cast.is_stale = true;
@@ -259,8 +259,8 @@ impl LightMaps {
         }
     }
 
-    /// Returns whether the layers may be split by what moves: each is drawn by one cast, which
-    /// reads no other.
+    /// Returns whether the layers may be split into still and moving casters: each is drawn by one
+    /// cast, which reads no other.
     pub(crate) fn may_split(&self) -> bool {
         let casts = &self.casts;
         casts.iter().enumerate().all(|(i, cast)| {
@@ -269,7 +269,7 @@ impl LightMaps {
         })
     }
 
-    /// Makes the casts of a plan, all to be drawn.
+    /// Builds the casts of a plan, all to be drawn.
     pub(crate) fn make_casts(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -285,8 +285,8 @@ impl LightMaps {
                 None => (Binding::default(), None),
             };
             bind_peeled(&mut peeled, factory, pipelines, &target);
-            // Casts are kept only as long as the light's layers are, so the still layer fits and is
-            // drawn again.
+            // Keep the still layer and redraw it. It fits, because casts are kept only as long as
+            // the light's layers are.
             let still = still.map(|still| StillLayer {
                 target: target.with_layer(still.target.layer),
                 is_stale: true,

@@ -1,21 +1,21 @@
-//! A box that stays the same while what it holds moves a little.
+//! A box that doesn't change when its contents move a little.
 
 use glam::Vec3;
 use umbrage_core::Aabb;
 
-/// The grid's step, as a fraction of the box's longest side: at most this much is added on each
-/// side, at least half of it.
+/// Step of the grid, as a fraction of the box's longest side. Each side is extended by between half
+/// of it and all of it.
 const STEP: f32 = 1.0 / 16.0;
 
-/// Returns a box around `bounds` whose sides lie on a grid. It depends on `bounds` alone, so that
-/// two sets with the same casters have the same box. The grid's step is a power of two.
+/// Returns a box around `bounds` whose sides are on a grid. It only depends on `bounds`, so two
+/// sets with the same casters have the same box. The step of the grid is a power of two.
 pub(crate) fn around(bounds: &Aabb) -> Aabb {
     if bounds.is_empty() {
         return Aabb::EMPTY;
     }
     let longest = bounds.extent().max_element();
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    // A step must be wider than floats are apart where the box is.
+    // A step must be wider than the spacing of floats at the box.
     let least = (farthest * f32::EPSILON * 4.0).max(f32::MIN_POSITIVE);
     let step = (longest * STEP).max(least).log2().floor().exp2();
     let down = |v: Vec3| (v / step).floor() * step;

@@ -1,10 +1,10 @@
-//! Layers that hold the casters that are still, so that a frame in which one caster moves does not
-//! draw all the others again: the layer is copied, and what moves is drawn on top. Depth tests keep
-//! the nearest in any order, so the bits are those of drawing everything.
+//! Layers of the still casters. When a caster moves, the layer is copied and the moving casters are
+//! drawn on top, without redrawing the others. Depth tests keep the nearest in any order, so the
+//! result is bit-equal to drawing everything.
 //!
-//! A copy has a price, too: Godot's engine lost more by such copies than it gained on small scenes
-//! (pull request 77683). So a layer is split only where what need not be drawn costs more than the
-//! copy, by prices that are measured where the device has timestamps (`prices.rs`).
+//! A copy also has a cost: on small scenes, Godot's engine lost more by such copies than it gained
+//! (pull request 77683). A layer is therefore split only where drawing the still casters costs more
+//! than the copy. Costs are measured if the device has timestamps (`prices.rs`).
 
 use crate::{
     light_set::{
@@ -23,12 +23,12 @@ use crate::{
 use slotmap::SlotMap;
 use wgpu::{TextureAspect, TextureUsages, TextureViewDimension};
 
-/// A layer that is split stays so until the copy takes this much longer than what it saves:
-/// measured prices waver.
+/// Hysteresis: a split layer stays split until the copy costs this much more than it saves, as
+/// measured costs fluctuate.
 const PATIENCE: f64 = 1.5;
 
-/// Returns whether a layer that must be drawn again is to be split: whether something moves in it,
-/// and drawing what doesn't would cost more than copying it. `shown` are the slots that show in it.
+/// Returns whether a layer to be redrawn should be split: something moves in it, and drawing the
+/// rest would cost more than copying it. `shown` are the slots visible in it.
 pub(crate) fn is_wanted(
     option: StillLayers,
     prices: &Prices,
@@ -44,14 +44,14 @@ pub(crate) fn is_wanted(
     if option == StillLayers::Always {
         return true;
     }
-    // What is still is drawn once into its own layer, and then copied.
+    // The still casters are drawn once into their own layer, and then copied.
     let still = Wanted::Still(casters.moving());
     let saved = triangles(casters, shown, still) as f64 * prices.texels_a_triangle();
     let patience = if cast.still.is_some() { PATIENCE } else { 1.0 };
     saved * patience > texels as f64
 }
 
-/// Returns how many triangles of the wanted casters may show in a layer.
+/// Returns the number of triangles of the wanted casters that may be visible in a layer.
 fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
     casters
         .meshes()
@@ -60,7 +60,7 @@ fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
 }
 
 impl StillLayer {
-    /// Returns an empty layer like that of a cast.
+    /// Returns an empty layer with the properties of a cast's.
     pub(crate) fn like(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
         let label = "umbrage still casters";
         let format = texture_format(target.format());
@@ -76,13 +76,13 @@ impl StillLayer {
     }
 }
 
-/// Returns the bytes of a layer like that of a cast.
+/// Returns the bytes of a layer with the properties of a cast's.
 pub(crate) fn bytes_of(target: &CastTarget) -> u64 {
     let texels = u64::from(target.size.x) * u64::from(target.size.y);
     texels * target.format().bytes() as u64
 }
 
-/// Returns the bytes of all layers that hold still casters.
+/// Returns the bytes of all layers of still casters.
 pub(crate) fn still_bytes(lights: &SlotMap<LightId, HeldLight>) -> u64 {
     let casts = lights.values().flat_map(|light| &light.maps.casts);
     let layers = casts.filter_map(|cast| cast.still.as_ref());

@@ -6,7 +6,8 @@ use crate::{
 };
 
 impl LightSet {
-    /// Sets what drawing a triangle and copying a texel take, seconds, instead of measuring it.
+    /// Sets the costs of drawing a triangle and of copying a texel, seconds, instead of measuring
+    /// them.
     pub fn assume_prices(&mut self, triangle: f64, texel: f64) {
         self.meter.assume(Prices {
             triangle: Some(triangle),
@@ -14,28 +15,28 @@ impl LightSet {
         });
     }
 
-    /// Returns what drawing a triangle and copying a texel were measured to take, seconds.
+    /// Returns the measured costs of drawing a triangle and of copying a texel, seconds.
     pub fn measured_prices(&self) -> [Option<f64>; 2] {
         let prices = self.meter.prices();
         [prices.triangle, prices.texel]
     }
 
-    /// Gives all lists room for at most so many items.
+    /// Limits the capacity of all lists to this number of items.
     pub fn limit_listed_items(&mut self, most: Option<u32>) {
         self.lists.limits.most = most;
     }
 
-    /// Gives lists room for so many items before it is known how many they need.
+    /// Sets the initial capacity of lists for items.
     pub fn begin_with_listed_items(&mut self, first: u32) {
         self.lists.limits.first = Some(first);
     }
 
-    /// Waits for the last lists of a light, and returns how they were made; none if there are none.
+    /// Waits for the last lists of a light, and returns their result; `None` if there are none.
     pub fn listings(&mut self, id: LightId) -> Option<Listing> {
         self.lists.look(&self.device, id)
     }
 
-    /// Returns how many GPU objects were made so far.
+    /// Returns the number of GPU objects created so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }

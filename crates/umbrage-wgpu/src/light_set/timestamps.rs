@@ -7,59 +7,59 @@ use crate::{
 use std::ops::Range;
 use wgpu::{ComputePassTimestampWrites, QuerySet, RenderPassTimestampWrites};
 
-/// Timestamp queries that [`LightSet::encode_timed`](crate::LightSet::encode_timed) and
-/// [`encode_masks_timed`](crate::LightSet::encode_masks_timed) write: two for each pass, its begin
-/// and its end.
+/// Timestamp queries for [`LightSet::encode_timed`](crate::LightSet::encode_timed) and
+/// [`encode_masks_timed`](crate::LightSet::encode_masks_timed): two for each pass, its begin and
+/// its end.
 #[derive(Clone, Debug)]
 pub struct SetTimestamps<'a> {
     /// A set of kind `Timestamp`.
     pub queries: &'a QuerySet,
-    /// The queries that may be written. Passes for which none are left are not timed.
+    /// Range of queries that may be written. Passes beyond it are not timed.
     pub range: Range<u32>,
 }
 
-/// What a pass of a set does.
+/// A pass of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetPass {
     /// Draws casters into one layer of a light.
     Cast {
         /// Index among the light's layers.
         layer: u32,
-        /// Which casters.
+        /// The casters that it draws.
         casters: PassCasters,
     },
-    /// All passes that filter a light's layers.
+    /// All filter passes of a light's layers.
     Filters,
-    /// All passes that make a light's lists of casters; for the first one, placing the casters,
-    /// too.
+    /// All passes that build a light's caster lists; the first one also includes the transform of
+    /// the casters.
     Lists,
     /// A light's mask.
     Mask,
 }
 
-/// Which casters a pass draws.
+/// Casters drawn by a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassCasters {
-    /// All of them, into the light's layer.
+    /// All casters, into the light's layer.
     All,
-    /// Those that are still, into a layer of their own.
+    /// The still casters, into a separate layer.
     Still,
-    /// Those that move, on a copy of that layer.
+    /// The moving casters, on a copy of that layer.
     Moving,
 }
 
-/// A pass that is timed.
+/// A timed pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimedPass {
     /// The light.
     pub light: LightId,
-    /// What the pass does.
+    /// The kind of pass.
     pub pass: SetPass,
-    /// The query of its begin; that of its end is the next one.
+    /// Index of the query of its begin; that of its end is the next one.
     pub begin: u32,
 }
 
-/// What times the passes of a frame: the caller's queries, or else the set's own.
+/// Timestamps for the passes of a frame, from the caller's queries or the set's own.
 #[derive(Debug, Default)]
 pub(crate) struct PassClock<'a, 'out> {
     pub(crate) timer: Option<PassTimer<'a, 'out>>,
@@ -67,7 +67,7 @@ pub(crate) struct PassClock<'a, 'out> {
 }
 
 impl PassClock<'_, '_> {
-    /// Returns the timestamps of a pass that draws so many triangles.
+    /// Returns the timestamps of a pass that draws this number of triangles.
     pub(crate) fn cast(
         &mut self,
         light: LightId,
@@ -79,15 +79,14 @@ impl PassClock<'_, '_> {
             return timer.writes(light, SetPass::Cast { layer, casters });
         }
         let meter = self.meter.as_mut()?;
-        // What is drawn onto a copy is not cleared first, as other passes are.
+        // Skip draws onto a copy: they are not cleared first, unlike other passes.
         if casters == PassCasters::Moving {
             return None;
         }
         meter.draw(triangles)
     }
 
-    /// Returns the timestamps of all passes that filter a light's layers. They follow one that
-    /// casts.
+    /// Returns the timestamps of all filter passes of a light's layers. They follow a cast pass.
     pub(crate) fn filters(&mut self, light: LightId) -> Option<PassTimestamps<'_>> {
         let timer = self.timer.as_mut()?;
         let begin = timer.begin(light, SetPass::Filters)?;
@@ -98,7 +97,7 @@ impl PassClock<'_, '_> {
     }
 }
 
-/// Deals out queries to passes, and lists which pass got which.
+/// Assigns queries to passes, and records the assignment.
 #[derive(Debug)]
 pub(crate) struct PassTimer<'a, 'out> {
     queries: &'a QuerySet,
@@ -127,7 +126,7 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         Some(begin)
     }
 
-    /// Returns the timestamps of the pass that makes a light's lists.
+    /// Returns the timestamps of the pass that builds a light's lists.
     pub(crate) fn lists(&mut self, light: LightId) -> Option<ComputePassTimestampWrites<'a>> {
         let begin = self.begin(light, SetPass::Lists)?;
         Some(ComputePassTimestampWrites {

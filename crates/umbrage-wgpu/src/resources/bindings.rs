@@ -1,4 +1,4 @@
-//! Bind groups and their layouts, each made once.
+//! Caches of bind groups and their layouts.
 
 use crate::resources::counters::ResourceFactory;
 use std::{collections::HashMap, num::NonZeroU64};
@@ -13,20 +13,20 @@ use wgpu::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
     Uniform,
-    /// A part of a uniform buffer of this many bytes, whose offset is set at draw time.
+    /// A part of a uniform buffer of this size in bytes, whose offset is set at draw time.
     Window(NonZeroU64),
-    /// Floats. Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load
-    /// from depth textures.
+    /// Floats. Depth that is not compared is also bound as unfilterable floats: GL cannot load from
+    /// depth textures.
     Floats {
         layered: bool,
     },
-    /// Floats with several samples a texel.
+    /// Multisampled floats.
     Samples,
     /// Depth for a comparison sampler.
     Depth {
         layered: bool,
     },
-    /// Whole numbers: triangle ids, counts.
+    /// Integers: triangle ids, counts.
     Whole {
         layered: bool,
     },
@@ -75,7 +75,7 @@ fn texture_type(sample_type: TextureSampleType, layered: bool, multisampled: boo
     }
 }
 
-/// Bind group layouts by their contents, so that equal ones are the same object.
+/// Bind group layouts by their contents, so that equal ones are shared.
 #[derive(Debug, Default)]
 pub(crate) struct Layouts(HashMap<(ShaderStages, Vec<Slot>), BindGroupLayout>);
 
@@ -113,7 +113,7 @@ fn entry(binding: u32, visibility: ShaderStages, slot: Slot) -> BindGroupLayoutE
     }
 }
 
-/// What is bound to a slot.
+/// The resource bound to a slot.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Bound {
     Buffer(Buffer),
@@ -123,7 +123,7 @@ pub(crate) enum Bound {
 }
 
 impl Bound {
-    /// Returns a buffer bound to a slot: all of it, or a window.
+    /// Returns a buffer bound to a slot: the whole buffer, or a window.
     pub(crate) fn of_slot(slot: Slot, buffer: Buffer) -> Self {
         match slot {
             Slot::Window(size) => Self::Window(buffer, size),
@@ -145,7 +145,7 @@ impl Bound {
     }
 }
 
-/// A bind group that is made again only if something else is bound.
+/// A bind group that is recreated only if another resource is bound.
 #[derive(Debug, Default)]
 pub(crate) struct Binding {
     bound: Vec<Bound>,
@@ -182,7 +182,7 @@ impl Binding {
         self.bound = bound;
     }
 
-    /// Binds these in order, and returns their layout.
+    /// Binds these resources in order, and returns their layout.
     pub(crate) fn bind(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -197,7 +197,7 @@ impl Binding {
         layout
     }
 
-    /// Returns whether this is all that is bound.
+    /// Returns whether this is the only bound resource.
     pub(crate) fn is_of(&self, only: &Bound) -> bool {
         self.bound == std::slice::from_ref(only)
     }

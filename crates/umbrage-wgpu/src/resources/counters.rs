@@ -1,26 +1,26 @@
-//! Counts of GPU objects, so that tests find objects that are made twice.
+//! Counts of GPU objects, so that tests detect redundant creation.
 
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, Device, Extent3d, Queue, Texture, TextureDescriptor,
     TextureDimension, TextureFormat, TextureUsages,
 };
 
-/// How many GPU objects a [`ShadowRenderer`](crate::ShadowRenderer) has made since it was made
-/// itself. Once a recipe has been executed, recipes of the same shape (same shaders, image sizes,
-/// biases and vertex layouts) leave these alone.
+/// Number of GPU objects created by a [`ShadowRenderer`](crate::ShadowRenderer) so far. Once a
+/// recipe has been executed, recipes of the same shape (same shaders, image sizes, biases and
+/// vertex layouts) don't change it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Shader compilations: one each.
+    /// Pipelines, each with one shader compilation.
     pub pipelines: u32,
-    /// Images, masks and pictures.
+    /// Images, masks and colour images.
     pub textures: u32,
-    /// Uniforms, tables and faces, and what detects that an encoder was submitted.
+    /// Uniforms, tables, faces, and buffers that detect submissions.
     pub buffers: u32,
-    /// Bindings of kernels and casts to what they read.
+    /// Bind groups of kernels and casts.
     pub bind_groups: u32,
 }
 
-/// Makes GPU objects and counts them.
+/// Creates GPU objects and counts them.
 pub(crate) struct ResourceFactory<'a> {
     pub(crate) device: &'a Device,
     pub(crate) queue: &'a Queue,
@@ -36,7 +36,7 @@ impl<'a> ResourceFactory<'a> {
         }
     }
 
-    /// Makes a texture of two dimensions, without mipmaps.
+    /// Creates a two-dimensional texture without mipmaps.
     pub(crate) fn texture(
         &mut self,
         label: &str,

@@ -1,5 +1,5 @@
-//! Counting casts: the counts and the depth that they are counted against are two parts of one
-//! texture, since a pass has one depth-stencil attachment.
+//! Counting casts. The counts and their depth image are two aspects of one texture, since a pass
+//! has one depth-stencil attachment.
 
 use umbrage_core::{BackendError, CastMode, ImageId, Invalid, Recipe};
 use wgpu::Features;
@@ -11,13 +11,13 @@ pub(crate) struct CountingPair {
     pub(crate) counts: ImageId,
 }
 
-/// The feature without which a device cannot count.
+/// The device feature that counting requires.
 pub(crate) const COUNTING: Features = Features::DEPTH32FLOAT_STENCIL8;
 
 /// Returns the images of a valid recipe that share a texture.
 ///
 /// # Errors
-/// Errors if an image is to share with two.
+/// Errors if an image would have to share with two others.
 pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
     let mut pairs: Vec<CountingPair> = Vec::new();
     for cast in &recipe.casts {
@@ -33,10 +33,10 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
             .any(|p| *p != pair && (p.depth == depth || p.counts == cast.image));
         if has_rival {
             let why = format!(
-                "into image {} against image {depth} has a rival for one of the two",
+                "uses image {} with image {depth}, but another cast uses one of the two with a different image",
                 cast.image
             );
-            let help = "give each image of counts a depth image of its own, and draw into both";
+            let help = "use a separate depth image for each image of counts, and draw into both";
             return Err(Invalid::new("counting cast", why, help));
         }
         if !pairs.contains(&pair) {
@@ -46,7 +46,7 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
     Ok(pairs)
 }
 
-/// Errors if the recipe counts and a device or adapter with these features can't.
+/// Errors if the recipe counts, but a device or adapter with these features can't.
 pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), BackendError> {
     let counts = recipe
         .casts
@@ -59,7 +59,7 @@ pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), 
                 choose another adapter, another technique or the CPU backend";
     Err(Invalid::new(
         "counting cast",
-        "needs a format that this device can't use",
+        "needs a format that this device doesn't support",
         help,
     )
     .into())

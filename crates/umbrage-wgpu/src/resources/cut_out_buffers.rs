@@ -1,4 +1,5 @@
-//! [`CutOutBuffers`]: a geometry's triangles with holes, for light sets and for passes of the caller's.
+//! [`CutOutBuffers`]: a geometry's alpha-tested triangles, for light sets and for passes of the
+//! caller.
 
 use crate::{
     resources::{
@@ -16,26 +17,27 @@ use wgpu::{
     BindGroupLayoutEntry, Device, Queue, ShaderStages,
 };
 
-/// Triangles of a part of the casters, so few that a map leaves out those that it can't show.
+/// Greatest number of triangles in a part of the casters: small enough that a map skips invisible
+/// parts.
 const PART: u32 = 4096;
 
-/// Storage buffers that the rule for holes reads, at most.
+/// Greatest number of storage buffers that the alpha test reads.
 const MOST_BUFFERS: u32 = 4;
 
-/// A geometry's triangles with holes, on the device.
+/// A geometry's alpha-tested triangles, on the device.
 ///
-/// [`LightSet::set_cut_outs`](crate::LightSet::set_cut_outs) casts them. For a pass of the
-/// program's own, such as the camera's, [`wgsl`](Self::wgsl) is the rule for holes, and
-/// [`bind_group`](Self::bind_group) what it reads.
+/// [`LightSet::set_cut_outs`](crate::LightSet::set_cut_outs) casts them. For a pass of the program,
+/// such as the camera's, [`wgsl`](Self::wgsl) is the alpha test, and
+/// [`bind_group`](Self::bind_group) its bindings.
 #[derive(Clone, Debug)]
 pub struct CutOutBuffers {
     pub(crate) lists: GpuCutOuts,
-    /// Casters with holes, in parts that are near each other in the list, with the box around each.
+    /// Alpha-tested casters, in parts that are consecutive in the list, with the box around each.
     pub(crate) parts: Vec<(Range<u32>, Aabb)>,
 }
 
 impl CutOutBuffers {
-    /// Uploads a geometry's triangles with holes; none if it has none, which costs nothing.
+    /// Uploads a geometry's alpha-tested triangles; `None` if there are none, at no cost.
     ///
     /// # Errors
     /// Errors if a list is larger than the device allows, or if its shaders can't read four storage
@@ -51,11 +53,11 @@ impl CutOutBuffers {
         let stage = device.limits().max_storage_buffers_per_shader_stage;
         if stage < MOST_BUFFERS {
             let why = format!(
-                "are read from up to {MOST_BUFFERS} storage buffers, and the device allows {stage}"
+                "need up to {MOST_BUFFERS} storage buffers, and the device allows {stage}"
             );
             let help =
                 format!("request `max_storage_buffers_per_shader_stage` of {MOST_BUFFERS} or more");
-            return Err(Invalid::new("triangles with holes", why, help));
+            return Err(Invalid::new("alpha-tested triangles", why, help));
         }
         let mut counters = Counters::default();
         let mut factory = ResourceFactory {
@@ -77,17 +79,17 @@ impl CutOutBuffers {
         Ok(uploaded.cut_outs.map(|lists| Self { lists, parts }))
     }
 
-    /// Returns the WGSL of the rule for holes, to paste before your own shader. Bind
+    /// Returns the WGSL of the alpha test, to insert before your shader. Bind
     /// [`bind_group`](Self::bind_group) at `group`.
     ///
-    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool`: whether a pixel is in a
-    ///   hole of a triangle. `at` is `@builtin(position)`, `rays` are
+    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool` returns whether a pixel is
+    ///   in a hole of a triangle. `at` is `@builtin(position)`. `rays` are
     ///   [`Camera::rays`](umbrage_core::Camera::rays) or
-    ///   [`CastTarget::rays`](crate::CastTarget::rays), in a uniform of yours, and `triangle` is
-    ///   the id in the geometry; with `draw(3 * first..3 * end, ..)` that is `vertex_index / 3`.
-    /// * `corner(i: u32) -> vec3f`: where the i-th corner of all triangles is.
+    ///   [`CastTarget::rays`](crate::CastTarget::rays), in a uniform of yours. `triangle` is the id
+    ///   in the geometry; with `draw(3 * first..3 * end, ..)` that is `vertex_index / 3`.
+    /// * `corner(i: u32) -> vec3f` returns the position of the i-th corner of all triangles.
     ///
-    /// `prefix` stands before every name that the text declares, these among them.
+    /// `prefix` is prepended to every name that the text declares, including these.
     ///
     /// # Errors
     /// Errors if the prefix can't begin a WGSL identifier.
@@ -96,7 +98,7 @@ impl CutOutBuffers {
         with_prefix(&holes_wgsl(rule, group), prefix)
     }
 
-    /// Returns what [`wgsl`](Self::wgsl) reads, and its layout for pipelines.
+    /// Returns the bind group of [`wgsl`](Self::wgsl), and its layout for pipelines.
     pub fn bind_group(&self, device: &Device) -> (BindGroup, BindGroupLayout) {
         let lists = &self.lists;
         let mut buffers = vec![&lists.positions, &lists.indices, &lists.rows];

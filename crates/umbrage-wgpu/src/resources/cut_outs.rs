@@ -1,4 +1,4 @@
-//! Triangles with holes on the GPU, as shaders that leave the holes out read them.
+//! Alpha-tested triangles on the GPU, as shaders read them.
 
 use crate::{
     frame::FrameInputs,
@@ -14,24 +14,24 @@ use std::{ops::Range, sync::Arc};
 use umbrage_core::{CameraRays, CutOuts};
 use wgpu::{Buffer, RenderPass, ShaderStages};
 
-/// A geometry's cut-outs: its lists of triangles, and the table of holes.
+/// A geometry's alpha-tested triangles: its lists of triangles, and the table of their records.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuCutOuts {
     pub(crate) cut_outs: Arc<CutOuts>,
     pub(crate) positions: Buffer,
     pub(crate) indices: Buffer,
     pub(crate) rows: Buffer,
-    /// Mipmapped coverages of alpha textures; `None` if all are looked up at the nearest texel.
+    /// Mipmapped coverages of alpha textures; `None` if all use the nearest texel.
     pub(crate) coverage: Option<Buffer>,
     pub(crate) casters: Range<u32>,
     pub(crate) triangles: u32,
 }
 
-/// What a frame draws: the drawables of its inputs, and triangles with holes.
+/// Inputs of a frame: the caller's drawables, and alpha-tested triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameWithHoles<'a> {
     pub(crate) inputs: &'a FrameInputs<'a>,
-    /// None where nothing has holes.
+    /// `None` if there are no alpha-tested triangles.
     pub(crate) holes: Option<&'a GpuCutOuts>,
 }
 

@@ -1,4 +1,4 @@
-//! All that a recipe's casts draw, in the order of one list.
+//! Draws of all casts of a recipe, in one list.
 
 use crate::{
     frame::{Drawable, PositionFormat, VertexLayout},
@@ -14,24 +14,24 @@ use std::ops::Range;
 use umbrage_core::{Cast, Source};
 use wgpu::{Buffer, IndexFormat, RenderPass};
 
-/// A drawable that outlives the borrow.
+/// An owned drawable.
 #[derive(Debug)]
 pub(crate) struct Draw {
-    /// None where the vertex shader reads the geometry's lists itself.
+    /// `None` if the vertex shader reads the geometry's lists itself.
     vertices: Option<Buffer>,
     indices: Option<(Buffer, IndexFormat)>,
-    /// Ranges of indices, or of vertices where there are no indices.
+    /// Ranges of indices, or of vertices if there are no indices.
     ranges: Vec<Range<u32>>,
     pub(crate) layout: VertexLayout,
     pub(crate) vertex: Vertex,
     world_from_local: Option<Affine3A>,
 }
 
-/// What each cast draws.
+/// Draws of each cast.
 #[derive(Debug, Default)]
 pub(crate) struct DrawList {
     pub(crate) draws: Vec<Draw>,
-    /// For each cast, its part of the list.
+    /// Range in the list for each cast.
     pub(crate) casts: Vec<Range<usize>>,
 }
 
@@ -90,7 +90,7 @@ impl DrawList {
         }
     }
 
-    /// Returns each draw's world from local.
+    /// Returns the world from local of each draw.
     pub(crate) fn places(&self) -> impl Iterator<Item = Mat4> + '_ {
         self.draws
             .iter()
@@ -98,8 +98,8 @@ impl DrawList {
     }
 }
 
-/// Appends the draws of all drawables that draw anything, and that of triangles with holes. Returns
-/// their part of the list.
+/// Appends the draws of all drawables that are not empty, and that of alpha-tested triangles.
+/// Returns their range in the list.
 fn append(
     draws: &mut Vec<Draw>,
     drawables: &[Drawable<'_>],
@@ -131,8 +131,8 @@ impl Draw {
         }
     }
 
-    /// Returns the draw of those triangles of a drawable that are in `runs`, or of all if their ids
-    /// are not known; `None` if nothing is to be drawn.
+    /// Returns the draw of the triangles of a drawable that are in `runs`, or of all if their ids
+    /// are unknown; `None` if there is nothing to draw.
     fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
         let mut draw = Self::new(drawable);
         if let Some(triangles) = &drawable.triangles {
@@ -142,7 +142,7 @@ impl Draw {
         (!is_empty).then_some(draw)
     }
 
-    /// Returns the draw of those triangles of runs that have holes; none if none has.
+    /// Returns the draw of the alpha-tested triangles in runs; `None` if there are none.
     fn with_holes(holes: &GpuCutOuts, runs: &[Range<u32>]) -> Option<Self> {
         let [_, cut_out] = holes.cut_outs.split(runs);
         let ranges = cut_out.iter().map(|run| 3 * run.start..3 * run.end);
@@ -189,7 +189,7 @@ impl Draw {
     }
 }
 
-/// Returns the parts of runs within a range; runs beyond it have none.
+/// Returns the parts of runs within a range.
 fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
     let clipped = |run: &Range<u32>| run.start.max(range.start)..run.end.min(range.end);
     runs.iter()
@@ -198,8 +198,8 @@ fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
         .collect()
 }
 
-/// Returns the ranges of indices that draw the part of `runs` in `triangles`, where `first` is the
-/// index of the first of these triangles' corners.
+/// Returns the ranges of indices that draw the part of `runs` in `triangles`. `first` is the index
+/// of the first corner of these triangles.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();
     for run in runs {

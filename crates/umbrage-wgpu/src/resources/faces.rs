@@ -1,17 +1,17 @@
-//! Faces that techniques made, on the GPU.
+//! A technique's faces on the GPU.
 
 use crate::resources::counters::ResourceFactory;
 use std::sync::Arc;
 use umbrage_core::{Faces, Invalid, Recipe, Source};
 use wgpu::{Buffer, BufferUsages};
 
-/// Faces that were uploaded, by their address. Holding them keeps addresses from being used again
-/// for others.
+/// Uploaded faces, by their address. The faces are kept alive, so that their addresses are not
+/// reused.
 #[derive(Debug, Default)]
 pub(crate) struct FaceBuffers {
     uploaded: Vec<UploadedFaces>,
-    /// Buffers of faces that no recipe can name any more: a technique that makes new faces each
-    /// frame needs no new buffers.
+    /// Buffers of faces that no recipe can refer to any more, for reuse by techniques that compute
+    /// new faces each frame.
     spare: Vec<FaceBuffer>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct FaceBuffer {
 }
 
 impl FaceBuffers {
-    /// Returns the faces' buffers, which are uploaded when the faces are new.
+    /// Returns the faces' buffers; uploads new faces.
     pub(crate) fn get(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -74,8 +74,8 @@ impl FaceBuffers {
         buffer
     }
 
-    /// Drops faces that nothing else holds, since no recipe can name them any more. Their buffers
-    /// become the spare ones.
+    /// Drops faces without other owners, since no recipe can refer to them any more. Their buffers
+    /// become spare.
     pub(crate) fn forget_unreachable(&mut self) {
         self.spare.clear();
         let unreachable = self
@@ -93,7 +93,7 @@ fn index_bytes(faces: &Faces) -> &[u8] {
     bytemuck::cast_slice(&faces.triangles)
 }
 
-/// Errors if a buffer for some faces would need more than `most` bytes.
+/// Errors if the buffer of some faces would need more than `most` bytes.
 pub(crate) fn check_faces(recipe: &Recipe, most: u64) -> Result<(), Invalid> {
     for cast in &recipe.casts {
         let Source::Faces(faces) = &cast.source else {
@@ -104,7 +104,7 @@ pub(crate) fn check_faces(recipe: &Recipe, most: u64) -> Result<(), Invalid> {
         // Buffers grow to powers of two.
         if bytes.next_power_of_two() > most {
             let why = format!(
-                "take {bytes} bytes, and this graphics adapter holds at most {most} in one buffer"
+                "take {bytes} bytes, and this graphics adapter supports at most {most} in one buffer"
             );
             return Err(Invalid::new(
                 "faces of a cast",

@@ -8,7 +8,8 @@ use std::ops::Range;
 use umbrage_core::{BackendError, Geometry, Invalid};
 use wgpu::{Buffer, BufferUsages, IndexFormat};
 
-/// Positions and indices; both are drawn from and, where receivers are found, read by shaders.
+/// Positions and indices. They are vertex and index buffers, and shaders read them to compute
+/// receivers.
 #[derive(Debug)]
 pub(crate) struct GpuGeometry {
     fingerprint: u64,
@@ -16,7 +17,7 @@ pub(crate) struct GpuGeometry {
     pub(crate) indices: Buffer,
     pub(crate) triangles: u32,
     casters: Range<u32>,
-    /// Holes of triangles; none if nothing is cut out.
+    /// Alpha-tested triangles; `None` if all are opaque.
     pub(crate) cut_outs: Option<GpuCutOuts>,
     pub(crate) receivers: Range<u32>,
 }
@@ -42,13 +43,13 @@ impl GpuGeometry {
             ("vertices", positions),
             ("triangles", indices),
             ("cut-outs", rows),
-            ("mipmaps of cut-outs", coverage.unwrap_or_default()),
+            ("mipmaps of alpha textures", coverage.unwrap_or_default()),
         ];
         for (what, bytes) in lists {
             let bytes = bytes.len() as u64;
             if bytes > most {
                 let why =
-                    format!("take {bytes} bytes, and this graphics adapter binds at most {most}");
+                    format!("take {bytes} bytes, and this graphics adapter supports at most {most}");
                 return Err(Invalid::new(
                     what,
                     why,
@@ -83,12 +84,12 @@ impl GpuGeometry {
         })
     }
 
-    /// Returns the casters without holes.
+    /// Returns the opaque casters.
     pub(crate) fn casters(&self) -> Vec<Drawable<'_>> {
         self.whole(&self.casters)
     }
 
-    /// Returns all triangles without holes.
+    /// Returns all opaque triangles.
     pub(crate) fn everything(&self) -> Vec<Drawable<'_>> {
         self.whole(&(0..self.triangles))
     }
@@ -116,7 +117,7 @@ impl GpuGeometry {
     }
 }
 
-/// Returns a buffer that holds the bytes and that shaders can read as storage.
+/// Returns a buffer that contains the bytes and has storage usage.
 fn upload(
     factory: &mut ResourceFactory<'_>,
     label: &str,
@@ -130,15 +131,15 @@ fn upload(
     buffer
 }
 
-/// The geometries used last.
+/// The most recently used geometries.
 #[derive(Debug, Default)]
 pub(crate) struct Geometries(Vec<GpuGeometry>);
 
 impl Geometries {
-    /// A scene and the same scene without casters, its negative control, take turns.
+    /// Two, for a scene and the same scene without casters, its negative control.
     const KEPT: usize = 2;
 
-    /// Returns a geometry's buffers, which are uploaded if it is none of those used last.
+    /// Returns a geometry's buffers; uploads them unless they are cached.
     pub(crate) fn get(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -147,7 +148,7 @@ impl Geometries {
         let fingerprint = geometry.fingerprint();
         let known = self.0.iter().position(|g| g.fingerprint == fingerprint);
         match known {
-            // Moved to the front.
+            // Move the entry to the front.
             Some(i) => self.0[..=i].rotate_right(1),
             None => {
                 self.0.truncate(Self::KEPT - 1);

@@ -9,8 +9,8 @@ use wgpu::{
     TextureViewDescriptor, TextureViewDimension,
 };
 
-/// Returns the wgpu format of a recipe's image. An exception are casts that count: their image and
-/// the depth that it counts against share one texture of `Depth32FloatStencil8`.
+/// Returns the wgpu format of a recipe's image. Counting casts are an exception: their image and
+/// its depth image share one texture of `Depth32FloatStencil8`.
 pub const fn texture_format(format: Format) -> TextureFormat {
     match format {
         Format::Depth32 => TextureFormat::Depth32Float,
@@ -30,7 +30,7 @@ pub const fn texture_format(format: Format) -> TextureFormat {
 pub(crate) struct GpuImage {
     pub(crate) desc: ImageDesc,
     pub(crate) texture: Texture,
-    /// Which part of a texture that two images share; else all.
+    /// Aspect of a texture that two images share; otherwise all aspects.
     pub(crate) aspect: TextureAspect,
     /// All layers, for kernels.
     pub(crate) whole: TextureView,
@@ -46,7 +46,7 @@ impl GpuImage {
         Self::part(texture, desc, TextureAspect::All)
     }
 
-    /// Returns two images, of depth and of counts, in one texture.
+    /// Returns a depth image and an image of counts in one texture.
     fn new_pair(
         factory: &mut ResourceFactory<'_>,
         depth: ImageDesc,
@@ -58,7 +58,7 @@ impl GpuImage {
         [depth, counts]
     }
 
-    /// Returns an image in some layers of a texture, from `first` on.
+    /// Returns an image in some layers of a texture, beginning at `first`.
     pub(crate) fn window(texture: Texture, desc: ImageDesc, first: u32) -> Self {
         Self::in_layers(texture, desc, TextureAspect::All, first)
     }
@@ -75,7 +75,7 @@ impl GpuImage {
         };
         let layers = first..first + desc.layers;
         let whole = layers_view(&texture, desc.label, dimension, aspect, layers);
-        // What is drawn into must be all of a texture's parts.
+        // Attachments must have all aspects of a texture.
         let layers = layer_views(&texture, &desc, TextureAspect::All, first);
         let reads = if aspect == TextureAspect::All {
             layers.clone()
@@ -93,7 +93,7 @@ impl GpuImage {
     }
 }
 
-/// Returns a view of each layer of an image that begins at a texture's layer `first`.
+/// Returns a view of each layer of an image that begins at the texture's layer `first`.
 fn layer_views(
     texture: &Texture,
     desc: &ImageDesc,
@@ -107,7 +107,7 @@ fn layer_views(
     (first..first + desc.layers).map(view).collect()
 }
 
-/// Returns a view of some layers of a texture.
+/// Returns a view of a range of layers of a texture.
 pub(crate) fn layers_view(
     texture: &Texture,
     label: &str,
@@ -125,10 +125,10 @@ pub(crate) fn layers_view(
     })
 }
 
-/// Makes a texture for the layers of several images.
+/// Creates a texture for the layers of several images.
 pub(crate) fn layered_texture(factory: &mut ResourceFactory<'_>, desc: &ImageDesc) -> Texture {
     let format = texture_format(desc.format);
-    // Layers are copied to from others of the same format, depth, too.
+    // Layers are copied from others of the same format, including depth.
     let usage = usage(format) | TextureUsages::COPY_DST;
     factory.texture(desc.label, extent(desc.size, desc.layers), format, usage)
 }
@@ -142,8 +142,8 @@ fn make_texture(
     factory.texture(desc.label, size, format, usage(format))
 }
 
-/// Copying serves tests, which replay a stage from given images and look at what came out. Nothing
-/// can be copied to depth of 32 bits.
+/// Returns the usage of a texture. Tests need copies, to replay a stage from given images and to
+/// inspect its output. Data can't be copied to 32-bit depth.
 fn usage(format: TextureFormat) -> TextureUsages {
     let all =
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
@@ -162,8 +162,8 @@ pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
     }
 }
 
-/// Makes `held` match the list `wanted`; images that were held and have an equal description are
-/// used again. `pairs` share textures.
+/// Makes `held` match the list `wanted`. Reuses held images with an equal description. `pairs`
+/// share textures.
 pub(crate) fn fit_images(
     factory: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,
@@ -195,7 +195,7 @@ fn take_single(old: &mut Vec<GpuImage>, desc: ImageDesc) -> Option<GpuImage> {
     })
 }
 
-/// Takes two images that share a texture.
+/// Removes and returns two images that share a texture.
 fn take_pair(
     old: &mut Vec<GpuImage>,
     depth: ImageDesc,
@@ -204,7 +204,7 @@ fn take_pair(
     let depth = take(old, |image| {
         image.desc == depth && image.aspect == TextureAspect::DepthOnly
     })?;
-    // They were made together and kept together, so the partner is there.
+    // The partner exists: both were created and kept together.
     let counts = take(old, |image| {
         image.desc == counts
             && image.texture == depth.texture
@@ -216,6 +216,6 @@ fn take_pair(
 /// Removes and returns the first image for which `wanted` is true.
 fn take(old: &mut Vec<GpuImage>, wanted: impl Fn(&GpuImage) -> bool) -> Option<GpuImage> {
     let i = old.iter().position(wanted)?;
-    // In order, so that each of several alike goes where it was, and what binds it is used again.
+    // Keep the order, so that equal images keep their positions and their bind groups stay valid.
     Some(old.remove(i))
 }

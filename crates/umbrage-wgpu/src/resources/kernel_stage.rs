@@ -1,4 +1,4 @@
-//! A kernel of a filter, of the receive stage or of shading: its uniforms, and what it reads.
+//! A kernel of a filter, receive or shade stage, with its uniforms and bindings.
 
 use crate::{
     resources::{
@@ -13,7 +13,7 @@ use crate::{
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
 
-/// What is kept from frame to frame for one kernel of a recipe.
+/// Resources of one kernel of a recipe, kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct KernelStage {
     pub(crate) pipeline: Option<RenderPipeline>,
@@ -21,7 +21,7 @@ pub(crate) struct KernelStage {
     uniforms: Option<Buffer>,
 }
 
-/// What the kernels of a recipe read.
+/// Inputs of the kernels of a recipe.
 pub(crate) struct Sources<'a> {
     pub(crate) recipe: &'a Recipe,
     pub(crate) images: &'a [GpuImage],
@@ -29,8 +29,8 @@ pub(crate) struct Sources<'a> {
 }
 
 impl KernelStage {
-    /// Writes the uniforms and binds what the kernel reads. Returns what its shader text depends
-    /// on.
+    /// Writes the uniforms and creates the bindings of the kernel. Returns its interface, which
+    /// determines the shader text.
     pub(crate) fn bind(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -62,8 +62,8 @@ impl KernelStage {
             let sampler = pipelines.sampler(factory.device);
             entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
-        // Compute, too, so that callers can use the bind group with the pasted text in either kind
-        // of shader.
+        // Include compute, so that callers can use the bind group with the text in both kinds of
+        // shaders.
         let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layouts = &mut pipelines.layouts;
         self.binding.bind(factory, layouts, stages, name, entries);
@@ -71,7 +71,7 @@ impl KernelStage {
     }
 }
 
-/// Returns the binding of an image that a kernel reads so.
+/// Returns the binding slot of a kernel's input image.
 pub(crate) fn image_slot(image: InputImage) -> Slot {
     let InputImage { kind, layered } = image;
     match kind {

@@ -1,4 +1,4 @@
-//! Bytes that the device made, read some frames later without waiting.
+//! Deferred readback: data of the device is read some frames later, without waiting.
 
 #[cfg(feature = "testing")]
 use super::waiting::poll_until;
@@ -12,15 +12,14 @@ const IDLE: u8 = 0;
 const WAITING: u8 = 1;
 const READY: u8 = 2;
 
-/// A buffer that is mapped once the commands that write it have run.
+/// A buffer that is mapped once the commands that write it have finished.
 #[derive(Debug)]
 pub(crate) struct LateRead {
     read: Buffer,
     state: Arc<AtomicU8>,
 }
 
-/// Sets the state on being dropped: callbacks of encoders that were thrown away are dropped without
-/// a call.
+/// Sets the state when dropped, because callbacks of dropped encoders are dropped without a call.
 struct Outcome {
     state: Arc<AtomicU8>,
     becomes: u8,
@@ -45,12 +44,12 @@ impl LateRead {
         }
     }
 
-    /// Returns whether nothing is on its way.
+    /// Returns whether no readback is pending.
     pub(crate) fn is_idle(&self) -> bool {
         self.state.load(Ordering::Acquire) == IDLE
     }
 
-    /// Records that the first bytes of `from` are read. It must be idle.
+    /// Records a copy of the first bytes of `from`. The readback must be idle.
     pub(crate) fn record(&self, encoder: &mut CommandEncoder, from: &Buffer) {
         let read = &self.read;
         encoder.copy_buffer_to_buffer(from, 0, read, 0, read.size());
@@ -60,7 +59,7 @@ impl LateRead {
             becomes: IDLE,
         };
         encoder.map_buffer_on_submit(read, MapMode::Read, .., move |mapped| {
-            // Taken whole, so that it is dropped with the closure, called or not.
+            // Move the whole struct, so that it is dropped with the closure in any case.
             let mut outcome = outcome;
             if mapped.is_ok() {
                 outcome.becomes = READY;
@@ -68,13 +67,13 @@ impl LateRead {
         });
     }
 
-    /// Waits for what is on its way.
+    /// Waits for the pending readback.
     #[cfg(feature = "testing")]
     pub(crate) fn wait(&self, device: &Device) -> Result<(), wgpu::PollError> {
         poll_until(device, || self.state.load(Ordering::Acquire) != WAITING)
     }
 
-    /// Returns what `look` makes of the bytes, if they have come, and is idle from then on.
+    /// Returns the result of `look` for the bytes, if they have arrived, and becomes idle.
     pub(crate) fn take<T>(&self, look: impl FnOnce(&[u8]) -> T) -> Option<T> {
         if self.state.load(Ordering::Acquire) != READY {
             return None;

@@ -1,4 +1,4 @@
-//! GPU objects that are made once and used again: images, tables, pipelines, bindings.
+//! Cached GPU objects: images, tables, pipelines, bindings.
 
 pub(crate) mod bindings;
 pub(crate) mod counters;

@@ -1,4 +1,4 @@
-//! Render pipelines, each built once.
+//! Cache of render pipelines.
 
 use crate::{
     frame::VertexLayout,
@@ -24,10 +24,10 @@ use wgpu::{
 pub(crate) const MATRIX_SLOT: Slot = Slot::Window(NonZeroU64::new(64).unwrap());
 /// The rays through an image's texels.
 pub(crate) const RAYS_SLOT: Slot = Slot::Window(NonZeroU64::new(96).unwrap());
-/// A layer that is peeled off.
+/// A layer to peel.
 pub(crate) const PEELED_SLOT: Slot = Slot::Floats { layered: false };
 
-/// What distinguishes the pipelines of casts.
+/// Key of the pipelines of casts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct CastKey {
     depth: DepthState,
@@ -36,28 +36,28 @@ struct CastKey {
     peel: Peel,
 }
 
-/// What a vertex's position is made of.
+/// Source of a vertex's position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Vertex {
     /// A position in world space.
     World,
-    /// A position, to be placed into the world by a matrix of the draw.
+    /// A local position, with a matrix of the draw.
     Local,
-    /// A position, to be placed into the world by a matrix of the instance.
+    /// A local position, with a matrix of the instance.
     Instanced,
     /// Four floats in world space.
     Homogeneous,
-    /// The number of a corner in the geometry's lists, whose triangles have holes.
+    /// The index of a corner in the geometry's lists of alpha-tested triangles.
     CutOut(HoleRule),
 }
 
-/// Which fragments a cast throws away.
+/// Depth peeling of a cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Peel {
     Nothing,
-    /// Those not behind another layer.
+    /// Discards fragments not behind another layer.
     Depth32,
-    /// Those not behind another layer, with depths in steps of 1/65535.
+    /// Discards fragments not behind another layer, with depths in steps of 1/65535.
     Depth16,
 }
 
@@ -70,7 +70,7 @@ impl Peel {
         }
     }
 
-    /// The fragment shader that does so, of triangles without holes or with them.
+    /// Returns the fragment shader, for opaque or alpha-tested triangles.
     const fn entry(self, has_holes: bool) -> Option<&'static str> {
         match (self, has_holes) {
             (Self::Nothing, false) => None,
@@ -83,14 +83,14 @@ impl Peel {
     }
 }
 
-/// All pipelines, layouts and samplers that were built.
+/// All cached pipelines, layouts and samplers.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
     casts: HashMap<CastKey, RenderPipeline>,
-    /// By shader text, which declares the bindings, and target.
+    /// By shader text, which declares the bindings, and target format.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
-    /// By the rule for holes, if there are any.
+    /// By the kind of alpha test, if any.
     cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
 }
@@ -126,7 +126,7 @@ impl Pipelines {
         self.casts.entry(key).insert_entry(pipeline).get().clone()
     }
 
-    /// The sampler of kernels that compare.
+    /// Returns the sampler of kernels that compare.
     pub(crate) fn sampler(&mut self, device: &Device) -> Sampler {
         let desc = SamplerDescriptor {
             label: Some("umbrage comparison"),
@@ -140,7 +140,7 @@ impl Pipelines {
             .clone()
     }
 
-    /// Returns a full-screen pipeline for a kernel: the fragment shader `entry` of the shader
+    /// Returns a full-screen pipeline for a kernel, with the fragment shader `entry` of the shader
     /// `text`.
     pub(crate) fn kernel(
         &mut self,
@@ -168,8 +168,8 @@ impl Pipelines {
     }
 }
 
-/// Returns the layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or
-/// what the rule for holes reads, 2 the layer that is peeled off.
+/// Returns the layouts of the bind groups of casts: 0 is clip from world; 1 is world from local or
+/// the inputs of the alpha test; 2 is the layer to peel.
 fn cast_groups(
     layouts: &mut Layouts,
     factory: &ResourceFactory<'_>,
@@ -292,15 +292,15 @@ fn cast_pipeline(
     })
 }
 
-/// What a full-screen pipeline writes.
+/// Outputs of a full-screen pipeline.
 pub(crate) enum Targets<'a> {
     Colors(&'a [TextureFormat]),
-    /// Whatever depth was there before.
+    /// Overwrites depth.
     Depth(TextureFormat),
 }
 
-/// A pipeline whose one triangle covers the targets; `entries` are its vertex and its fragment
-/// shader.
+/// Returns a pipeline with one triangle that covers the targets; `entries` are its vertex and its
+/// fragment shader.
 pub(crate) fn fullscreen_pipeline(
     device: &Device,
     label: &str,

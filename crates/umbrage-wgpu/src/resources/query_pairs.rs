@@ -1,11 +1,11 @@
-//! Pairs of timestamp queries, begin and end of what is timed.
+//! Pairs of timestamp queries: begin and end of a timed section.
 
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, QUERY_RESOLVE_BUFFER_ALIGNMENT,
     QuerySet, QuerySetDescriptor, QueryType,
 };
 
-/// Some pairs, and a buffer for their timestamps.
+/// Query pairs, and a buffer for their timestamps.
 #[derive(Debug)]
 pub(crate) struct QueryPairs {
     pub(crate) set: QuerySet,
@@ -29,14 +29,14 @@ impl QueryPairs {
         }
     }
 
-    /// Records that a pair is resolved, which was written: waiting for others could take forever.
+    /// Records the resolution of a written pair. Resolving others could wait forever.
     pub(crate) fn resolve(&self, encoder: &mut CommandEncoder, pair: u32) {
         let offset = QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(pair);
         let queries = 2 * pair..2 * pair + 2;
         encoder.resolve_query_set(&self.set, queries, &self.resolved, offset);
     }
 
-    /// Returns the ticks between the two timestamps of a pair, given the content of the buffer.
+    /// Returns the ticks between the two timestamps of a pair, given the contents of the buffer.
     pub(crate) fn elapsed(bytes: &[u8], pair: u32) -> Option<u64> {
         let begin = pair as usize * QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
         let tick = |at: usize| Some(u64::from_le_bytes(*bytes.get(at..)?.first_chunk()?));

@@ -1,5 +1,5 @@
-//! GPU objects of one light's shadows, in use from `prepare` until the commands that `encode`
-//! recorded are submitted.
+//! GPU objects of one light's shadows, in use from `prepare` until the recorded commands of
+//! `encode` are submitted.
 
 use crate::{
     cast::CastStage,
@@ -24,7 +24,7 @@ use std::sync::Arc;
 use umbrage_core::{Faces, ImageDesc, Recipe, Source};
 use wgpu::{CommandEncoder, TextureView};
 
-/// What all lights share.
+/// Resources shared by all lights.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     pub(crate) pipelines: Pipelines,
@@ -32,8 +32,8 @@ pub(crate) struct Shared {
     pub(crate) faces: FaceBuffers,
 }
 
-/// Textures, uniforms and bind groups of one light. They are written again only after all that
-/// reads them is submitted.
+/// Textures, uniforms and bind groups of one light. They are rewritten only after all commands that
+/// read them are submitted.
 #[derive(Debug, Default)]
 pub(crate) struct Resources {
     pub(crate) images: Vec<GpuImage>,
@@ -42,7 +42,7 @@ pub(crate) struct Resources {
     pub(crate) receive: PixelStage,
     pub(crate) shading: PixelStage,
     pub(crate) pending: Pending,
-    /// Faces that casts draw, held so that their buffers are not written for others.
+    /// Faces drawn by casts, held so that their buffers are not reused.
     faces: Vec<Arc<Faces>>,
 }
 
@@ -86,14 +86,14 @@ impl Resources {
         }
     }
 
-    /// Drops the faces, if no encoder that draws them waits to be submitted.
+    /// Drops the faces, unless an unsubmitted encoder draws them.
     pub(crate) fn release(&mut self) {
         if self.pending.is_over() {
             self.faces.clear();
         }
     }
 
-    /// Returns whether no texture has to be made for these images and a mask of this size.
+    /// Returns whether the existing textures match these images and a mask of this size.
     pub(crate) fn fits(&self, images: &[ImageDesc], mask: UVec2) -> bool {
         self.images.iter().map(|image| &image.desc).eq(images)
             && self

@@ -1,10 +1,10 @@
-//! Whether what was recorded has been submitted.
+//! Detection of the submission of encoders.
 //!
-//! Writes to the queue run before all that is submitted after them. So what an encoder reads must
-//! not be written while the encoder waits to be submitted, and wgpu doesn't report when that
-//! happens. But [`CommandEncoder::map_buffer_on_submit`] maps a buffer as soon as the encoder's
-//! commands are submitted, and a buffer that no command uses is mapped at the device's next poll,
-//! however long the commands take.
+//! Queue writes are executed before all later submissions. The inputs of an encoder must therefore
+//! not be written until it is submitted, and wgpu doesn't report submissions. But
+//! [`CommandEncoder::map_buffer_on_submit`] maps a buffer as soon as the encoder's commands are
+//! submitted. A buffer that no command uses is mapped at the device's next poll, however long the
+//! commands take.
 
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
@@ -16,19 +16,19 @@ use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, MapMo
 #[derive(Debug)]
 pub(crate) struct Submissions {
     device: Device,
-    /// Buffers that wait for no submission.
+    /// Buffers that are not waiting for a submission.
     spare: Arc<Mutex<Vec<Buffer>>>,
     made: AtomicU32,
 }
 
-/// Whether anything that was recorded waits to be submitted.
+/// Reports whether any recorded commands wait to be submitted.
 #[derive(Debug, Default)]
 pub(crate) struct Pending(Arc<()>);
 
 impl Pending {
-    /// Whether nothing waits.
+    /// Returns whether nothing waits.
     pub(crate) fn is_over(&self) -> bool {
-        // Each encoder that waits holds one more.
+        // Each waiting encoder holds one more reference.
         Arc::strong_count(&self.0) == 1
     }
 }
@@ -46,20 +46,20 @@ impl Submissions {
         &self.device
     }
 
-    /// Buffers made.
+    /// Returns the number of buffers created.
     #[cfg(feature = "testing")]
     pub(crate) fn made(&self) -> u32 {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// Keeps `pending` from being over before the encoder's commands are submitted or thrown away.
+    /// Keeps `pending` active until the encoder's commands are submitted or dropped.
     pub(crate) fn watch(&self, encoder: &CommandEncoder, pending: &Pending) {
         let waiting = pending.0.clone();
         self.call_on_submit(encoder, move || drop(waiting));
     }
 
-    /// Lets `call` be called once the encoder's commands are submitted. Where they never are it is
-    /// dropped without a call.
+    /// Calls `call` once the encoder's commands are submitted. If they never are, drops it without
+    /// a call.
     pub(crate) fn call_on_submit(
         &self,
         encoder: &CommandEncoder,
@@ -77,10 +77,10 @@ impl Submissions {
         });
     }
 
-    /// Runs the callbacks of encoders that have been submitted.
+    /// Runs the callbacks of submitted encoders.
     pub(crate) fn poll(&self) {
-        // Without waiting, the one error is that of a lost device, which all that follows meets as
-        // well.
+        // Ignore the result: without waiting, the only error is a lost device, which all later
+        // calls report, too.
         let _ = self.device.poll(PollType::Poll);
     }
 
@@ -89,7 +89,7 @@ impl Submissions {
             return buffer;
         }
         self.made.fetch_add(1, Ordering::Relaxed);
-        // It is never read: only that it is mapped counts.
+        // The buffer is never read: only its mapping matters.
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let desc = BufferDescriptor {
             label: Some("umbrage submission"),
@@ -101,8 +101,7 @@ impl Submissions {
     }
 }
 
-/// Locks the list. A thread that panicked while it held the lock has left a list of whole buffers,
-/// so poisoning is ignored.
+/// Locks the list. Ignores poisoning: a panic in another thread leaves a list of complete buffers.
 fn locked(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages};
 
-/// Tables that were uploaded. Holding their rows keeps addresses from being used again for others.
+/// Uploaded tables. Their rows are kept alive, so that their addresses are not reused.
 #[derive(Debug, Default)]
 pub(crate) struct Tables(Vec<(Arc<[[u32; 4]]>, Buffer)>);
 
@@ -23,7 +23,7 @@ impl Tables {
         buffer
     }
 
-    /// Drops tables that nothing else holds, since no recipe can name them any more.
+    /// Drops tables without other owners, since no recipe can refer to them any more.
     pub(crate) fn forget_unreachable(&mut self) {
         self.0.retain(|(rows, _)| Arc::strong_count(rows) > 1);
     }

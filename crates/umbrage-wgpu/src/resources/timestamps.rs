@@ -2,18 +2,18 @@
 
 use wgpu::{QuerySet, RenderPassTimestampWrites};
 
-/// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed)
-/// writes: begin and end of casts, of filters and of the receive stage. Those of a stage without
-/// passes are not written. Shading is not timed.
+/// Six timestamp queries for [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed):
+/// begin and end of casts, filters and the receive stage. Those of a stage without passes are not
+/// written. Shading is not timed.
 #[derive(Clone, Copy, Debug)]
 pub struct PassTimestamps<'a> {
     /// A set of kind `Timestamp`.
     pub queries: &'a QuerySet,
-    /// The first of the six.
+    /// Index of the first of the six queries.
     pub first: u32,
 }
 
-/// What is timed.
+/// A timed stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TimedStage {
     Cast,
@@ -21,7 +21,7 @@ pub(crate) enum TimedStage {
     Receive,
 }
 
-/// Returns the timestamps of one pass among a stage's `count`: the first one writes the stage's
+/// Returns the timestamps of one of a stage's `count` passes: the first one writes the stage's
 /// begin, the last one its end.
 pub(crate) fn pass_stamps<'a>(
     stamps: Option<&PassTimestamps<'a>>,

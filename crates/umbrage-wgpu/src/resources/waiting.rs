@@ -1,18 +1,18 @@
-//! Waits for callbacks.
+//! Waiting for callbacks.
 
 use wgpu::{Device, PollError, PollType};
 
-/// Polls the device until `is_over`, which callbacks of what was submitted bring about.
+/// Polls the device until `is_over` returns true, which callbacks of submitted commands cause.
 ///
-/// One poll is not enough: where several threads poll one device, another thread may have taken a
-/// callback, and still be about to call it when this thread's poll returns.
+/// One poll is not enough if several threads poll one device. Another thread may have taken a
+/// callback, but not called it yet, when this thread's poll returns.
 ///
 /// # Errors
-/// If polling fails.
+/// Errors if polling fails.
 pub(crate) fn poll_until(device: &Device, is_over: impl Fn() -> bool) -> Result<(), PollError> {
     loop {
         device.poll(PollType::wait_indefinitely())?;
-        // The thread of a page can't wait: callbacks run after it has gone back to the browser.
+        // Don't loop in browsers: callbacks run after the thread has returned to the event loop.
         if is_over() || cfg!(target_arch = "wasm32") {
             return Ok(());
         }

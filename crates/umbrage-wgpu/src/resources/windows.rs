@@ -1,4 +1,4 @@
-//! Uniforms of many draws in one buffer, of which each draw binds its own part.
+//! Uniforms of many draws in one buffer; each draw binds its part.
 
 use crate::resources::counters::ResourceFactory;
 use bytemuck::Pod;
@@ -10,7 +10,7 @@ pub(crate) struct Windows {
     buffer: Option<Buffer>,
     /// Bytes from one part to the next.
     stride: usize,
-    /// The content written last. Its memory is used again.
+    /// The contents written last, kept to reuse the memory.
     bytes: Vec<u8>,
 }
 

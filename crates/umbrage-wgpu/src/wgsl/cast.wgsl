@@ -1,7 +1,7 @@
 // import math
 // Draws triangles into a light's depth map. Sums are written out and products are guarded, so that
 // drivers that keep the order of sums round them alike. Positions are invariant, so that casts with
-// different shaders meet in the same depths.
+// different shaders produce equal depths.
 
 @group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;
 @group(1) @binding(0) var<uniform> world_from_local: mat4x4f;
@@ -22,7 +22,7 @@ fn from_local(@builtin(vertex_index) i: u32, @location(0) p_local: vec3f) -> Pla
     return Placed(transform(clip_from_world, transform(world_from_local, p_local).xyz));
 }
 
-// The columns of world from local, three components each, come with the instance.
+// The columns of world from local, three components each, are attributes of the instance.
 @vertex
 fn from_instance(
     @builtin(vertex_index) i: u32,
@@ -39,7 +39,7 @@ fn from_instance(
     return Placed(transform(clip_from_world, transform(mat4x4f(x, y, z, moved), p_local).xyz));
 }
 
-// Homogeneous: w = 0 lies infinitely far away. With w = 1, this rounds as from_world does.
+// Homogeneous: w = 0 is infinitely far away. With w = 1, this rounds like from_world.
 @vertex
 fn from_homogeneous(@builtin(vertex_index) i: u32, @location(0) v: vec4f) -> Placed {
     opaque_zero = i >> 31u;
@@ -47,7 +47,7 @@ fn from_homogeneous(@builtin(vertex_index) i: u32, @location(0) v: vec4f) -> Pla
     return Placed(product4(m[0], vec4f(v.x)) + product4(m[1], vec4f(v.y)) + product4(m[2], vec4f(v.z)) + product4(m[3], vec4f(v.w)));
 }
 
-// ---- depth peeling (Everitt 2001): what is not behind the other layer is thrown away
+// ---- depth peeling (Everitt 2001): discard what is not behind the other layer
 
 @group(2) @binding(0) var other: texture_2d<f32>;
 
@@ -58,8 +58,8 @@ fn behind(@builtin(position) at: vec4f) {
     }
 }
 
-// The same in whole steps, as the image holds them: a surface must not lie behind itself because it
-// was rounded.
+// Compares in integer steps, as stored by the image: a surface must not be behind itself because of
+// rounding.
 @fragment
 fn behind_in_steps(@builtin(position) at: vec4f) {
     if round(at.z * 65535.0) <= round(textureLoad(other, vec2i(at.xy), 0).x * 65535.0) {

@@ -1,5 +1,5 @@
 // import cast, holes
-// Draws triangles with holes into a light's depth map, from the geometry's own lists, at the
+// Draws alpha-tested triangles into a light's depth map, from the geometry's own lists, at the
 // positions of cast.wgsl.
 
 @group(1) @binding(0) var<uniform> rays: CameraRays;

@@ -1,21 +1,21 @@
 // import math
-// Places the casters of one mesh into the world: three rows a triangle, as kernels read the corners
-// of listed casters. The arithmetic is that of cast.wgsl.
+// Transforms the casters of one mesh to world space: three rows per triangle, in the layout in
+// which kernels read the corners of listed casters. The arithmetic is that of cast.wgsl.
 
 struct PlacedMesh {
     // Slot of the first caster among the instances.
     first_slot: u32,
     casters: u32,
-    // Triangles of a caster.
+    // Triangles per caster.
     triangles: u32,
-    // Row of the first corner among the tables.
+    // Row of the first corner in the tables.
     first_row: u32,
     // Words from one vertex to the next, and from a vertex to its position.
     stride: u32,
     position: u32,
-    // 0: three floats. 1: four 16-bit floats. 2: four 16-bit numbers that stand for -1..=1.
+    // 0: three floats. 1: four 16-bit floats. 2: four 16-bit normalized integers for -1..=1.
     format: u32,
-    // Bits of an index; 0: there are none.
+    // Bits of an index; 0 if there are none.
     index_bits: u32,
     // The first index or vertex.
     first: u32,

@@ -1,6 +1,6 @@
 // import math
-// A G-buffer from a depth buffer: positions by unprojection, geometric normals from neighbouring
-// pixels.
+// Computes a G-buffer from a depth buffer: positions by unprojection, geometric normals from
+// neighbouring pixels.
 
 struct DepthCamera {
     world_from_clip: mat4x4f,
@@ -28,16 +28,16 @@ fn depth_at(pixel: vec2i) -> f32 {
 }
 
 fn unproject(pixel: vec2i, depth: f32) -> vec3f {
-    // The last bit of 0, -0 or 1.
+    // Set from the last bit of 0, -0 or 1.
     opaque_zero = bitcast<u32>(camera.empty) & 1u;
     let uv = (vec2f(pixel) + 0.5) / vec2f(depth_size());
     let p = transform(camera.world_from_clip, vec3f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, depth));
     return p.xyz / p.w;
 }
 
-// The step to one of the two neighbours along an axis. Depth is linear along a plane in screen
-// space, so the one whose depth goes on as before lies on the same surface; the other may be beyond
-// an edge.
+// Returns the step to one of the two neighbours along an axis. Depth is linear along a plane in
+// screen space, so the neighbour whose depth continues linearly is on the same surface. The other
+// may be beyond an edge.
 fn tangent(pixel: vec2i, p: vec3f, depth: f32, axis: vec2i) -> vec3f {
     let before = depth_at(pixel - axis);
     let after = depth_at(pixel + axis);
@@ -60,8 +60,7 @@ fn surface_at(pixel: vec2i) -> Surface {
     let p = unproject(pixel, depth);
     let right = tangent(pixel, p, depth, vec2i(1, 0));
     let down = tangent(pixel, p, depth, vec2i(0, 1));
-    // Seen by a right-handed camera, right x up points to the viewer, whichever way the surface is
-    // inclined.
+    // For a right-handed camera, right x up points to the viewer, however the surface is inclined.
     let normal = unit3(cross3(down, right)) * camera.handedness;
     return Surface(vec4f(p, 1.0), vec4f(normal, 0.0));
 }

@@ -1,5 +1,5 @@
 // import fullscreen_instances
-// The filter stage of images that store two channels a word.
+// The filter stage of images that store two channels per word.
 
 // Returns words of two channels, each the nearest of 65536 steps from 0 to 1. WGSL's
 // `pack2x16unorm` leaves the rounding of halves to drivers.

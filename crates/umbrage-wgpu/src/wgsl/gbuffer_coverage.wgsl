@@ -1,5 +1,5 @@
 // import holes_hashed
-// What the camera's pass over triangles with holes reads in addition if an alpha texture is
+// Additional binding of the camera's pass over alpha-tested triangles, if an alpha texture is
 // mipmapped and hashed.
 
 @group(0) @binding(4) var<storage> coverage: array<vec4u>;

@@ -1,5 +1,5 @@
 // import gbuffer_visibility, holes
-// Which triangle each pixel shows, of those with holes.
+// The visible triangle id of each pixel, for alpha-tested triangles.
 
 @group(0) @binding(3) var<storage> cut_outs: array<vec4u>;
 

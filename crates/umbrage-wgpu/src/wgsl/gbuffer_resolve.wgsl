@@ -1,5 +1,5 @@
 // import gbuffer_visibility, fullscreen
-// From triangle ids to receivers. In normal.w goes the distance in multiples of the ray's
+// Computes receivers from triangle ids. normal.w is the distance in multiples of the ray's
 // direction.
 
 @group(0) @binding(3) var triangle: texture_2d<u32>;

@@ -1,6 +1,5 @@
 // import math, resolve
-// Which triangle each pixel shows: an id a pixel, nearest first, and of equally near ones the
-// first.
+// The visible triangle id of each pixel: the nearest, and the first of equally near ones.
 
 struct Seen {
     clip_from_world: mat4x4f,

@@ -1,6 +1,6 @@
 // import math, resolve, ray_box, ray_triangle, cut_out, hole
-// Which triangles have holes; holes_nearest.wgsl or holes_hashed.wgsl finds whether a pixel is in
-// one. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all
+// Lookup of alpha-tested triangles. holes_nearest.wgsl or holes_hashed.wgsl tests whether a pixel
+// is in a hole. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all
 // triangles.
 
 fn cut_out_row(i: u32) -> vec4u {

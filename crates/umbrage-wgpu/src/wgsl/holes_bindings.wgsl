@@ -1,4 +1,4 @@
-// What the rule for holes reads, in a group of the caller's.
+// Bindings of the alpha test, in a group of the caller.
 
 @group(UMBRAGE_GROUP) @binding(0) var<storage> positions: array<f32>;
 @group(UMBRAGE_GROUP) @binding(1) var<storage> indices: array<u32>;

@@ -1,6 +1,6 @@
 // import holes, hashed_alpha, hashed_hole
-// Whether a pixel is in a hole of a triangle, if an alpha texture is mipmapped and hashed. Needs
-// `coverage`, the table of hashed_alpha.rs.
+// Tests whether a pixel is in a hole of a triangle, if an alpha texture is mipmapped and hashed.
+// Needs `coverage`, the table of hashed_alpha.rs.
 
 fn coverage_row(i: u32) -> vec4u {
     return coverage[i];

@@ -1,6 +1,5 @@
 // import holes
-// Whether a pixel is in a hole of a triangle, if all alpha textures are looked up at the nearest
-// texel.
+// Tests whether a pixel is in a hole of a triangle, if all alpha textures use the nearest texel.
 
 fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
     opaque_zero = triangle >> 31u;

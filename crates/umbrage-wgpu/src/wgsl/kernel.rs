@@ -1,33 +1,33 @@
-//! What a kernel's WGSL half reads, and its declarations: the contract of [`Kernel`].
+//! The interface of a kernel's WGSL half, and its declarations: the contract of [`Kernel`].
 
 use crate::wgsl::resolver::with_prefix;
 use std::fmt::Write as _;
 use umbrage_core::{Format, ImageDesc, Invalid, Kernel, MATH, Recipe, join};
 
-/// The part of a kernel's inputs that its shader text depends on.
+/// The part of a kernel's inputs that determines its shader text.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct KernelInterface {
-    /// Whether there are uniforms.
+    /// True if there are uniforms.
     pub(crate) uniforms: bool,
     pub(crate) images: Vec<InputImage>,
     /// Number of tables.
     pub(crate) tables: u32,
 }
 
-/// How a kernel's shader reads one image.
+/// Access of a kernel's shader to one image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct InputImage {
     pub(crate) kind: InputKind,
-    /// Whether there are several layers.
+    /// True if there are several layers.
     pub(crate) layered: bool,
 }
 
-/// What an image is read as.
+/// Access to the texels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum InputKind {
-    /// Loaded, depth among them.
+    /// Loaded floats, including depth.
     Floats,
-    /// Loaded whole numbers.
+    /// Loaded integers.
     Counts,
     /// Loaded words, of two channels each: [`Format::Rg16`] and [`Format::Rgba16`].
     Words,
@@ -36,7 +36,7 @@ pub(crate) enum InputKind {
 }
 
 impl KernelInterface {
-    /// Images that the recipe lacks are taken for floats: recipes are validated elsewhere.
+    /// Treats images that the recipe lacks as floats: recipes are validated elsewhere.
     pub(crate) fn new(
         recipe: &Recipe,
         kernel: &dyn Kernel,
@@ -58,7 +58,7 @@ impl KernelInterface {
         }
     }
 
-    /// Returns whether the kernel reads through the comparison sampler.
+    /// Returns whether the kernel uses the comparison sampler.
     pub(crate) fn compares(&self) -> bool {
         let mut images = self.images.iter();
         images.any(|image| image.kind == InputKind::Compared)
@@ -80,9 +80,9 @@ impl InputKind {
         match self {
             Self::Floats => load.to_owned(),
             Self::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
-            // A texture of one word has 0 in the second. The bound changes nothing, but keeps
-            // drivers from taking the factor out of differences of two channels, which would round
-            // otherwise.
+            // A texture of one word has 0 in the second. The bound changes nothing, but prevents
+            // drivers from moving the factor out of differences of two channels, which would round
+            // differently.
             Self::Words => format!(
                 "min(vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0), vec4f(1.0))"
             ),
@@ -90,7 +90,7 @@ impl InputKind {
         }
     }
 
-    /// Returns the type of a texture that is read so.
+    /// Returns the WGSL type of the texture.
     pub(crate) const fn texture_type(self, layered: bool) -> &'static str {
         match (self, layered) {
             (Self::Floats, false) => "texture_2d<f32>",
@@ -103,18 +103,17 @@ impl InputKind {
     }
 }
 
-/// Returns the receive stage of a recipe as WGSL to paste into your own shader.
+/// Returns the receive stage of a recipe as WGSL to insert into your shader.
 ///
 /// It defines `struct Receiver` and `fn receive(r: Receiver) -> f32` (visibility of the light,
-/// 0..=1), which you call with your own positions and normals (world space). What it reads is in
-/// bind group `group`: bind
-/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its
-/// entries, uniforms, images, tables and perhaps a comparison sampler, are as the text declares
-/// them.
+/// 0..=1). Call it with your positions and normals (world space). Its bindings are in bind group
+/// `group`: bind [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group)
+/// there. The entries are uniforms, images, tables and possibly a comparison sampler, as declared
+/// in the text.
 ///
-/// `prefix` is put before every name that the text declares: with `"sun_"` call
-/// `sun_receive(sun_Receiver(..))`. So the texts of several lights fit into one shader, each with a
-/// prefix and a group of its own. With `""` names are as given above.
+/// `prefix` is prepended to every name that the text declares: with `"sun_"` call
+/// `sun_receive(sun_Receiver(..))`. The texts of several lights thus fit into one shader, each with
+/// its own prefix and group. With `""` names are as given above.
 ///
 /// # Errors
 /// Errors if the prefix can't begin a WGSL identifier.
@@ -124,8 +123,7 @@ pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String,
     with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
 }
 
-/// Returns the declarations that the contract names, as bindings of one group, then the kernel's
-/// modules.
+/// Returns the declarations of the contract, as bindings of one group, then the kernel's modules.
 pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u32) -> String {
     let mut text = format!("// Made by umbrage.\n{}", include_str!("receiver.wgsl"));
     let mut bindings = 0..;
@@ -156,15 +154,15 @@ pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u
     text + &join(&[MATH]) + &join(&kernel.modules())
 }
 
-/// A texture that may hold a kernel's image.
+/// A texture that may contain a kernel's image.
 pub(crate) struct ImageSource {
     pub(crate) number: usize,
     pub(crate) name: String,
-    /// Its layer as an argument, ` layer,`; empty if there is only one.
+    /// The layer as an argument, ` layer,`; empty if there is only one.
     pub(crate) layer: String,
 }
 
-/// Returns the functions with which a kernel reads image `i`. Of several textures that may hold it,
+/// Returns the functions with which a kernel reads image `i`. If several textures may contain it,
 /// they read the one whose number is the value of the expression `choice`.
 pub(crate) fn image_functions(
     i: usize,
@@ -178,7 +176,7 @@ pub(crate) fn image_functions(
         let read = |source: &ImageSource| read(&source.name, &source.layer);
         let _ = match textures {
             [] => writeln!(text, "fn {head} {{ return {none}; }}"),
-            // One texture needs no choice, which shaders would make for every tap.
+            // Omit the switch for one texture: shaders would execute it for every sample.
             [only] => writeln!(text, "fn {head} {{ return {}; }}", read(only)),
             several => {
                 let case =

@@ -1,5 +1,5 @@
 // import fullscreen_instances
-// The mask of a light of a set; the instance is the light's index.
+// The mask of a light of a set, whose index is the instance.
 
 @fragment fn umbrage_mask(pixel: UmbragePixel) -> @location(0) f32 {
     let texel = vec2i(pixel.at.xy);

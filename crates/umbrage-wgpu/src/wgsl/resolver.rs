@@ -1,16 +1,16 @@
-//! The resolver of WGSL texts. No other code changes a text.
+//! The resolver of WGSL texts. No other code modifies a text.
 //!
-//! * [`assemble`] follows the imports of files and puts all of them one after another.
+//! * [`assemble`] concatenates files and their imports.
 //! * [`constant`] declares a condition: files that read the constant have a variant for each of its
 //!   values.
-//! * [`with_prefix`] puts a prefix before every name that a text declares.
-//! * [`InputPlaces`] moves a kernel's uniforms and tables to where a light of a set has them.
+//! * [`with_prefix`] prepends a prefix to every name that a text declares.
+//! * [`InputPlaces`] redirects a kernel's uniforms and tables to those of a light of a set.
 
 use std::{collections::BTreeSet, fmt::Display};
 use umbrage_core::{Invalid, Module, join};
 
-/// Returns the text of some files and of all files that they import, each once. A file imports
-/// others by a line `// import NAME, NAME`.
+/// Returns the text of some files and of all files that they import, each once. The imports of a
+/// file are listed in a line `// import NAME, NAME`.
 pub(crate) fn assemble(files: &[Module], entries: &[&str]) -> String {
     let mut found = Vec::new();
     for name in entries {
@@ -37,7 +37,7 @@ fn import(files: &[Module], name: &str, found: &mut Vec<Module>) {
     found.push(*file);
 }
 
-/// A piece of WGSL: an identifier or keyword, or what is between two.
+/// A piece of WGSL: an identifier or keyword, or the text between two of them.
 #[derive(Clone, Copy, Debug)]
 struct Token<'a> {
     text: &'a str,
@@ -54,7 +54,7 @@ fn tokens(text: &str) -> Vec<Token<'_>> {
         let length = if rest.starts_with("//") {
             rest.find('\n').unwrap_or(rest.len())
         } else if is_identifier || first.is_ascii_digit() {
-            // `1.0f` is a number with a suffix: its letters belong to it.
+            // `1.0f` is a number with a suffix: its letters are part of it.
             rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
                 .unwrap_or(rest.len())
         } else {
@@ -70,10 +70,10 @@ fn tokens(text: &str) -> Vec<Token<'_>> {
     out
 }
 
-/// Returns the text with `prefix` before every name that it declares at module level, wherever that
-/// name occurs.
+/// Returns the text with `prefix` prepended to all occurrences of every name that it declares at
+/// module level.
 ///
-/// Locals and struct fields with the same spelling change along, in all places alike, so the text
+/// Locals and struct fields with the same spelling are also renamed, consistently, so the text
 /// keeps its meaning.
 ///
 /// # Errors
@@ -95,7 +95,7 @@ pub(crate) fn with_prefix(text: &str, prefix: &str) -> Result<String, Invalid> {
     Ok(out)
 }
 
-/// Errors if the prefix can't begin an identifier: see "Identifiers" in the WGSL specification. A
+/// Errors if the prefix can't begin an identifier, see "Identifiers" in the WGSL specification. A
 /// single `_` would be a placeholder with some names, and two are reserved.
 pub(crate) fn check_prefix(prefix: &str) -> Result<(), Invalid> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -116,26 +116,26 @@ pub(crate) fn constant(name: &str, value: impl Display) -> String {
     format!("const {name} = {value};\n")
 }
 
-/// Expressions in place of a kernel's own bindings.
+/// Expressions that replace a kernel's bindings.
 #[derive(Debug)]
 pub(crate) struct InputPlaces<'a> {
-    /// In place of `kernel`.
+    /// Replaces `kernel`.
     pub(crate) uniforms: &'a str,
-    /// The buffer in place of each `table_n`.
+    /// The buffer that replaces each `table_n`.
     pub(crate) tables: &'a str,
-    /// The first row and the number of rows of each table in it.
+    /// The first row and the number of rows of each table in the buffer.
     pub(crate) rows: &'a [[String; 2]],
 }
 
 impl InputPlaces<'_> {
-    /// Returns a kernel's text that reads its uniforms and tables there.
+    /// Returns a kernel's text with its uniforms and tables replaced.
     pub(crate) fn resolve(&self, text: &str) -> String {
         let mut text = text.to_owned();
         for (table, [_, count]) in self.rows.iter().enumerate() {
             text = text.replace(&format!("arrayLength(&table_{table})"), count);
         }
         let mut out = String::with_capacity(text.len() + text.len() / 8);
-        // Closes each open bracket.
+        // Closing text of each open bracket.
         let mut closing = Vec::new();
         let mut before = "";
         for token in tokens(&text) {
@@ -166,7 +166,7 @@ fn global_names<'a>(tokens: &[Token<'a>]) -> BTreeSet<&'a str> {
     let mut names = BTreeSet::new();
     let mut depth = 0_u32;
     let mut declares = false;
-    // `var<storage> name`: what is between angle brackets is no name.
+    // Skip the text between angle brackets in `var<storage> name`.
     let mut in_template = false;
     for token in tokens {
         match token.text {

@@ -1,4 +1,4 @@
-// The surface that a pixel of the camera shows. `umbrage_seen(texel)` returns it.
+// The visible surface of a pixel. `umbrage_seen(texel)` returns it.
 
 struct UmbrageSeen {
     receives: bool,

@@ -14,7 +14,7 @@ fn umbrage_seen(texel: vec2i) -> UmbrageSeen {
     let loaded = textureLoad(umbrage_normals, texel, 0).xyz;
     let stored = select(loaded, loaded * 2.0 - 1.0, NORMALS_ARE_HALVED);
     let normal = select(stored, umbrage_from_octahedron(stored.xy), NORMALS_ARE_OCTAHEDRAL);
-    // A cleared texture holds no normal: nothing receives there.
+    // A cleared texel contains no normal: it doesn't receive.
     let receives = depth != camera.empty && dot(normal, normal) > 0.0;
     return UmbrageSeen(receives, unproject(texel, depth), normalize(normal), 0xffffffffu);
 }

@@ -1,8 +1,8 @@
-//! The WGSL of a light set: each kind of kernel once, and `shadow`, which calls a light's.
+//! The WGSL of a light set: one copy of each kind of kernel, and `shadow`, which calls a light's.
 //!
-//! Kernels are written for one light. Here the same texts read what belongs to the light
-//! `shadow_index`: `kernel` becomes an element of an array, tables become parts of one table, and
-//! images become layers of arrays.
+//! Kernels are written for one light. Here the same texts read the data of the light
+//! `shadow_index`: `kernel` becomes an array element, tables become parts of one table, and images
+//! become layers of arrays.
 
 use crate::{
     light_set::buffers::{LightNumbers, MAX_TABLES, NumberSpace},
@@ -14,42 +14,42 @@ use crate::{
 use std::fmt::Write as _;
 use umbrage_core::{Invalid, MATH, Module, join};
 
-/// A kernel's WGSL half, and what it needs to be bound: lights of one kind differ in numbers alone.
+/// A kernel's WGSL half, and its binding requirements: lights of one kind differ only in data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct KernelKind {
     pub(crate) modules: Vec<Module>,
-    /// The uniform struct's name in WGSL, and its size in bytes.
+    /// Name of the uniform struct in WGSL, and its size in bytes.
     pub(crate) uniforms: Option<(&'static str, u64)>,
     pub(crate) shape: KernelInterface,
 }
 
-/// A texture binding of the set: a class of layers, as some kernels read it.
+/// A texture binding of the set: a class of layers, and how kernels read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MapBinding {
     pub(crate) class: usize,
     pub(crate) kind: InputKind,
 }
 
-/// What the text of a set is made of.
+/// Inputs for the text of a set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TextParts<'a> {
     pub(crate) group: u32,
     pub(crate) kinds: &'a [KernelKind],
     pub(crate) numbers: &'a LightNumbers,
     pub(crate) maps: &'a [MapBinding],
-    /// For each kind, and in it for each image, the classes (indices of `maps`) in which its lights
+    /// For each kind and each of its images, the classes (indices of `maps`) in which its lights
     /// have layers.
     pub(crate) classes: &'a [Vec<Vec<usize>>],
 }
 
-/// The entry of the light that is evaluated.
+/// The entry of the evaluated light.
 const LIGHT: &str = "shadow_set.lights[shadow_index]";
 
 impl TextParts<'_> {
-    /// Returns the text: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) ->
-    /// f32` and all that it calls.
+    /// Returns the text of `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) ->
+    /// f32` and all functions that it calls.
     ///
-    /// Errors if a kernel's names can't take a prefix.
+    /// Errors if a kernel's names can't be prefixed.
     pub(crate) fn text(&self) -> Result<String, Invalid> {
         let receiver = include_str!("receiver.wgsl");
         let light = include_str!("light.wgsl");
@@ -89,7 +89,7 @@ impl TextParts<'_> {
         Ok(text + &constant("SHADOW_LIGHTS", lights) + shadow)
     }
 
-    /// Appends the declarations of what all lights share, in the order in which it is bound.
+    /// Appends the declarations of the shared resources, in binding order.
     fn declare_bindings(&self, text: &mut String) {
         let mut fields = String::new();
         for (i, (kind, list)) in self.kinds.iter().zip(&self.numbers.kernels).enumerate() {
@@ -99,7 +99,7 @@ impl TextParts<'_> {
             let number = i + 1;
             let bytes = list.stride();
             let capacity = list.capacity();
-            // Elements of arrays in uniform buffers are 16 bytes or a multiple.
+            // Elements of arrays in uniform buffers have a size of a multiple of 16 bytes.
             let _ = writeln!(
                 text,
                 "struct ShadowRecord_{number} {{ @align(16) @size({bytes}) uniforms: shadow_{number}_{name} }}"
@@ -151,7 +151,7 @@ fn light_image_functions(i: usize, kind: InputKind, maps: &[usize]) -> String {
     image_functions(i, kind, &textures, "shadow_comparison", &choice)
 }
 
-/// Returns the fields that hold a table's first row and its number of rows.
+/// Returns the fields with a table's first row and its number of rows.
 fn rows_of_table(table: usize) -> [String; 2] {
     if table + 1 == MAX_TABLES {
         return [format!("{LIGHT}.places.w"), format!("{LIGHT}.places.z")];

@@ -1,10 +1,10 @@
-// Visibility of a light, 0..=1, at a position (world space) with a unit normal. `pixel` turns the
-// patterns of kernels that vary from pixel to pixel. Lights that are not served are lit.
+// Returns the visibility of a light, 0..=1, at a position (world space) with a unit normal. `pixel`
+// varies the patterns of kernels that differ from pixel to pixel. Lights without shadows are lit.
 fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {
     return shadow_on(light, position, normal, pixel, 0xffffffffu);
 }
 
-// The same on a triangle with a known id, which rays then leave out.
+// Like `shadow`, on a triangle with a known id, which rays ignore.
 fn shadow_on(light: u32, position: vec3f, normal: vec3f, pixel: vec2u, triangle: u32) -> f32 {
     if light >= SHADOW_LIGHTS {
         return 1.0;

@@ -1,4 +1,4 @@
-//! The shaders that consist of files, alone or after the text of a kernel or a set.
+//! The shaders that are assembled from files, alone or after the text of a kernel or a set.
 
 use crate::wgsl::resolver::{assemble, constant};
 use umbrage_core::{
@@ -9,7 +9,7 @@ use umbrage_core::{
     resolve::RESOLVE,
 };
 
-/// The module of a `.wgsl` file in this folder.
+/// Declares the module of a `.wgsl` file in this folder.
 macro_rules! file {
     ($name:literal) => {
         Module {
@@ -63,21 +63,21 @@ const FILES: &[Module] = &[
     file!("triangle_ids"),
 ];
 
-/// How images look up alpha textures.
+/// Lookup of alpha textures for images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum HoleRule {
-    /// All at the nearest texel.
+    /// All textures use the nearest texel.
     Nearest,
-    /// Some in mipmapped coverages.
+    /// Some textures use mipmapped coverages.
     Hashed,
 }
 
-/// What a full-screen pass reads its receivers from.
+/// Source of the receivers of a full-screen pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReceiverSource {
     /// Positions and normals.
     GBuffer { triangles: bool },
-    /// A depth buffer, of several samples a pixel or of one.
+    /// A depth buffer, multisampled or not.
     Depth { samples: bool },
     DepthAndNormals {
         samples: bool,
@@ -86,7 +86,7 @@ pub(crate) enum ReceiverSource {
     },
 }
 
-/// Returns the shader of some files.
+/// Returns the shader assembled from these files.
 pub(crate) fn shader_of(files: &[&str]) -> String {
     assemble(FILES, files)
 }
@@ -104,8 +104,8 @@ pub(crate) fn shade_shader(kernel: &str, group: u32) -> String {
     kernel.to_owned() + &group_constant(group) + &shader_of(&["shade"])
 }
 
-/// Returns the shader that computes a layer of an image by a kernel's `filter_texel`; the instance
-/// is the layer.
+/// Returns the shader that computes a layer of an image with a kernel's `filter_texel`; the
+/// instance is the layer.
 pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
     let file = match output {
         Format::Rg16 | Format::Rgba16 => "filter_words",
@@ -119,7 +119,7 @@ pub(crate) fn mask_shader(set: &str, group: u32, receivers: ReceiverSource) -> S
     set.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["mask"])
 }
 
-/// Returns `umbrage_seen`, which reads bind group `group`.
+/// Returns `umbrage_seen` for bind group `group`.
 fn seen_wgsl(group: u32, receivers: ReceiverSource) -> String {
     let text = match receivers {
         ReceiverSource::GBuffer { triangles: true } => shader_of(&["triangle_ids"]),
@@ -150,12 +150,12 @@ fn depth_file(samples: bool) -> &'static str {
     }
 }
 
-/// Returns the shader that makes a G-buffer of the depth buffer in group 0.
+/// Returns the shader that computes a G-buffer from the depth buffer in group 0.
 pub(crate) fn depth_wgsl(samples: bool) -> String {
     group_constant(0) + &shader_of(&[depth_file(samples), "depth_pass"])
 }
 
-/// Returns the shader of casts, of triangles with holes by this rule if there is one.
+/// Returns the shader of casts, with this alpha test if given.
 pub(crate) fn cast_wgsl(holes: Option<HoleRule>) -> String {
     match holes {
         None => shader_of(&["cast"]),
@@ -164,8 +164,7 @@ pub(crate) fn cast_wgsl(holes: Option<HoleRule>) -> String {
     }
 }
 
-/// Returns the shader that draws triangle ids, of triangles with holes by this rule if there is
-/// one.
+/// Returns the shader that draws triangle ids, with this alpha test if given.
 pub(crate) fn ids_wgsl(holes: Option<HoleRule>) -> String {
     match holes {
         None => shader_of(&["gbuffer_visibility"]),
@@ -174,7 +173,7 @@ pub(crate) fn ids_wgsl(holes: Option<HoleRule>) -> String {
     }
 }
 
-/// Returns `is_hole` with what it reads, in bind group `group`.
+/// Returns `is_hole` with its bindings, in bind group `group`.
 pub(crate) fn holes_wgsl(rule: HoleRule, group: u32) -> String {
     let text = match rule {
         HoleRule::Nearest => shader_of(&["holes_bindings", "holes_nearest"]),
@@ -183,7 +182,7 @@ pub(crate) fn holes_wgsl(rule: HoleRule, group: u32) -> String {
     group_constant(group) + &text
 }
 
-/// Returns the name and the text of each shader that places vertices or receivers.
+/// Returns the name and the text of each shader that computes vertex or receiver positions.
 #[cfg(feature = "testing")]
 pub fn placing_shaders() -> Vec<(&'static str, String)> {
     let nearest = Some(HoleRule::Nearest);

@@ -1,5 +1,5 @@
 // import seen_in_gbuffer
-// Triangle ids of a G-buffer that has them.
+// Triangle ids of a G-buffer with ids.
 
 @group(UMBRAGE_GROUP) @binding(2) var umbrage_triangle: texture_2d<u32>;
 

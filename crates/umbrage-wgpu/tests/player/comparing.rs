@@ -1,4 +1,4 @@
-//! Comparison samplers.
+//! Tests of comparison samplers.
 
 use crate::{
     foreign::{Foreign, read},
@@ -41,7 +41,7 @@ kernel!(
 
 macro_rules! silent {
     ($($name:ident)*) => {$(
-        /// The tests below say what is expected.
+        /// The expected values are in the tests below.
         impl ReceiveKernel for $name {
             fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
                 out.fill(0.0);
@@ -51,7 +51,7 @@ macro_rules! silent {
 }
 silent!(Sampled Gathered Loaded);
 
-/// A small integer hash: equal numbers on every machine.
+/// Returns a small integer hash, which is equal on every machine.
 fn noise(i: usize) -> f32 {
     let h = (i as u32).wrapping_mul(0x9e37_79b9);
     ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 24) as f32
@@ -65,7 +65,7 @@ fn map(layers: u32, format: Format) -> Image {
         format,
     };
     let texels = (0..desc.floats() as usize).map(noise);
-    // In 16 bits, only whole steps are held.
+    // 16-bit depth only represents integer steps.
     let step = |z: f32| {
         if format == Format::Depth16 {
             (z * 65_535.0).round() / 65_535.0
@@ -79,7 +79,7 @@ fn map(layers: u32, format: Format) -> Image {
     }
 }
 
-/// Where to look: (u, v) from -.1 to 1.1, so that the border is met, and the depth to compare with.
+/// Returns lookups: (u, v) from -0.1 to 1.1, to include the border, and the depth to compare with.
 fn questions() -> Receivers {
     let mut r = Receivers::empty(UVec2::new(64, 32));
     for i in 0..r.len() {
@@ -125,8 +125,8 @@ fn ask(
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Of the four texels around a place, in the order of gathering, whether `depth` is at most what
-/// each holds; and the place's share of the right and of the lower ones.
+/// Returns the comparison results of the four texels around a position, in the order of gathering
+/// (whether `depth` is at most the stored one), and the position's fractions in x and y.
 fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
     let size = map.desc.size.as_vec2();
     let last = map.desc.size.as_ivec2() - 1;
@@ -145,7 +145,7 @@ fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
     )
 }
 
-/// The rule measured of lavapipe; others weigh with at least 8 bits.
+/// The blending rule measured on lavapipe; other drivers use weights of at least 8 bits.
 fn blend(texels: [f32; 4], at: Vec2) -> f32 {
     let [low_left, low_right, high_right, high_left] = texels;
     let row = |left: f32, right: f32| right * at.x + left * (1.0 - at.x);
@@ -201,8 +201,8 @@ fn gathered_comparisons_come_in_wgsl_order() {
         let expected = |i: usize| {
             let p = questions.position(i);
             let ([a, b, c, d], at) = around(&map, layer, p.truncate(), p.z);
-            // Where a place is as near to two texels as rounding can tell, drivers may gather
-            // either.
+            // Skip positions that are equally near to two texels within rounding, where drivers may
+            // gather either.
             let clear = [at.x, at.y].iter().all(|&s| s > 1e-3 && s < 1.0 - 1e-3);
             clear.then_some(a + 10.0 * b + 100.0 * c + 1000.0 * d)
         };

@@ -1,4 +1,4 @@
-//! Depth-fail counting.
+//! Tests of depth-fail counting.
 
 use crate::{
     kernels::Same,
@@ -13,8 +13,8 @@ use umbrage_wgpu::Gpu;
 
 pub(crate) const SIDE: u32 = 40;
 
-/// A closed box of 4 m each way around the y axis, between two heights, in metres; floor and plate
-/// are at 0 and 1.
+/// Returns a closed box of 4 m each way around the y axis, between two heights, in metres; floor
+/// and plate are at 0 and 1.
 pub(crate) fn column(bottom: f32, top: f32) -> Faces {
     let mut vertices = Vec::new();
     for z in [-2.0, 2.0] {
@@ -53,7 +53,8 @@ pub(crate) fn desc(label: &'static str, format: Format) -> ImageDesc {
     }
 }
 
-/// Counts the volumes that what is seen from above lies in, and lets a filter say what it loads.
+/// Returns a recipe that counts the volumes around the surfaces visible from above, with a filter
+/// that copies the counts.
 pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
     let mut casts = vec![Cast::nearest(0, 0, stage.space())];
     for faces in volumes {
@@ -81,12 +82,12 @@ pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
     }
 }
 
-/// The count on the plate, on the floor within the columns, and elsewhere; each must be the same
-/// all over.
+/// Returns the counts on the plate, on the floor within the columns, and elsewhere; checks that
+/// each is uniform.
 fn counts(shadows: &Shadows) -> [f32; 3] {
     let texels = &shadows.images[1].texels;
     assert_eq!(*texels, shadows.images[2].texels, "kernels load the counts");
-    // Texels are .25 m: the plate covers 8 in the middle, columns 16.
+    // Texels are 0.25 m: the plate covers 8 in the centre, columns 16.
     let at = |(x, y): (usize, usize)| texels[y * SIDE as usize + x];
     let places = [(20, 20), (13, 20), (3, 20)];
     let within =
@@ -175,7 +176,7 @@ fn a_second_frame_starts_from_zero_and_makes_nothing() {
     let first = gpu.counters();
     assert_eq!(counts(&stage.render(&mut gpu, &recipe)), [0.0, 1.0, 0.0]);
     assert_eq!(gpu.counters(), first);
-    // Against depth that nothing writes: all is at depth 1, behind everything.
+    // Count against unwritten depth: everything is at depth 1, behind all faces.
     let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     recipe.casts.remove(0);
     assert!(
@@ -197,7 +198,7 @@ fn casters_can_be_counted_in_layers() {
         recipe.images[2].layers,
     ) = (2, 2, 2);
     let mode = CastMode::StencilDepthFail { depth: 0 };
-    // Layer 0 has no depth, layer 1 has: there, floor and plate turn their fronts up and are not
+    // Layer 0 has no depth, but layer 1 has. There, floor and plate are front faces that are not
     // before themselves.
     recipe.casts[0].layer = 1;
     recipe.casts.extend((0..2).map(|layer| Cast {
@@ -229,7 +230,7 @@ fn two_counts_of_one_depth_are_refused() {
     assert!(
         error
             .to_string()
-            .contains("give each image of counts a depth image of its own"),
+            .contains("use a separate depth image for each image of counts"),
         "{error}"
     );
 }

@@ -1,4 +1,4 @@
-//! The pinned driver still needs each workaround.
+//! Checks that the pinned driver still needs each workaround.
 
 use crate::scene::gpu;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -14,7 +14,7 @@ use umbrage_wgpu::{
     },
 };
 
-/// A fragment shader that reads the words `given` and returns one.
+/// A fragment shader that reads the words `given` and returns one word.
 struct Drawing<'a> {
     gpu: &'a Gpu,
     pipeline: RenderPipeline,
@@ -25,7 +25,7 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// `body` is that of the fragment shader.
+    /// Builds the drawing; `body` is that of the fragment shader.
     fn new(gpu: &'a Gpu, body: &str) -> Self {
         let (device, _) = gpu.device();
         let text = format!(
@@ -139,7 +139,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Asserts that a driver has the symptom of a workaround, where bits are promised of it.
+/// Asserts that a driver has the symptom of a workaround, if it is the pinned driver.
 fn assert_needed(gpu: &Gpu, workaround: &Workaround, has_symptom: bool, seen: &str) {
     if !gpu.promises_bits() {
         return;
@@ -188,7 +188,7 @@ fn sums_are_reordered() {
         f32::from_bits(drawing.run(given))
     };
     assert_eq!(sum(3.0), 5.0, "the drawing adds");
-    // From left to right, each 1 is lost: floats of this size are even.
+    // Added from left to right, each 1 is lost: floats of this size are even.
     let large = 16_777_216.0;
     let found = sum(large);
     assert_needed(&gpu, &SUM_ORDER, found == large, &format!("{found}"));
@@ -197,12 +197,12 @@ fn sums_are_reordered() {
 #[test]
 fn the_first_word_of_uniforms_is_compiled_in() {
     let gpu = gpu();
-    // So much text that compiling it takes much longer than running it; another one each time,
-    // since the driver keeps compiled shaders on disk.
+    // Use enough text that compilation takes much longer than execution. Use a different text each
+    // time, since the driver caches compiled shaders on disk.
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let salt = now.map_or(0, |now| now.subsec_nanos());
     let mut body = "    var x = given.floats.x;\n".to_owned();
-    // Each value has code of its own.
+    // Each value has its own code.
     for value in [1, 2] {
         body += &format!("    if given.first == {value}u {{\n");
         for i in 0..40 {
@@ -212,8 +212,8 @@ fn the_first_word_of_uniforms_is_compiled_in() {
     }
     body += "    return bitcast<u32>(x);";
     let drawing = Drawing::new(&gpu, &body);
-    // The shorter of two: other programs may take the processor. For further values the driver
-    // makes one shader of all.
+    // Take the shorter of two runs, as other programs may use the processor. For further values the
+    // driver uses one shader for all.
     let shorter = |word: usize| {
         let elapsed = [1, 2].map(|value| {
             let mut given = [0; 8];

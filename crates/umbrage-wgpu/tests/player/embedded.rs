@@ -1,4 +1,4 @@
-//! The renderer on a device, an encoder and buffers that are not ours.
+//! Tests of the renderer with a caller's device, encoder and buffers.
 
 use crate::{
     foreign::{Foreign, read},
@@ -12,8 +12,7 @@ use umbrage_wgpu::{
     wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView},
 };
 
-/// A stage in the caller's own buffers: 16-bit indices, padded vertices, moved and scaled out of
-/// place.
+/// A stage in the caller's own buffers: 16-bit indices, padded vertices, with a shift and a scale.
 pub(crate) struct Embedded {
     pub(crate) stage: Stage,
     pub(crate) foreign: Foreign,
@@ -24,7 +23,7 @@ pub(crate) struct Embedded {
     mask: Vec<f32>,
 }
 
-/// Powers of two and whole numbers, so that placing restores positions exactly.
+/// Powers of two and integers, so that the placement restores positions exactly.
 const SCALE: f32 = 0.25;
 const SHIFT: Vec3 = Vec3::new(1.0, -2.0, 3.0);
 
@@ -218,7 +217,7 @@ fn callers_may_draw_the_casts_themselves() {
         .expect("it was prepared")
         .clone();
     assert_eq!(read(&e.foreign, encoder, mask.texture()), e.mask);
-    // Without the caller's draws nothing casts.
+    // Without the caller's draws there are no casters.
     let mut encoder = e.foreign.encoder();
     let mask = renderer
         .encode(&mut encoder)

@@ -35,7 +35,7 @@ fn buffers_need_their_usages() {
     let bytes = [0; 240];
     let elsewhere = e.foreign.buffer(BufferUsages::COPY_SRC, &bytes);
     let words =
-        "caster 1, vertex buffer: was made without the usage `BufferUsages::VERTEX`; add it";
+        "caster 1, vertex buffer: was created without the usage `BufferUsages::VERTEX`; add it";
     refused_caster(
         &e,
         Drawable {
@@ -48,7 +48,8 @@ fn buffers_need_their_usages() {
         buffer: &elsewhere,
         ..e.casters().indices.expect("it has some")
     });
-    let words = "caster 1, index buffer: was made without the usage `BufferUsages::INDEX`; add it";
+    let words =
+        "caster 1, index buffer: was created without the usage `BufferUsages::INDEX`; add it";
     refused_caster(
         &e,
         Drawable {
@@ -68,7 +69,7 @@ fn buffers_need_their_usages() {
             everything: &everything,
             ..e.frame(&casters)
         },
-        "everything 0, vertex buffer: was made without",
+        "everything 0, vertex buffer: was created without",
     );
 }
 
@@ -208,7 +209,7 @@ fn gbuffers_can_be_read() {
     };
     let without = |what: &str| {
         format!(
-            "receivers' {what} texture: was made without the usage `TextureUsages::TEXTURE_BINDING`"
+            "receivers' {what} texture: was created without the usage `TextureUsages::TEXTURE_BINDING`"
         )
     };
     refused(
@@ -262,13 +263,13 @@ fn depth_buffers_can_be_read() {
     refused_depth(
         &foreign,
         &source(&unread),
-        "depth buffer: was made without the usage `TextureUsages::TEXTURE_BINDING`",
+        "depth buffer: was created without the usage `TextureUsages::TEXTURE_BINDING`",
     );
     let whole = foreign.texture(TextureFormat::R32Uint, size, &bytes);
     refused_depth(
         &foreign,
         &source(&whole),
-        "depth buffer: is R32Uint; hand in one of a depth format",
+        "depth buffer: is R32Uint; use a depth format",
     );
     let good = foreign.texture(TextureFormat::R32Float, size, &bytes);
     for bad in [f32::NAN, f32::INFINITY] {
@@ -316,8 +317,9 @@ fn empty_depth_is_not_the_nearest() {
             world_from_clip,
             empty,
         };
-        let words =
-            format!("is {wrong}, but that is where this camera sees what is nearest; use {right}");
+        let words = format!(
+            "is {wrong}, but for this camera that is the depth of the nearest geometry; use {right}"
+        );
         refused_depth(&foreign, &source(wrong), &words);
         GBufferFromDepth::new()
             .prepare(&foreign.device, &foreign.queue, &source(right))

@@ -1,4 +1,4 @@
-//! One renderer for several lights.
+//! Tests of one renderer with several lights.
 
 use crate::{
     embedded::Embedded,
@@ -13,7 +13,7 @@ use umbrage_wgpu::{
     wgpu::{CommandEncoder, Texture},
 };
 
-/// A map of this side that is drawn from a space and looked up there.
+/// Returns a recipe with a map of this side that is drawn from a space and looked up there.
 fn light(e: &Embedded, space: LightSpace, side: u32) -> Recipe {
     let numbers = Numbers {
         clip_from_world: space.clip_from_world(),
@@ -26,7 +26,7 @@ fn light(e: &Embedded, space: LightSpace, side: u32) -> Recipe {
     }
 }
 
-/// From straight above and aslant: same shape, other numbers.
+/// Returns lights from straight above and from an angle: same shape, different numbers.
 fn lights(e: &Embedded) -> [Recipe; 2] {
     [
         light(e, e.stage.space(), 64),
@@ -69,7 +69,7 @@ fn pixels(e: &Embedded, mask: &Texture) -> Vec<f32> {
     read(&e.foreign, e.foreign.encoder(), mask)
 }
 
-/// What a renderer that has nothing else to do makes of a recipe.
+/// Returns the mask of a recipe executed by a separate renderer.
 fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
     let mut renderer = e.renderer(RendererOptions::default());
     let mut encoder = e.foreign.encoder();
@@ -111,7 +111,7 @@ fn encoders_may_be_submitted_in_any_order() {
     }
 }
 
-/// Both bind groups are made before anything is drawn with them.
+/// Create both bind groups before drawing with them.
 #[test]
 fn forward_shaders_may_read_the_maps_of_both() {
     let e = Embedded::new();
@@ -149,8 +149,8 @@ fn forward_shaders_may_read_the_maps_of_both() {
     }
 }
 
-/// Buffers of faces are used again for others' once nobody can name them; but not while an encoder
-/// waits that draws them.
+/// Buffers of faces are reused once no recipe can refer to them, but not while an unsubmitted
+/// encoder draws them.
 #[test]
 fn faces_stay_until_they_are_drawn() {
     let e = Embedded::new();
@@ -180,7 +180,7 @@ fn faces_stay_until_they_are_drawn() {
     assert_eq!(masks.map(|mask| pixels(&e, &mask)), expected);
 }
 
-/// One frame of two lights, without waiting for the device.
+/// Renders one frame of two lights, without waiting for the device.
 fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> [Texture; 2] {
     let mut encoder = e.foreign.encoder();
     let masks = recipes
@@ -193,7 +193,7 @@ fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> 
 #[test]
 fn later_frames_of_two_lights_make_nothing() {
     let e = Embedded::new();
-    // Of two sizes, so that each has to find its own again.
+    // Use two sizes, so that each light has to find its own textures again.
     let above = light(&e, e.stage.space(), 64);
     let aslant = light(&e, e.stage.tilted(), 32);
     let mut renderer = e.renderer(RendererOptions::default());
@@ -260,7 +260,7 @@ fn another_device_is_refused() {
     );
 }
 
-/// What is recorded twice, a stage at a time or into two encoders, waits for the last submission.
+/// Resources recorded twice, stage by stage or into two encoders, wait for the last submission.
 #[test]
 fn all_encoders_count() {
     let e = Embedded::new();

@@ -1,4 +1,4 @@
-//! Peeling, counting, faces and pictures on a device that is not ours.
+//! Tests of peeling, counting, faces and colour images on a caller's device.
 
 use crate::{
     counting::{column, counting, desc},
@@ -14,7 +14,8 @@ use umbrage_wgpu::{
     wgpu::{self, Features, Limits},
 };
 
-/// Peels one layer of casters off another, and counts faces and casters against the first.
+/// Returns a recipe that peels one layer of casters off another, and counts faces and casters
+/// against the first.
 fn modes(e: &Embedded) -> Recipe {
     let mut recipe = counting(&e.stage, vec![column(-0.5, 1.5)]);
     recipe.images.push(desc("peeled", Format::Depth32));
@@ -33,7 +34,7 @@ fn counting_device() -> Foreign {
     Foreign::with(Features::DEPTH32FLOAT_STENCIL8, Limits::default())
 }
 
-/// What was drawn: depth behind depth, and the counts as a filter loads them.
+/// Returns the results: depth behind depth, and the counts loaded by a filter.
 fn drawn(e: &Embedded, renderer: &ShadowRenderer, encoder: wgpu::CommandEncoder) -> [Vec<f32>; 2] {
     let texture = |id: usize| {
         renderer
@@ -188,7 +189,7 @@ fn missing_input_is_named() {
     assert!(
         error
             .to_string()
-            .contains("hand in triangle ids in `GBuffer::triangle`"),
+            .contains("add triangle ids as `GBuffer::triangle`"),
         "{error}"
     );
     let mut recipe = e.stage.recipe(40);
@@ -209,7 +210,7 @@ fn missing_input_is_named() {
     renderer
         .prepare(device, queue, &recipe, &frame)
         .expect("all is there");
-    // With no drawables at all, the caller draws.
+    // Without any drawables, the caller draws.
     renderer
         .prepare(device, queue, &recipe, &e.frame(&[]))
         .expect("nothing is drawn");

@@ -1,4 +1,4 @@
-//! What goes wrong comes back as an error that says what to do.
+//! Tests of error messages.
 
 use crate::{
     kernels::Broken,
@@ -44,7 +44,7 @@ fn memory_that_is_not_there_is_an_error_and_does_no_harm() {
     let mut gpu = gpu();
     let limits = gpu.limits();
     let mut recipe = stage.recipe(16);
-    // Terabytes, within every limit of the API.
+    // Requests terabytes, within every limit of the API.
     let size = UVec2::splat(limits.image_side);
     let layers = limits.layers;
     recipe.images.push(ImageDesc {
@@ -159,7 +159,7 @@ fn receivers_of_another_size_are_refused() {
         .render(&stage.view().with_receivers(&receivers), &stage.recipe(16))
         .expect_err("one is missing");
     assert!(
-        error.to_string().contains("not all arrays are as long"),
+        error.to_string().contains("an array has another length"),
         "{error}"
     );
 }

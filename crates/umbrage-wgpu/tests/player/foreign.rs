@@ -1,5 +1,4 @@
-//! A small wgpu program, as an application would write it: it knows nothing of the player's
-//! insides.
+//! A small wgpu program, written like an application: it doesn't use the backend's internals.
 
 use glam::{Mat4, UVec2, Vec4};
 use umbrage_core::Geometry;
@@ -30,7 +29,7 @@ impl Foreign {
         Self { device, queue }
     }
 
-    /// Two devices of one adapter.
+    /// Returns two devices of one adapter.
     pub(crate) fn two() -> [Self; 2] {
         let options = RequestAdapterOptions::default();
         let adapter = pollster::block_on(Instance::default().request_adapter(&options))
@@ -76,8 +75,8 @@ impl Foreign {
         texture.create_view(&TextureViewDescriptor::default())
     }
 
-    /// Draws all triangles into a cast target with a pipeline of its own: no vertex buffer,
-    /// vertices made in the shader.
+    /// Draws all triangles into a cast target with its own pipeline: no vertex buffer, vertices
+    /// generated in the shader.
     pub(crate) fn draw_casters(
         &self,
         encoder: &mut CommandEncoder,
@@ -155,7 +154,7 @@ impl Foreign {
             })
     }
 
-    /// Calls `receive` from a compute shader of its own, at the positions of a texture.
+    /// Calls `receive` from a separate compute shader, at the positions of a texture.
     pub(crate) fn shade(
         &self,
         encoder: &mut CommandEncoder,
@@ -293,7 +292,7 @@ pub(crate) fn read(foreign: &Foreign, encoder: CommandEncoder, texture: &Texture
     read_texels(foreign, encoder, texture)
 }
 
-/// Submits and reads a texture of four floats a texel.
+/// Submits and reads a texture of four floats per texel.
 pub(crate) fn read_four(
     foreign: &Foreign,
     encoder: CommandEncoder,

@@ -1,5 +1,5 @@
-//! Images of few bits: what is handed out is what shaders load, and what is handed in is what they
-//! load again.
+//! Tests of image formats with few bits: returned images equal what shaders load, and so do images
+//! passed in.
 
 use crate::{
     kernels::{Paint, Same, kernel},
@@ -20,7 +20,7 @@ fn desc(label: &'static str, format: Format) -> ImageDesc {
     }
 }
 
-/// Casts into 32 and into 16 bits, and lets a filter say what it loads from the latter.
+/// Returns a recipe that casts into 32 and into 16 bits, with a filter that copies the latter.
 fn two_depths(stage: &Stage) -> Recipe {
     let same = Same(stage.numbers(Vec4::ZERO));
     Recipe {
@@ -75,8 +75,8 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
     );
 }
 
-/// Mesa's software driver: the product is rounded to a float, that to a step, and the step times a
-/// float is loaded.
+/// Mesa's software driver rounds the product to a float and then to a step, and loads the step
+/// times a float.
 #[test]
 fn the_pinned_driver_rounds_depth_by_a_known_rule() {
     let stage = Stage::new();
@@ -104,7 +104,7 @@ fn the_pinned_driver_rounds_depth_by_a_known_rule() {
     );
 }
 
-/// A unit of constant bias is two steps of 16 bits on that driver.
+/// On that driver, a unit of constant bias is two steps of 16 bits.
 #[test]
 fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
     let stage = Stage::new();
@@ -118,7 +118,7 @@ fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
         recipe.casts[1].space = stage.space();
         recipe.casts[1].bias.constant = constant;
         let images = stage.render(&mut gpu, &recipe).images;
-        // The floor, at depth .5, beside the plate.
+        // The floor, at depth 0.5, next to the plate.
         let floor = images[1].texels[8 * SIDE as usize + 8];
         assert_eq!((floor * 65_535.0).round() as i32, 32_768 + 2 * constant);
     }
@@ -127,7 +127,7 @@ fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
 #[test]
 fn bytes_of_colour_are_what_shaders_load() {
     let stage = Stage::new();
-    // Paints x, y, layer and 1, all times 1/100: beyond 1 for none of the 50 columns.
+    // Paint x, y, layer and 1, all times 1/100: at most 1 for all of the 50 columns.
     let paint = Paint(stage.numbers(Vec4::splat(0.01)));
     let same = Same(stage.numbers(Vec4::ZERO));
     let recipe = Recipe {
@@ -160,7 +160,7 @@ fn bytes_of_colour_are_what_shaders_load() {
                 (step - step.round()).abs() < 1e-4,
                 "texel {i}: {step} is no whole step"
             );
-            // Halves may go either way.
+            // Halves may be rounded either way.
             assert!(
                 (step - painted).abs() < 0.5001,
                 "texel {i} is {step}, painted {painted}"
@@ -183,7 +183,7 @@ impl FilterKernel for Scatter {
     }
 }
 
-/// The same for bytes of colour.
+/// The same rule applies to bytes of colour.
 #[test]
 fn the_pinned_driver_rounds_colour_by_a_known_rule() {
     let stage = Stage::new();
@@ -210,7 +210,7 @@ fn the_pinned_driver_rounds_colour_by_a_known_rule() {
         images[1].texels,
         images[0].texels.iter().map(rule).collect::<Vec<_>>()
     );
-    // The comparison must notice other roundings: of halves, and of the quotient.
+    // Negative controls: the comparison detects other roundings, of halves and of the quotient.
     let other_halves = |v: &f32| (v * 255.0 + 0.5).floor() * (1.0 / 255.0);
     let quotient = |v: &f32| (v * 255.0).round_ties_even() / 255.0;
     assert_ne!(
@@ -243,8 +243,8 @@ impl FilterKernel for Spread {
     }
 }
 
-/// Steps of 16 bits are the nearest on every device that rounds sums and products to floats,
-/// whatever it does with textures.
+/// Filters write the nearest 16-bit steps on every device that rounds sums and products to floats,
+/// independent of its texture conversion.
 #[test]
 fn filters_write_the_nearest_step_of_16_bits() {
     let stage = Stage::new();
@@ -273,7 +273,7 @@ fn filters_write_the_nearest_step_of_16_bits() {
         .flat_map(|texel| [texel[0], texel[1]])
         .collect();
     assert_eq!(images[2].texels, expected_pairs);
-    // The comparison must notice other roundings.
+    // Negative control: the comparison detects other roundings.
     let other_halves =
         |v: &f32| (v.clamp(0.0, 1.0) * 65_535.0).round_ties_even() * (1.0 / 65_535.0);
     let other: Vec<f32> = images[0].texels.iter().map(other_halves).collect();
@@ -284,7 +284,7 @@ fn filters_write_the_nearest_step_of_16_bits() {
     assert_eq!(bytes, [8 * texels, 4 * texels]);
 }
 
-/// Every whole step that fits into the image, times `unit`.
+/// Returns all integer steps that fit into the image, times `unit`.
 fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
     let texels = (0..desc.floats() as usize)
         .map(|i| (i * 37 % count) as f32 * unit)
@@ -292,7 +292,7 @@ fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
     Image { desc, texels }
 }
 
-/// What a filter loads from a given image.
+/// Returns what a filter loads from a given image.
 fn replayed(given: &Image, loaded: Format) -> Image {
     let stage = Stage::new();
     let same = Same(stage.numbers(Vec4::ZERO));

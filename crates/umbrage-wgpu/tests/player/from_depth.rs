@@ -1,4 +1,4 @@
-//! A G-buffer from nothing but depth.
+//! Tests of a G-buffer computed from depth alone.
 
 use crate::{
     foreign::{Foreign, read, read_four},
@@ -8,13 +8,14 @@ use glam::{Mat4, Vec3, Vec4};
 use umbrage_core::{NO_TRIANGLE, Receivers};
 use umbrage_wgpu::{DepthBuffer, GBufferFromDepth, wgpu::TextureFormat};
 
-/// Positions, normals, and how many pixels have them.
+/// Positions, normals, and the number of pixels that have them.
 struct Seen {
     positions: Vec<Vec4>,
     normals: Vec<Vec4>,
 }
 
-/// `reverse` maps z to 1 - z, `mirror` flips the world's x, as a left-handed engine would see it.
+/// Computes a G-buffer. `reverse` maps z to 1 - z, `mirror` flips the world's x, as in a
+/// left-handed engine.
 fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
     let [reverse, mirror] = reverse_mirror;
     let foreign = Foreign::new();
@@ -67,7 +68,7 @@ fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
     }
 }
 
-/// Pixels whose neighbours show the same plane, two each way: edges are allowed to be rough.
+/// Returns whether two neighbours in each direction show the same plane: edges may be inaccurate.
 fn inner(r: &Receivers, i: usize) -> bool {
     let w = r.size.x as i32;
     let h = r.size.y as i32;
@@ -103,8 +104,8 @@ fn positions_and_normals_come_from_depth() {
             if r.triangle[i] == NO_TRIANGLE || !inner(&r, i) {
                 continue;
             }
-            // Depth has a step of 6e-8, which 10 m away and with near at .5 m is 1e-5 m; three such
-            // meet in a position.
+            // Depth has a step of 6e-8, which is 1e-5 m at 10 m with near at 0.5 m. A position
+            // combines three such errors.
             let position = seen.positions[i].truncate() * flip;
             let normal = seen.normals[i].truncate() * flip;
             assert!(
@@ -112,7 +113,7 @@ fn positions_and_normals_come_from_depth() {
                 "{position} is not {}",
                 r.position(i)
             );
-            // Neighbours are some .1 m apart, so their steps turn a normal by up to 1e-3.
+            // Neighbours are about 0.1 m apart, so their steps turn a normal by up to 1e-3.
             assert!(
                 normal.distance(r.normal(i)) < 5e-3,
                 "{normal} is not {} at {i}",

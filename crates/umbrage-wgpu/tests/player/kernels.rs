@@ -1,14 +1,14 @@
-//! The smallest kernels that use everything a kernel may use.
+//! Minimal kernels that use every feature of kernels.
 
 use glam::{Mat4, UVec2, Vec4};
 use umbrage_core::{FilterKernel, Inputs, Module, ReceiveKernel, Span, math::transform, uniforms};
 
 uniforms! {
-    /// Of all kernels here.
+    /// Uniforms of all kernels here.
     pub struct Numbers {
-        /// From world to the light's clip space.
+        /// Transform from world to the light's clip space.
         pub clip_from_world: Mat4,
-        /// Kernels give their own meanings.
+        /// Kernel-specific numbers.
         pub numbers: Vec4,
     }
 }
@@ -51,7 +51,7 @@ kernel!(
     }"
 );
 
-/// The orthographic lookup of one texel, with bias `numbers.x`. Receivers must lie on the map.
+/// Orthographic lookup of one texel, with bias `numbers.x`. Receivers must be on the map.
 impl ReceiveKernel for Compare {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let map = inputs.images[0];
@@ -76,8 +76,8 @@ kernel!(
     }"
 );
 
-/// Reads a layered image, a table, pixel, normal and triangle, so that a mistake in any shows in
-/// the sum.
+/// Reads a layered image, a table, pixel, normal and triangle, so that a mistake in any of them
+/// changes the sum.
 impl ReceiveKernel for Everything {
     fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
         out.fill(0.0);
@@ -127,7 +127,7 @@ kernel!(
     "fn filter_texel(texel: vec2i, layer: i32) -> vec4f { return load_0(texel, layer); }"
 );
 
-/// What a shader loads, in floats.
+/// Copies what a shader loads, in floats.
 impl FilterKernel for Same {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         let first = inputs.images[0].index(start.x as i32, start.y as i32, layer);
@@ -146,7 +146,7 @@ impl ReceiveKernel for Broken {
     }
 }
 
-/// Runs the Rust half over all pixels, 1 where nothing receives.
+/// Runs the Rust half over all pixels; 1 for pixels that don't receive.
 pub(crate) fn reference(
     kernel: &dyn ReceiveKernel,
     images: &[umbrage_core::Image],

@@ -1,4 +1,4 @@
-//! A light set with a technique of the tests' own: its masks, and the states of its lights.
+//! Tests of a light set with a test technique: its masks, and the states of its lights.
 
 use crate::{
     embedded::Embedded,
@@ -9,11 +9,11 @@ use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Light, Recipe, RecipeError, ShadowTechnique, View};
 use umbrage_wgpu::{
-    CasterId, CasterMesh, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs, SetBudget,
-    SetFrame, SetLight, SetReceivers, SetReport, Unserved, wgpu::TextureView,
+    CasterId, CasterMesh, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
+    MaskReceivers, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved, wgpu::TextureView,
 };
 
-/// One map of this many texels a side, 0 for a technique that serves no light.
+/// A technique with one map of this many texels a side, or 0 to support no light.
 #[derive(Debug)]
 struct OneMap(u32);
 
@@ -68,7 +68,7 @@ impl Lit {
     }
 
     fn add(&mut self, side: u32, priority: f32) -> LightId {
-        let light = SetLight {
+        let light = ShadowedLight {
             light: self.e.stage.light,
             technique: Arc::new(OneMap(side)),
             priority,
@@ -76,7 +76,7 @@ impl Lit {
         self.set.add_light(light).expect("valid")
     }
 
-    /// Prepares a frame and submits it. Returns what it found to do.
+    /// Prepares a frame and submits it. Returns the report.
     fn frame(&mut self) -> SetReport {
         let Foreign { device, queue } = &self.e.foreign;
         let frame = SetFrame {
@@ -97,7 +97,7 @@ impl Lit {
     fn mask(&mut self, light: LightId) -> Vec<f32> {
         let inputs = MaskInputs {
             size: self.e.size(),
-            receivers: SetReceivers::Positions(self.e.receivers()),
+            receivers: MaskReceivers::Positions(self.e.receivers()),
             lights: &[light],
             format: MaskFormat::Float32,
         };

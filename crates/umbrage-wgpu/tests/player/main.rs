@@ -1,5 +1,5 @@
-//! The player on a real adapter. A missing adapter fails these tests, with the line that installs a
-//! software one.
+//! Tests of the backend on a real adapter. Without an adapter these tests fail, with the command
+//! that installs a software one.
 
 mod comparing;
 mod counting;

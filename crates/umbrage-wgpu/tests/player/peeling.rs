@@ -1,4 +1,4 @@
-//! Casts behind other casts.
+//! Tests of depth peeling.
 
 use crate::scene::{Stage, gpu};
 use glam::Vec3;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use umbrage_core::{Cast, CastMode, Faces, Format, Image, LightSpace, Recipe, Source};
 use umbrage_wgpu::Gpu;
 
-/// Three layers of depth, peeled one after the other, each in an image of its own.
+/// Returns a recipe with three layers of depth, peeled one after the other, each in its own image.
 fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
     let mut recipe = stage.recipe(40);
     recipe.images[0].format = format;
@@ -19,7 +19,7 @@ fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
     recipe
 }
 
-/// The depth of the floor alone.
+/// Renders the depth of the floor alone.
 fn floor(stage: &Stage, gpu: &mut Gpu, space: LightSpace, format: Format) -> Image {
     let vertices = stage
         .geometry
@@ -61,8 +61,8 @@ fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
             let mut plates = 0;
             let mut floors = 0;
             for (i, &nearest) in images[0].texels.iter().enumerate() {
-                // Where the plate is before the floor, the floor is left; where there is but one of
-                // them, nothing.
+                // Where the plate is in front of the floor, the floor is left. Where there is only
+                // one of them, nothing is left.
                 let plate = nearest < floor.texels[i];
                 let expected = if plate { floor.texels[i] } else { 1.0 };
                 assert_eq!(images[1].texels[i], expected, "{format:?}, texel {i}");
@@ -87,7 +87,7 @@ fn behind_a_layer_that_nothing_wrote_is_nothing() {
     let mut gpu = gpu();
     let mut recipe = peels(&stage, stage.space(), Format::Depth32);
     let full = stage.render(&mut gpu, &recipe).images;
-    // The images now hold depth, and must not in the next frame.
+    // The images now contain depth, which must not remain in the next frame.
     recipe.casts.remove(0);
     let empty = stage.render(&mut gpu, &recipe).images;
     assert!(full[1].texels.iter().any(|&d| d < 1.0));

@@ -1,4 +1,4 @@
-//! What is known of drivers' rounding is what the probe finds.
+//! Tests of the probe with drivers of known rounding.
 
 use crate::scene::gpu;
 use umbrage_core::{Backend, Snapping};

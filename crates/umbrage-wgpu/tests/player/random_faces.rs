@@ -1,4 +1,5 @@
-//! Peeling and counting of many faces at once, against what drawing each face alone says.
+//! Differential tests of peeling and counting many faces, compared with drawing each face
+//! separately.
 
 use crate::scene::{Stage, gpu};
 use glam::{DMat4, UVec2, Vec3, Vec4};
@@ -8,13 +9,13 @@ use umbrage_core::{Cast, CastMode, Faces, Format, ImageDesc, LightSpace, Recipe,
 const COUNT: usize = 60;
 const SIDE: u32 = 48;
 
-/// A small integer hash, -1 to 1.
+/// Returns a small integer hash, -1 to 1.
 fn noise(i: usize) -> f32 {
     let h = (i as u32).wrapping_mul(0x9e37_79b9);
     ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 23) as f32 - 1.0
 }
 
-/// Returns triangles about the origin, some across the frustum's planes, and every seventh with a
+/// Returns triangles around the origin. Some cross the frustum's planes, and every seventh has a
 /// corner at infinity.
 fn triangles() -> Vec<[Vec4; 3]> {
     let mut out = Vec::new();
@@ -52,7 +53,7 @@ fn image(label: &'static str, layers: u32, format: Format) -> ImageDesc {
     }
 }
 
-/// Each triangle's depths by itself.
+/// Renders the depths of each triangle separately.
 fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
     let mut casts = Vec::new();
     for (layer, triangle) in (0..).zip(triangles()) {
@@ -124,7 +125,7 @@ fn peels_are_the_least_the_second_least_and_so_on() {
     }
 }
 
-/// 1 for a face whose front is seen, -1 for one whose back is seen: on screen, counter-clockwise is
+/// Returns 1 for a visible front face, -1 for a visible back face: counter-clockwise on screen is
 /// front.
 fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
     let [a, b, c] = triangle
@@ -164,8 +165,7 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
     let clip_from_world = space.clip_from_world().as_dmat4();
     let mut kinds = std::collections::BTreeSet::new();
     for (texel, &stored) in images[0].texels.iter().enumerate() {
-        // Depth 1 is what is not drawn at all, or lies just there; so only texels before it are
-        // clear.
+        // Skip texels at depth 1: they are empty, or at that depth.
         if stored == 1.0 {
             continue;
         }

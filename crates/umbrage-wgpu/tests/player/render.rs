@@ -1,4 +1,4 @@
-//! Whole recipes.
+//! Tests of whole recipes.
 
 use crate::{
     kernels::{Everything, Halve, Paint, reference},
@@ -14,8 +14,8 @@ use umbrage_core::{
 fn the_map_holds_floor_and_plate() {
     let stage = Stage::new();
     let shadows = stage.render(&mut gpu(), &stage.recipe(40));
-    // Texels are .25 m: the floor covers 32 of 40 each way, the plate 8. From y = 5, with 1..9 m in
-    // 0..1.
+    // Texels are 0.25 m: the floor covers 32 of 40 each way, the plate 8. Seen from y = 5, with
+    // 1..9 m mapped to 0..1.
     let at = |x: usize, y: usize| shadows.images[0].texels[y * 40 + x];
     let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
     for y in 0..40 {
@@ -119,7 +119,7 @@ fn without_casters_all_is_lit() {
     assert!(shadows.images[0].texels.iter().all(|&v| v == 1.0));
 }
 
-/// Two filters, a layered image, a table, an image that nothing writes.
+/// Returns a recipe with two filters, a layered image, a table, and an unwritten image.
 fn everything(stage: &Stage) -> Recipe {
     let image = |label| ImageDesc {
         label,
@@ -199,7 +199,7 @@ fn a_second_cast_into_a_layer_keeps_the_nearest() {
     let mut gpu = gpu();
     let mut recipe = stage.recipe(40);
     let mut shifted = recipe.casts[0].clone();
-    // 8 texels to the right: the plate now covers twice as much.
+    // Shift by 8 texels to the right: the plate now covers twice the area.
     shifted.space = shifted
         .space
         .nudged(glam::Vec2::new(8.0, 0.0), 0.0, UVec2::splat(40));

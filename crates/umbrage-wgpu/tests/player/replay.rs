@@ -1,4 +1,4 @@
-//! Single stages from given images.
+//! Tests of single stages with given images.
 
 use crate::{
     kernels::{Halve, Numbers, reference},
@@ -20,7 +20,7 @@ fn the_lookup_replays_from_given_depth() {
         .replay_receive(&view, &recipe, &shadows.images)
         .expect("it rendered before");
     assert_eq!(replayed, shadows.mask);
-    // A map that no cast would make: half of it covered.
+    // Use a map that no cast produces: half of it covered.
     let mut images = shadows.images;
     images[0].texels[..64 * 32].fill(0.1);
     let replayed = gpu

@@ -10,12 +10,12 @@ use umbrage_core::{
 };
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
-/// The adapter that all tests use.
+/// Returns the adapter that all tests use.
 pub(crate) fn gpu() -> Gpu {
     Gpu::new(&AdapterChoice::from_env()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Everything to be rendered.
+/// The scene to render.
 pub(crate) struct Stage {
     pub(crate) geometry: Geometry,
     pub(crate) camera: Camera,
@@ -77,7 +77,7 @@ impl Stage {
         }
     }
 
-    /// The same scene seen aslant: depth changes from texel to texel.
+    /// Returns a tilted light space for the same scene: depth changes from texel to texel.
     pub(crate) fn tilted(&self) -> LightSpace {
         let extents = Extents {
             left: -6.0,
@@ -106,7 +106,7 @@ impl Stage {
         Compare(self.numbers(Vec4::splat(0.0125)))
     }
 
-    /// One map of this side, one comparison.
+    /// Returns a recipe with one map of this side and one comparison.
     pub(crate) fn recipe(&self, side: u32) -> Recipe {
         self.recipe_with(side, Arc::new(self.compare()))
     }

@@ -1,4 +1,4 @@
-//! Pictures.
+//! Tests of colour images.
 
 use crate::{
     kernels::{Numbers, kernel},
@@ -62,7 +62,7 @@ pub(crate) fn shaded(stage: &Stage) -> Recipe {
     }
 }
 
-/// What the Rust half says of every pixel.
+/// Returns the result of the Rust half for every pixel.
 pub(crate) fn reference(
     kernel: &dyn ShadeKernel,
     receivers: &Receivers,

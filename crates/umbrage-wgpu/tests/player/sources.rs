@@ -1,4 +1,4 @@
-//! What casts draw: casters, everything, and faces that a technique made.
+//! Tests of the sources of casts: casters, all geometry, and a technique's faces.
 
 use crate::scene::{Stage, gpu};
 use glam::{Vec3, Vec4};
@@ -8,7 +8,7 @@ use umbrage_core::{
     light_space::{look_along, perspective},
 };
 
-/// Some triangles of the stage, every vertex times `w`.
+/// Returns some triangles of the stage, every vertex times `w`.
 fn faces(stage: &Stage, triangles: std::ops::Range<usize>, w: f32) -> Arc<Faces> {
     let vertices = stage
         .geometry
@@ -58,7 +58,7 @@ fn faces_round_as_casters_do() {
         let expected = stage
             .render(&mut gpu, &casting(&stage, space, Source::Casters))
             .images;
-        // Powers of two scale exactly, and division by w takes them out again.
+        // Powers of two scale exactly, and division by w is exact, too.
         for w in [1.0, 4.0] {
             let source = Source::Faces(faces(&stage, 0..4, w));
             assert_eq!(
@@ -91,8 +91,7 @@ fn faces_reach_to_infinity() {
         clip_from_view: perspective(std::f32::consts::FRAC_PI_2, 1.0, near, far)
             .expect("the numbers are in order"),
     };
-    // The ground 1 m below the eye, from 1 m before it to the horizon, as wide as the image
-    // everywhere.
+    // The ground 1 m below the eye, from 1 m ahead to the horizon, as wide as the image everywhere.
     let edge = [
         Vec4::new(-1.0, -1.0, -1.0, 1.0),
         Vec4::new(1.0, -1.0, -1.0, 1.0),
@@ -137,7 +136,7 @@ fn faces_are_uploaded_once() {
     let first = gpu.counters();
     let image = stage.render(&mut gpu, &recipe).images;
     assert_eq!(gpu.counters(), first);
-    // Techniques that make their faces anew each frame.
+    // Execute techniques that compute new faces each frame.
     for triangles in [0..3, 1..4, 0..2] {
         let recipe = casting(
             &stage,

@@ -1,5 +1,5 @@
-//! Judges the shadows of other renderers by ray-traced visibility: the command line, the table and
-//! the images.
+//! Comparison of other renderers' shadows with ray-traced visibility: the command line, the table
+//! and the images.
 
 #[path = "../../../judge.rs"]
 pub mod judge;
@@ -15,37 +15,39 @@ use std::{
 use umbrage::{Geometry, Light, Scene, glam::Vec3, metrics::Pixel};
 use umbrage_plan::truth::TruthOptions;
 
-/// A renderer whose shadows are judged, in a program that shows one scene.
+/// A renderer under test, in a program that shows one scene.
 pub trait Rival: Sized {
-    /// One of the settings that are compared.
+    /// One of the compared settings.
     type Setting;
 
     /// Name of the table's file.
     const NAME: &'static str;
-    /// Heads of the columns that [`Rival::measure`] fills.
+    /// Heads of the columns for the figures of [`Rival::measure`].
     const COLUMNS: &'static [&'static str];
-    /// Pixels that are darker without shadows don't count: the light doesn't reach them.
+    /// Threshold for pixels without shadows: darker ones are excluded, since the light doesn't
+    /// reach them.
     const DARK: f32;
 
     /// Starts the program without shadows.
     ///
     /// # Errors
-    /// Errors if the renderer can't show the scene.
+    /// Returns an error if the renderer can't show the scene.
     fn start(judged: &JudgedScene) -> Result<Self>;
 
     /// Returns an image without shadows, linear, rows from the top.
     ///
     /// # Errors
-    /// Errors if the renderer does.
+    /// Returns an error if the renderer does.
     fn lit(&mut self) -> Result<Vec<f32>>;
 
     /// Returns the settings with their names in the table.
     fn settings(judged: &JudgedScene) -> Vec<(String, Self::Setting)>;
 
-    /// Returns an image with shadows and the figures of the columns, from so many timed frames.
+    /// Returns an image with shadows and the figures of the columns, from this number of timed
+    /// frames.
     ///
     /// # Errors
-    /// Errors if the renderer does.
+    /// Returns an error if the renderer does.
     fn measure(
         &mut self,
         judged: &JudgedScene,
@@ -54,16 +56,17 @@ pub trait Rival: Sized {
     ) -> Result<(Vec<f32>, Vec<f64>)>;
 }
 
-/// Judges a renderer's shadows, and this library's in the same renderer.
+/// Compares a renderer's shadows, and this library's in the same renderer, with ray-traced
+/// visibility.
 #[derive(Parser)]
 struct Arguments {
     /// Built-in scenes whose first light is a sun.
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// Frames that are timed for each setting, in turn with frames without shadows.
+    /// Number of timed frames for each setting, alternating with frames without shadows.
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     frames: u16,
-    /// Only settings whose names contain one of these texts; may be repeated.
+    /// Only run settings whose names contain one of these texts. Can be repeated.
     #[arg(long)]
     only: Vec<String>,
     /// Write masks and the table into this folder.
@@ -74,7 +77,7 @@ struct Arguments {
 /// Runs the program.
 ///
 /// # Errors
-/// Errors if a scene is unknown, the renderer fails, or a file can't be written.
+/// Returns an error if a scene is unknown, the renderer fails, or a file can't be written.
 pub fn run<R: Rival>() -> Result<()> {
     let arguments = Arguments::parse();
     let mut table = String::from("| scene | shadows | RMSE | false shadow % | false light % |");
@@ -131,16 +134,16 @@ fn row(scene: &str, label: &str, mask: &JudgedMask, figures: &[f64]) -> String {
     line
 }
 
-/// Returns the middle one of some times.
+/// Returns the median.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }
 
-/// Shadow that should be light, and light that should be shadow.
+/// Colours of shadow that should be light, and of light that should be shadow.
 const FALSE_SHADOW: [f32; 3] = [0.0, 90.0, 220.0];
 const FALSE_LIGHT: [f32; 3] = [230.0, 120.0, 0.0];
-/// Pixels that don't count.
+/// Colour of excluded pixels.
 const NOT_COUNTED: [u8; 3] = [150, 150, 150];
 
 /// Writes the reference and a mask, each with an image of its differences from the reference.
@@ -184,23 +187,23 @@ fn save(judged: &JudgedScene, judged_mask: &JudgedMask, label: &str, folder: &Pa
     Ok(())
 }
 
-/// Triangles of a [`MeshPart`], at most.
+/// Greatest number of triangles of a [`MeshPart`].
 const PART_TRIANGLES: usize = 4096;
 
-/// A part of a scene's triangles, which a renderer can leave out. Each triangle has its own corners
-/// and its flat normal.
+/// A part of a scene's triangles that a renderer can cull. Triangles have separate corners with
+/// flat normals.
 pub struct MeshPart {
-    /// Three for each triangle.
+    /// Positions, three for each triangle.
     pub positions: Vec<Vec3>,
-    /// One for each position.
+    /// Normals, one for each position.
     pub normals: Vec<Vec3>,
-    /// Whether it casts shadows.
+    /// `true` if it casts shadows.
     pub casts: bool,
-    /// Whether it receives shadows.
+    /// `true` if it receives shadows.
     pub receives: bool,
 }
 
-/// Returns all triangles of a scene.
+/// Returns all triangles of a scene, in parts.
 pub fn mesh_parts(geometry: &Geometry) -> Vec<MeshPart> {
     let casters = geometry.casters();
     let receivers = geometry.receivers();
@@ -238,13 +241,13 @@ pub fn mesh_parts(geometry: &Geometry) -> Vec<MeshPart> {
 /// Returns the direction of the first light and its angular diameter, radians.
 ///
 /// # Errors
-/// Errors if that light is no sun.
+/// Returns an error if that light is not a sun.
 pub fn sun(scene: &Scene) -> Result<(Vec3, f32)> {
     match scene.lights.first() {
         Some(Light::Directional {
             direction,
             angular_diameter,
         }) => Ok((direction.normalize(), *angular_diameter)),
-        _ => anyhow::bail!("scene `{}`: its first light is no sun", scene.name),
+        _ => anyhow::bail!("scene `{}`: its first light is not a sun", scene.name),
     }
 }

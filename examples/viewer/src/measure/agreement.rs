@@ -1,9 +1,8 @@
-//! Compares the device's mask with the mask that the CPU makes of the same recipe and the same
-//! receivers.
+//! Comparison of the device's mask with the CPU's for the same recipe and the same receivers.
 //!
-//! Rasterisers round vertices in different ways, which browsers don't report: known ways are tried,
-//! and the best fit is reported. A pixel is undecided if the CPU's own result changes as maps or
-//! receivers move by as much as rounding may move them.
+//! Rasterisers round vertices in different ways, which browsers don't report. Known ways are
+//! tested, and the best fit is reported. A pixel is undecided if the CPU's own result changes when
+//! maps or receivers move by the possible rounding error.
 
 use super::subject::Subject;
 use anyhow::{Context as _, Result};
@@ -15,19 +14,20 @@ use umbrage::{
     techniques::sampler_tolerance,
 };
 
-/// Movement of maps in depth, of 0 to 1: 2^-20.
+/// Movement of maps in depth, in the range 0 to 1: 2^-20.
 const DEPTH_STEP: f32 = 1.0 / 1_048_576.0;
-/// Movement of receivers, as a part of their greatest coordinate: 2^-21.
+/// Movement of receivers, as a fraction of their greatest coordinate: 2^-21.
 const POSITION_STEP: f32 = 1.0 / 2_097_152.0;
 
-/// A movement as large as rounding may be.
+/// A movement by the possible rounding error.
 #[derive(Clone, Copy)]
 enum Movement {
-    /// Receivers move along their normals, by this part of their greatest coordinate.
+    /// Receivers move along their normals, by this fraction of their greatest coordinate.
     Receivers(f32),
-    /// Maps move sideways, by parts of half a step of the rasteriser's grid, and in depth.
+    /// Maps move sideways, by fractions of half a step of the rasteriser's grid, and in depth.
     Maps([f32; 3]),
-    /// The planes of triangles with even and odd numbers move in depth, by parts of their rounding.
+    /// The planes of triangles with even and odd numbers move in depth, by fractions of their
+    /// rounding error.
     Planes(f32, f32),
 }
 
@@ -50,7 +50,7 @@ const MOVEMENTS: [Movement; 12] = {
 };
 
 impl Movement {
-    /// Returns the CPU's mask of a view and a recipe that moved.
+    /// Returns the CPU's mask of a moved view and recipe.
     fn mask(
         self,
         view: &View<'_>,
@@ -93,8 +93,8 @@ fn moved_receivers(receivers: &Receivers, part: f32) -> Receivers {
     out
 }
 
-/// Known ways of devices to round, the usual one first: the finest grid on hardware, and two of
-/// software drivers.
+/// Known ways of rounding, the usual one first: the finest grid of hardware, and two of software
+/// drivers.
 fn roundings() -> [Snapping; 3] {
     let usual = Snapping::default();
     let over_grid = Snapping {
@@ -108,14 +108,14 @@ fn roundings() -> [Snapping; 3] {
 /// Returns the agreement of a device's mask with the CPU's under the rounding that fits best.
 ///
 /// # Errors
-/// Errors if there is no mask yet, or the technique refuses the light.
+/// Returns an error if there is no mask yet, or the technique refuses the light.
 pub(crate) fn agree(
     subject: &Subject,
     receivers: &Receivers,
     technique: &dyn ShadowTechnique,
     mask: Option<&[f32]>,
 ) -> Result<(Snapping, Agreement)> {
-    let mask = mask.context("the device's mask isn't there yet")?;
+    let mask = mask.context("the device's mask is not yet available")?;
     let view = subject.view();
     let recipe = technique.recipe(&view)?;
     let mut best: Option<(Snapping, Agreement)> = None;

@@ -1,4 +1,4 @@
-//! Cost of a setting by counts and prices, as in plans.
+//! Estimated cost of settings from counts and prices, as in plans.
 
 use super::subject::Subject;
 use anyhow::Result;
@@ -12,27 +12,27 @@ use umbrage::{
     techniques::TechniquePreset,
 };
 
-/// Returns the prices of a device that draws.
+/// Returns the prices of wgpu devices.
 pub(crate) fn prices() -> CostModel {
     CostModel::of("wgpu")
 }
 
-/// A setting's cost.
+/// The cost of settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Cost {
     /// Cost of maps and lists, milliseconds.
     pub draw_ms: f64,
     /// Cost of the lookups of all pixels, milliseconds.
     pub lookup_ms: f64,
-    /// Whether maps or lists change when the camera moves.
+    /// `true` if maps or lists change when the camera moves.
     pub follows_camera: bool,
 }
 
 impl Cost {
-    /// Counts a setting's work.
+    /// Counts the work of settings.
     ///
     /// # Errors
-    /// Errors if the technique refuses the light.
+    /// Returns an error if the technique refuses the light.
     pub(crate) fn of(
         preset: &TechniquePreset,
         subject: &Subject,
@@ -51,7 +51,7 @@ impl Cost {
         })
     }
 
-    /// Returns whether maps and lists are redrawn with each frame.
+    /// Reports whether maps and lists are redrawn in each frame.
     pub(crate) fn draws(&self, motion: FrameMotion) -> bool {
         match motion {
             FrameMotion::Still => false,

@@ -1,5 +1,4 @@
-//! Figures of both sides at the present view: measured when nothing moves, and forgotten when
-//! something does.
+//! Figures of both sides for the current view: measured at rest, and discarded after a change.
 
 use super::{
     cost::Cost,
@@ -18,21 +17,21 @@ use crate::{
 use anyhow::Result;
 use umbrage::metrics::Pixel;
 
-/// Errors of a mask over the pixels that are traced and count.
+/// Errors of a mask over the evaluated pixels that are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct MaskError {
     /// Root of the mean square.
     pub rmse: f64,
-    /// Number of pixels that are off by more than a sixteenth.
+    /// Number of pixels with an error of more than a sixteenth.
     pub wrong: usize,
-    /// Number of pixels that count.
+    /// Number of evaluated pixels.
     pub pixels: usize,
-    /// Number of pixels that are left out since truth depends on rounding there; `None` before that
-    /// is known.
+    /// Number of pixels excluded because the reference depends on rounding. `None` before that is
+    /// known.
     pub ambiguous: Option<usize>,
 }
 
-/// Compares a mask with truth.
+/// Compares a mask with the reference.
 fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
     let mut out = MaskError::default();
     let mut ambiguous = 0;
@@ -54,13 +53,13 @@ fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
     out
 }
 
-/// A picture of lookups.
+/// An image of lookups.
 struct LookupPicture {
     kind: Picture,
-    /// Until the picture is made.
+    /// The job, until the image is done.
     job: Option<Job<Option<Vec<u8>>>>,
-    /// sRGB and opacity, a byte each; `None` before it is made, and if there is nothing of that
-    /// kind.
+    /// sRGB and opacity, a byte each. `None` before the image is done, and if there is nothing to
+    /// show.
     rgba: Option<Vec<u8>>,
 }
 
@@ -73,13 +72,13 @@ pub(crate) struct SideFigures {
     pub cost: Option<Cost>,
     /// Time of the mask's lookups on the device, milliseconds; `None` without timestamps.
     pub lookup_ms: Option<f64>,
-    /// Why the light has no shadows on this side, and so no figures.
+    /// Reason why the light has no shadows on this side, and therefore no figures.
     pub refusal: Option<String>,
     lookups: Option<LookupPicture>,
 }
 
 impl SideFigures {
-    /// Returns whether the side's lookups are being timed.
+    /// Reports whether the side's lookups are being timed.
     fn times_lookups(&self) -> bool {
         let heat = self.lookups.as_ref();
         heat.is_some_and(|lookups| lookups.kind == Picture::Heat && lookups.job.is_some())
@@ -89,7 +88,7 @@ impl SideFigures {
 /// Figures of both sides.
 #[derive(Default)]
 pub(crate) struct ViewFigures {
-    /// The subject that is measured.
+    /// The measured subject.
     pub subject: Option<Subject>,
     tracing: Option<Tracing>,
     receivers: Option<ReceiverTextures>,
@@ -98,35 +97,35 @@ pub(crate) struct ViewFigures {
 }
 
 impl ViewFigures {
-    /// Returns whether truth is complete, and both sides have their masks or no shadows.
+    /// Reports whether the reference is complete, and both sides have their masks or no shadows.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn is_complete(&self) -> bool {
         let is_known = |side: &SideFigures| side.mask.is_some() || side.refusal.is_some();
         self.truth.as_ref().is_some_and(|truth| truth.is_checked) && self.sides.iter().all(is_known)
     }
 
-    /// Returns whether the device is making masks.
+    /// Reports whether the device is computing masks.
     pub(crate) fn is_waiting(&self) -> bool {
         self.sides.iter().any(|side| side.pending.is_some())
     }
 
-    /// Forgets all figures.
+    /// Discards all figures.
     pub(crate) fn forget(&mut self, renderer: &mut Renderer) {
         *self = Self::default();
         renderer.show_overlay(0, None);
         renderer.show_overlay(1, None);
     }
 
-    /// Forgets a side's figures, since its technique changed.
+    /// Discards a side's figures, since its technique changed.
     pub(crate) fn forget_side(&mut self, side: usize, renderer: &mut Renderer) {
         self.sides[side] = SideFigures::default();
         renderer.show_overlay(side, None);
     }
 
-    /// Starts to measure if nothing moves, and takes results. Returns whether there are new ones.
+    /// Starts measurements at rest, and receives results. Returns whether there are new ones.
     ///
     /// # Errors
-    /// Errors if the light is not valid, or the device fails.
+    /// Returns an error if the light is not valid, or the device fails.
     pub(crate) fn update(
         &mut self,
         ctx: &egui::Context,
@@ -156,7 +155,7 @@ impl ViewFigures {
         Ok(is_new)
     }
 
-    /// Takes pictures of lookups. Returns whether there is a new one.
+    /// Receives images of lookups. Returns whether there is a new one.
     fn take_lookups(&mut self) -> Result<bool> {
         let mut is_new = false;
         for lookups in self.sides.iter_mut().flat_map(|side| &mut side.lookups) {
@@ -169,7 +168,7 @@ impl ViewFigures {
         Ok(is_new)
     }
 
-    /// Requests the masks of sides that were prepared for the subject, and takes masks. Returns
+    /// Requests masks of the sides that were prepared for the subject, and receives masks. Returns
     /// whether there is a new one.
     fn fetch_masks(
         &mut self,
@@ -201,7 +200,7 @@ impl ViewFigures {
             let Some(&light) = renderer.sides[i].ids.get(nth_light) else {
                 continue;
             };
-            // A light without shadows is lit everywhere, which is no result of the technique.
+            // Skip a light without shadows: a fully lit mask is no result of the technique.
             figures.refusal = renderer.sides[i].refusal(light);
             if figures.refusal.is_some() {
                 is_new = true;
@@ -213,7 +212,7 @@ impl ViewFigures {
         Ok(is_new)
     }
 
-    /// Compares masks with truth, and lays pictures over the sides.
+    /// Compares masks with the reference, and updates the overlays of the sides.
     pub(crate) fn compare(
         &mut self,
         ctx: &egui::Context,
@@ -223,7 +222,7 @@ impl ViewFigures {
         let (Some(truth), Some(subject)) = (&self.truth, &self.subject) else {
             return;
         };
-        // Sides are timed one after the other: each takes all cores.
+        // Time one side after the other, since each uses all cores.
         let mut is_timing = self.sides.iter().any(SideFigures::times_lookups);
         for (i, side) in self.sides.iter_mut().enumerate() {
             let mask = side.mask.as_deref();
@@ -241,7 +240,7 @@ impl ViewFigures {
                 renderer.show_overlay(i, rgba.map(|rgba| (truth.receivers.size, rgba)));
                 continue;
             }
-            // Tracing takes all cores, too.
+            // Wait for tracing, which uses all cores, too.
             let must_wait = kind == Picture::Heat && (is_timing || !truth.is_checked);
             let is_known = side
                 .lookups

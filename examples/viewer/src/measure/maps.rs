@@ -1,4 +1,4 @@
-//! Pictures of maps, as the light draws them.
+//! Images of maps, as the light draws them.
 
 use super::subject::Subject;
 use crate::{job::Job, side::SideSettings};
@@ -6,25 +6,25 @@ use anyhow::Result;
 use egui::{Color32, ColorImage, TextureHandle};
 use umbrage::{Backend as _, Receivers, cpu::Cpu, glam::UVec2};
 
-/// Most pixels of the side of a shown layer.
+/// Greatest side of a displayed layer, pixels.
 const SHOWN_SIDE: u32 = 384;
 
 /// The maps of a side: its layers next to each other.
 #[derive(Default)]
 pub(crate) struct MapPicture {
-    /// With anything else it is stale.
+    /// Input of the image. With another input it is stale.
     of: Option<(Subject, SideSettings)>,
-    /// The CPU draws it, which may take longer than a frame.
+    /// Drawing on the CPU, which may take longer than a frame.
     job: Option<Job<Option<(String, ColorImage)>>>,
     pub shown: Option<TextureHandle>,
     pub label: String,
 }
 
 impl MapPicture {
-    /// Starts to draw the maps if they are stale, and takes them once they are there.
+    /// Starts to draw the maps if they are stale, and receives finished ones.
     ///
     /// # Errors
-    /// Errors if the technique refuses the light.
+    /// Returns an error if the technique refuses the light.
     pub(crate) fn update(
         &mut self,
         ctx: &egui::Context,
@@ -36,7 +36,7 @@ impl MapPicture {
             *self = Self::default();
             self.of.clone_from(&of);
             if let Some((subject, settings)) = of {
-                self.label = "is being drawn".to_owned();
+                self.label = "drawing".to_owned();
                 self.job = Some(Job::start(ctx, move |_| {
                     draw(&subject, &settings).map(Some)
                 }));
@@ -56,10 +56,9 @@ impl MapPicture {
     }
 }
 
-/// Returns a label and a picture of the first image that a technique draws; `None` if it draws
-/// none.
+/// Returns a label and an image of the first map of a technique. `None` if it draws none.
 fn draw(subject: &Subject, settings: &SideSettings) -> Result<Option<(String, ColorImage)>> {
-    // Nothing is looked up: only the maps are needed.
+    // Use no receivers: only the maps are needed.
     let nothing = Receivers::empty(subject.camera.size);
     let view = subject.view();
     let mut recipe = settings.technique(&subject.light).recipe(&view)?;
@@ -88,7 +87,7 @@ fn draw(subject: &Subject, settings: &SideSettings) -> Result<Option<(String, Co
     }
     let size = [(shown.x * desc.layers) as usize, shown.y as usize];
     let label = format!(
-        "{} x {} texels, {} layers; light is near, dark is far, blue is nothing",
+        "{} x {} texels, {} layers; bright: near, dark: far, blue: empty",
         desc.size.x, desc.size.y, desc.layers
     );
     Ok(Some((label, ColorImage::new(size, pixels))))

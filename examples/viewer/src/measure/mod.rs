@@ -1,4 +1,4 @@
-//! Measurements of the view while nothing moves: truth, errors, costs, and where lookups go.
+//! Measurements of the view at rest: the reference, errors, costs, and lookups.
 
 pub(crate) mod agreement;
 pub(crate) mod cost;

@@ -1,5 +1,5 @@
-//! Pictures that are laid over the scene: errors, truth, masks; and where lookups go: texels of
-//! maps, cascades, lists of casters, and their times.
+//! Overlays of the scene: errors, the reference, masks, and lookups (texels of maps, cascades,
+//! lists of casters, and their times).
 
 use super::{subject::Subject, truth::TruthSoFar};
 use anyhow::Result;
@@ -17,7 +17,7 @@ use umbrage::{
     techniques::{AskedCell, Exact},
 };
 
-/// Colours of layers, sRGB: those of Okabe and Ito 2008, "Color universal design", which most
+/// Colours of layers, sRGB: the palette of Okabe and Ito 2008, "Color universal design", which most
 /// people can distinguish.
 const LAYERS: [[u8; 3]; 8] = [
     [230, 159, 0],
@@ -29,11 +29,11 @@ const LAYERS: [[u8; 3]; 8] = [
     [204, 121, 167],
     [150, 150, 150],
 ];
-/// Opacity of pictures of lookups.
+/// Opacity of images of lookups.
 const OPACITY: u8 = 165;
 const TRANSPARENT: [u8; 4] = [0; 4];
 
-/// Pictures over the scene.
+/// Overlays of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Picture {
     #[default]
@@ -44,18 +44,18 @@ pub(crate) enum Picture {
     Truth,
     /// The result of the technique.
     Mask,
-    /// Each texel of the map, light and dark in turn, in its layer's colour.
+    /// Each texel of the map, alternately light and dark, in its layer's colour.
     Texels,
-    /// Each layer of the map in a colour of its own: cascades, faces of a cube.
+    /// Each layer of the map in a different colour: cascades, faces of a cube.
     Layers,
-    /// The number of casters that a lookup in lists tests.
+    /// The number of casters that a lookup tests.
     Lists,
     /// The time of lookups.
     Heat,
 }
 
 impl Picture {
-    /// All, with their names. Clocks of browsers are too coarse to time lookups.
+    /// All kinds with their names. Clocks of browsers are too coarse for timing lookups.
     pub(crate) const ALL: &[(Self, &'static str)] = &[
         (Self::Nothing, "nothing"),
         (Self::Error, "error"),
@@ -68,15 +68,15 @@ impl Picture {
         (Self::Heat, "heat"),
     ];
 
-    /// Returns whether the picture shows lookups: it depends on the camera, the light and the
-    /// settings, and not on truth.
+    /// Reports whether the image shows lookups. It depends on the camera, the light and the
+    /// settings, and not on the reference.
     pub(crate) const fn is_of_lookups(self) -> bool {
         matches!(self, Self::Texels | Self::Layers | Self::Lists | Self::Heat)
     }
 }
 
-/// Returns a picture of errors, truth or the mask as sRGB and opacity, a byte each; `None` if there
-/// is nothing to lay over.
+/// Returns an image of errors, the reference or the mask as sRGB and opacity, a byte each. `None`
+/// if there is nothing to show.
 pub(crate) fn of_mask(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -> Option<Vec<u8>> {
     if mask.is_none() && kind != Picture::Truth {
         return None;
@@ -98,10 +98,10 @@ fn gray(value: f32) -> [u8; 4] {
     [level, level, level, 255]
 }
 
-/// Too light (light leaks in) is red, too dark (acne) is blue, and what is right lets the picture
-/// through.
+/// Returns the colour of an error: red for too light (leaks), blue for too dark (acne), and
+/// transparent for correct pixels.
 fn error_color(off: f32) -> [u8; 4] {
-    // Small errors show, too.
+    // Emphasise small errors.
     let strength = off.abs().min(1.0).sqrt();
     let opacity = (255.0 * strength).round() as u8;
     if off > 0.0 {
@@ -111,11 +111,11 @@ fn error_color(off: f32) -> [u8; 4] {
     }
 }
 
-/// Returns a picture of lookups as sRGB and opacity, a byte each; `None` if the technique has
-/// nothing of that kind.
+/// Returns an image of lookups as sRGB and opacity, a byte each. `None` if the technique has no
+/// such lookups.
 ///
 /// # Errors
-/// Errors if the technique refuses the light.
+/// Returns an error if the technique refuses the light.
 pub(crate) fn of_lookups(
     kind: Picture,
     technique: &dyn ShadowTechnique,
@@ -178,11 +178,11 @@ fn lists(
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
-/// Pixels of a block whose lookups are timed together: fewer take about as long as reading the
-/// clock.
+/// Block of pixels whose lookups are timed together. The time of fewer pixels would be close to
+/// that of reading the clock.
 const TIMED: UVec2 = UVec2::new(16, 8);
-/// Number of times that each block is timed. The least counts, since other programs only make it
-/// longer.
+/// Number of timings of each block. The least one is used, since other programs only increase
+/// times.
 const RUNS: u32 = 3;
 
 /// Times a technique's lookups on the CPU, block by block.
@@ -208,8 +208,8 @@ fn heat(
     Ok((0..receivers.len()).flat_map(texel).collect())
 }
 
-/// Nanoseconds a pixel at which [`heat_color`] is blue, white and red: the white one is the mean of
-/// the others' logarithms.
+/// Nanoseconds per pixel at which [`heat_color`] is blue, white and red. The white one is the
+/// geometric mean of the others.
 pub(crate) const HEAT_NANOSECONDS: [f32; 3] = [4.0, 64.0, 1024.0];
 
 fn heat_color(nanoseconds: f32) -> [u8; 4] {
@@ -220,8 +220,8 @@ fn heat_color(nanoseconds: f32) -> [u8; 4] {
 /// Numbers of casters at which [`length_color`] is white and red.
 pub(crate) const LIST_LENGTHS: [u32; 2] = [7, 63];
 
-/// From blue (none) over white to red, as in the panel's legend; green if one caster covers the
-/// whole cell.
+/// Returns a colour from blue (none) over white to red, as in the panel's legend, or green if one
+/// caster covers the whole cell.
 fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
         return TRANSPARENT;
@@ -233,7 +233,7 @@ fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     blue_to_red((cell.length as f32 + 1.0).log2() / most)
 }
 
-/// From blue (0) over white (a half) to red (1).
+/// Returns a colour from blue (0) over white (a half) to red (1).
 fn blue_to_red(share: f32) -> [u8; 4] {
     let share = share.clamp(0.0, 1.0);
     let rising = (255.0 * share).round() as u8;

@@ -9,8 +9,8 @@ pub(crate) struct Subject {
     pub camera: Camera,
     pub light: Light,
     pub geometry: Geometry,
-    /// Box for which a light set plans: a little larger than the casters. For another box the
-    /// texels of maps would be elsewhere.
+    /// Bounding box for which a light set plans: slightly larger than the casters. The texels of
+    /// maps depend on it.
     pub casters: Aabb,
 }
 

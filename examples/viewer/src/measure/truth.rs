@@ -1,5 +1,5 @@
-//! Truth for what the camera sees, from coarse to fine, in small steps. On the desktop a thread
-//! does them, in browsers the frames do.
+//! Progressive tracing of the reference for the camera's view, from coarse to fine. On the desktop
+//! it runs on a thread, in browsers within frames.
 
 use super::subject::Subject;
 #[cfg(not(target_arch = "wasm32"))]
@@ -13,48 +13,49 @@ use umbrage::{
     plan::truth::{ReceiverPoint, TruthOptions, TruthRequest, trace_pixels, trace_points},
 };
 
-/// Rays per pixel for lights with an extent.
+/// Rays per pixel for area lights.
 const RAYS: u32 = 256;
 /// Sides of the blocks of pixels that share a value, from pass to pass.
 const PASSES: [u32; 4] = [8, 4, 2, 1];
 /// Pixels traced in a step.
 const STEP: usize = 4096;
-/// Pixels traced in a step inside frames of browsers, for lights with an extent: each pixel takes
-/// hundreds of rays.
+/// Pixels traced in a step within frames of browsers, for area lights: each pixel takes hundreds of
+/// rays.
 const STEP_OF_FRAMES: usize = 128;
-/// Pixels checked for ambiguity in a step. Many, since each step copies what the moved cameras see.
+/// Pixels checked for ambiguity in a step. It is large, since each step copies the receivers of the
+/// moved cameras.
 const CHECKED: usize = 16_384;
-/// Pixels checked in a step for lights with an extent.
+/// Pixels checked in a step for area lights.
 const CHECKED_OF_EXTENTS: usize = 2048;
 
-/// Truth as far as it is known.
+/// The reference as far as it is known.
 #[derive(Clone)]
 pub(crate) struct TruthSoFar {
     pub receivers: Arc<Receivers>,
-    /// Visible share of the light, 0..=1, rows from the top. A pixel that is not traced yet has the
-    /// value of its block's first pixel.
+    /// Visible fraction of the light, 0..=1, rows from the top. A pixel that is not yet traced has
+    /// the value of its block's first pixel.
     pub visibility: Vec<f32>,
-    /// Pixels that are not traced yet are `Unsampled`. Pixels whose truth depends on rounding are
-    /// `Ambiguous` once that is checked.
+    /// State of each pixel. Pixels that are not yet traced are `Unsampled`. Pixels whose reference
+    /// depends on rounding are `Ambiguous` after the check.
     pub pixels: Vec<Pixel>,
-    /// Whether ambiguity is checked.
+    /// `true` if ambiguity is checked.
     pub is_checked: bool,
-    /// 0..=1.
+    /// Progress, 0..=1.
     pub progress: f32,
 }
 
-/// Truth that is being traced.
+/// A reference that is being traced.
 struct TruthJob {
     subject: Subject,
     so_far: TruthSoFar,
     pass: usize,
-    /// Pixels of this pass that are still to be traced or checked, the next one last.
+    /// Remaining pixels of this pass, the next one last.
     waiting: Vec<u32>,
-    /// Pixels that were traced, and those that were checked or need no check.
+    /// Number of pixels that were traced, plus those that were checked or need no check.
     done: usize,
-    /// Pixels that receive.
+    /// Number of pixels with receivers.
     all: usize,
-    /// Receivers of cameras that are moved by as much as rounding may move them.
+    /// Receivers of cameras that are moved by the possible rounding error.
     moved: Vec<(Camera, Receivers)>,
 }
 
@@ -62,7 +63,7 @@ impl TruthJob {
     /// Finds the receivers.
     ///
     /// # Errors
-    /// Errors if the camera is not valid.
+    /// Returns an error if the camera is not valid.
     fn new(subject: Subject) -> Result<Self> {
         let receivers = Arc::new(Cpu::new().receivers(&subject.camera, &subject.geometry)?);
         let class = |&receives: &bool| match receives {
@@ -89,11 +90,10 @@ impl TruthJob {
         Ok(job)
     }
 
-    /// Traces or checks some pixels. Returns whether a pass ended, so that there is something new
-    /// to show.
+    /// Traces or checks some pixels. Returns whether a pass ended, which changes the result.
     ///
     /// # Errors
-    /// Errors if the light is not valid.
+    /// Returns an error if the light is not valid.
     fn step(&mut self) -> Result<bool> {
         let is_tracing = self.pass < PASSES.len();
         let is_ideal = self.subject.light.is_ideal();
@@ -118,7 +118,7 @@ impl TruthJob {
         } else if ends {
             self.so_far.is_checked = true;
         }
-        // Half of the work is to trace, the other half to check.
+        // Tracing is half of the work, checking the other half.
         let share = self.done as f32 / (2 * self.all.max(1)) as f32;
         self.so_far.progress = if self.so_far.is_checked {
             1.0
@@ -166,7 +166,7 @@ impl TruthJob {
         Ok(())
     }
 
-    /// Finds pixels at which truth depends on rounding, as `compare` does.
+    /// Finds pixels at which the reference depends on rounding, like `compare`.
     fn check(&mut self, pixels: &[u32]) -> Result<()> {
         let request = TruthRequest {
             camera: &self.subject.camera,
@@ -174,7 +174,7 @@ impl TruthJob {
             receivers: &self.so_far.receivers,
             pixels,
         };
-        // Visibility is known already.
+        // Visibility is already known.
         let options = TruthOptions {
             samples: 1,
             penumbra_factor: 1,
@@ -183,7 +183,7 @@ impl TruthJob {
         let moved = &mut self.moved;
         let mut cpu = Cpu::new();
         let mut find = |camera: &Camera, geometry: &Geometry| {
-            // All steps move the camera to the same four positions.
+            // Reuse receivers: all steps move the camera to the same four positions.
             if let Some((_, known)) = moved.iter().find(|(of, _)| of == camera) {
                 return Ok(known.clone());
             }
@@ -201,7 +201,7 @@ impl TruthJob {
         Ok(())
     }
 
-    /// Returns the pixels to trace in this pass; behind the last pass, the pixels to check. The
+    /// Returns the pixels to trace in this pass, or after the last pass, the pixels to check. The
     /// next one is the last.
     fn pixels_of_pass(&mut self) -> Vec<u32> {
         let pixels = &self.so_far.pixels;
@@ -225,11 +225,11 @@ impl TruthJob {
     }
 }
 
-/// Truth that a thread traces. Dropping it cancels that.
+/// A reference that a thread traces. Dropping it cancels the thread's work.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) type Tracing = Job<TruthSoFar>;
 
-/// Starts to trace truth, which is published after each pass.
+/// Starts to trace the reference, which is published after each pass.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn start(ctx: &egui::Context, subject: Subject) -> Tracing {
     Job::start(ctx, move |progress| {
@@ -255,20 +255,21 @@ mod frames {
     use anyhow::Result;
     use web_time::{Duration, Instant};
 
-    /// Least and most time for truth in a frame. It gets half of what the frame itself takes.
+    /// Least and greatest time for tracing in a frame. The time is half of that of the frame
+    /// itself.
     const SLICES: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
 
-    /// Truth that frames trace, a little in each.
+    /// A reference that is traced in slices within frames.
     pub(crate) struct Tracing {
         ctx: egui::Context,
-        /// Until the job begins.
+        /// The subject, until the job begins.
         subject: Option<Subject>,
         job: Option<TruthJob>,
         /// End of the last slice.
         last: Option<Instant>,
     }
 
-    /// Starts to trace truth, which is returned after each pass.
+    /// Starts to trace the reference, which is returned after each pass.
     pub(crate) fn start(ctx: &egui::Context, subject: Subject) -> Tracing {
         ctx.request_repaint();
         Tracing {
@@ -280,7 +281,7 @@ mod frames {
     }
 
     impl Tracing {
-        /// Traces for a while. Returns truth if a pass ended.
+        /// Traces for a while. Returns the reference if a pass ended.
         pub(crate) fn take(&mut self) -> Option<Result<TruthSoFar>> {
             let outcome = self.advance().transpose();
             if let Some(Err(_)) = outcome {
@@ -314,7 +315,7 @@ mod frames {
 
 #[cfg(test)]
 impl TruthSoFar {
-    /// Returns truth of four pixels in a row, of which the last is not traced yet.
+    /// Returns a reference of four pixels in a row, of which the last is not yet traced.
     pub(crate) fn of_test() -> Self {
         let receivers = Receivers::empty(umbrage::glam::UVec2::new(4, 1));
         Self {

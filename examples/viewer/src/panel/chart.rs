@@ -1,12 +1,11 @@
-//! The planner, and a chart of speed against accuracy: both sides, and the settings that a plan
-//! found.
+//! The planner, and a chart of speed against accuracy with both sides and the settings of a plan.
 
 use crate::{measure::cost::Cost, plan::PlanRequest, side::SIDES, viewer::Viewer};
 use egui::Color32;
 use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
 use umbrage::plan::{Plan, motion::FrameMotion};
 
-/// Errors below this are drawn there: a logarithm has no zero.
+/// Least error in the chart, since a logarithm has no zero.
 const LEAST_ERROR: f64 = 1e-4;
 const COLORS: [Color32; 2] = [
     Color32::from_rgb(230, 159, 0),
@@ -17,14 +16,14 @@ const COLORS: [Color32; 2] = [
 pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.separator();
     ui.horizontal(|ui| {
-        ui.label("The least for this view");
+        ui.label("Cheapest technique for this view");
         let mut percent = 100.0 * viewer.settings.plan_error();
         let drag = egui::DragValue::new(&mut percent)
             .range(0.0..=100.0)
             .suffix(" %")
             .max_decimals(1);
         ui.add(drag)
-            .on_hover_text("Greatest error, as a share of that of no shadow at all");
+            .on_hover_text("Greatest error, relative to the error without shadows");
         viewer.settings.plan_error = Some(percent / 100.0);
     });
     ui.horizontal(|ui| {
@@ -55,7 +54,7 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     }
     if let Some((plan, request)) = viewer.plan.clone() {
         if viewer.plan_request().as_ref() != Some(&request) {
-            ui.weak("Made for another view, light or setting: find it again.");
+            ui.weak("Outdated: view, light or settings changed. Search again.");
         }
         outcome(viewer, ui, &plan);
     }
@@ -70,7 +69,7 @@ fn outcome(viewer: &mut Viewer, ui: &mut egui::Ui, plan: &Plan) {
     };
     ui.strong(chosen.label());
     ui.label(format!(
-        "RMSE {:.4}, {:.2} ms by counts",
+        "RMSE {:.4}, {:.2} ms estimated",
         chosen.estimate.error, chosen.milliseconds
     ));
     ui.horizontal(|ui| {
@@ -102,7 +101,7 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
         |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| power_of_ten(mark.value);
     Plot::new("speed against accuracy")
         .height(190.0)
-        .x_axis_label("ms: circles by counts, crosses measured")
+        .x_axis_label("ms: circles estimated, crosses measured")
         .y_axis_label("RMSE")
         .x_axis_formatter(powers)
         .y_axis_formatter(powers)
@@ -117,7 +116,7 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
         .include_y(0.0)
         .legend(Legend::default().text_style(egui::TextStyle::Small))
         .show(ui, |plot| {
-            // A plan for something else is not comparable with these points.
+            // Ignore a plan of another request, which is not comparable with these points.
             let is_current = |plan: &&(Plan, PlanRequest)| wanted.as_ref() == Some(&plan.1);
             if let Some((plan, _)) = viewer.plan.as_ref().filter(is_current) {
                 for setting in plan.runners_up.iter().chain(&plan.chosen) {
@@ -145,8 +144,8 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
         });
 }
 
-/// Returns the time of a side's shadows of the chosen light on the device, milliseconds; `None`
-/// without timestamps. Drawing is timed for all lights together, so that it is only known for a
+/// Returns the device time of a side's shadows of the selected light, milliseconds. `None` without
+/// timestamps. Map times are measured for all lights together, and therefore only known for a
 /// single light.
 fn measured(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
     let lookups = viewer.figures.sides[side].lookup_ms?;
@@ -191,11 +190,10 @@ fn power_of_ten(logarithm: f64) -> String {
     }
 }
 
-/// Removes grid lines whose labels, which are centred below them, would be cut off by the edge of
-/// the chart.
+/// Removes grid lines whose labels, centred below them, would exceed the edge of the chart.
 fn within(mut marks: Vec<egui_plot::GridMark>, bounds: (f64, f64)) -> Vec<egui_plot::GridMark> {
     let (least, most) = bounds;
-    // Half of a digit has 3.5 of the chart's 260 points.
+    // Half of a digit is 3.5 of the chart's 260 points.
     let half_digit = 0.0135 * (most - least);
     marks.retain(|mark| {
         let half = half_digit * power_of_ten(mark.value).len() as f64;

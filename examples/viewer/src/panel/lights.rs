@@ -1,4 +1,4 @@
-//! List of the lights, and settings of the chosen one.
+//! List of the lights, and settings of the selected one.
 
 use crate::{
     lights::{EditLight, Kind, MAX_LIGHTS},
@@ -6,7 +6,7 @@ use crate::{
 };
 use umbrage::{Aabb, Light, glam::Vec3};
 
-/// Draws the list of lights and the chosen one's settings.
+/// Draws the list of lights and the settings of the selected one.
 pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.separator();
     let bounds = viewer.stage.bounds;
@@ -73,7 +73,7 @@ fn chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
                 ui,
                 angular_diameter,
                 0.0..=60.0,
-                "wide in the sky (the sun: .53)",
+                "angular diameter (Sun: 0.53)",
             );
         }
         Light::Spot {
@@ -124,7 +124,8 @@ fn chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
     }
 }
 
-/// A directional light's map is orthographic; from a lamp that far away it has perspective.
+/// Draws the choice of projection. The map of a directional light is orthographic, that of a
+/// distant spot light has perspective.
 fn projection(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
     let has_perspective = match Kind::of(&light.light) {
         Kind::Directional => false,

@@ -1,4 +1,4 @@
-//! The panel to the left of the picture.
+//! The panel to the left of the image.
 
 mod chart;
 mod lights;
@@ -19,13 +19,13 @@ use crate::{
 use egui::{ComboBox, ScrollArea};
 use umbrage::scenes;
 
-/// Colours of words that name a colour, light enough for a dark panel.
+/// Colours of words that name a colour, bright enough for a dark panel.
 const BLUE: egui::Color32 = egui::Color32::from_rgb(100, 150, 255);
 const RED: egui::Color32 = egui::Color32::from_rgb(255, 90, 70);
 const GREEN: egui::Color32 = egui::Color32::from_rgb(60, 190, 130);
 
-/// The panel's width until the user drags its edge, and the least, points: its longest lines fit,
-/// so that no text moves the edge.
+/// Default and least width of the panel, points. Its longest lines fit, so that no text moves the
+/// edge.
 const WIDTH: f32 = 346.0;
 
 /// Draws the panel, unless it is folded.
@@ -33,7 +33,8 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     if viewer.is_folded(ui.ctx()) {
         return;
     }
-    // The window's background, which costs nothing, is that of the panel: see `App::clear_color`.
+    // Use the window's background, which costs no time, as that of the panel: see
+    // `App::clear_color`.
     let frame = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
     let panel = egui::Panel::left("panel")
         .frame(frame)
@@ -86,7 +87,7 @@ fn scene(viewer: &mut Viewer, ui: &mut egui::Ui) {
     });
     let triangles = viewer.stage.geometry.triangles().len();
     ui.weak(format!(
-        "{triangles} triangles; drop a .toml, .obj, .glb or .gltf file here, with what it names, for another scene"
+        "{triangles} triangles; to open a scene, drop a .toml, .obj, .glb or .gltf file with its textures here"
     ));
     if let Some(path) = &mut viewer.path {
         ui.horizontal(|ui| {
@@ -102,10 +103,10 @@ fn scene(viewer: &mut Viewer, ui: &mut egui::Ui) {
     }
 }
 
-/// A menu of places where shadow methods fail.
+/// Draws a menu of failures of shadow methods.
 fn failures(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.menu_button("Failures", |ui| {
-        ui.weak("left shows the fault, right the cure; F flips");
+        ui.weak("left: artefact, right: fix; F switches sides");
         ScrollArea::vertical().max_height(500.0).show(ui, |ui| {
             for bookmark in bookmarks::all() {
                 let button = ui.button(bookmark.label());
@@ -129,8 +130,8 @@ fn view(viewer: &mut Viewer, ui: &mut egui::Ui) {
             .range(0.01..=1000.0)
             .speed(0.1)
             .suffix(" m/s");
-        ui.add(speed).on_hover_text("How fast W A S D fly");
-        // Browsers have their own.
+        ui.add(speed).on_hover_text("Speed of W A S D");
+        // Browsers have their own screenshots.
         let has_folders = cfg!(not(target_arch = "wasm32"));
         takes_screenshot = has_folders && ui.button("Screenshot").on_hover_text("F12").clicked();
     });
@@ -149,11 +150,11 @@ fn view(viewer: &mut Viewer, ui: &mut egui::Ui) {
         }
         ui.weak("X, F");
         ui.checkbox(&mut settings.shows_maps, "maps")
-            .on_hover_text("What the chosen light draws for each side (M)");
+            .on_hover_text("Maps of the selected light for each side (M)");
     });
     let before = (settings.picture, settings.opacity);
     ui.horizontal_wrapped(|ui| {
-        ui.label("Over it");
+        ui.label("Overlay");
         for (picture, name) in Picture::ALL {
             ui.selectable_value(&mut settings.picture, *picture, *name);
         }
@@ -172,7 +173,7 @@ fn view(viewer: &mut Viewer, ui: &mut egui::Ui) {
     }
 }
 
-/// Draws the legend of the picture that is laid over the scene.
+/// Draws the legend of the overlay.
 fn legend(ui: &mut egui::Ui, settings: &mut Settings) {
     match settings.picture {
         Picture::Error => {
@@ -186,20 +187,20 @@ fn legend(ui: &mut egui::Ui, settings: &mut Settings) {
         }
         Picture::Lists => {
             let [white, red] = LIST_LENGTHS;
-            ui.label("casters asked:");
+            ui.label("tested casters:");
             ui.colored_label(BLUE, "blue: none");
             ui.label(format!("white: {white}"));
             ui.colored_label(RED, format!("red: {red} or more"));
-            ui.colored_label(GREEN, "green: one hides all");
-            ui.weak("nothing: no lists (other techniques than exact), or none asked");
+            ui.colored_label(GREEN, "green: one covers the cell");
+            ui.weak("no colour: no lists (only exact has some), or no test");
         }
         Picture::Heat => {
             let [blue, white, red] = HEAT_NANOSECONDS;
-            ui.label("a pixel's lookup on one thread of the processor:");
+            ui.label("lookup of a pixel on one CPU thread:");
             ui.colored_label(BLUE, format!("blue: {blue} ns"));
             ui.label(format!("white: {white} ns"));
             ui.colored_label(RED, format!("red: {red} ns or more"));
-            ui.weak("timed in blocks once truth is traced");
+            ui.weak("timed in blocks after the reference is traced");
         }
         _ => {}
     }
@@ -215,10 +216,10 @@ fn figures(viewer: &Viewer, ui: &mut egui::Ui) {
             ui.monospace(value);
             ui.end_row();
         };
-        row("frame to frame", milliseconds(pace.interval));
-        row("of it on the CPU", milliseconds(pace.work));
+        row("frame interval", milliseconds(pace.interval));
+        row("CPU time", milliseconds(pace.work));
         let percent = 100.0 * pace.scale * pace.scale;
-        row("pixels while moving", format!("{percent:.0} %"));
+        row("pixels in motion", format!("{percent:.0} %"));
         for (side, name) in viewer.renderer.sides.iter().zip(SIDES) {
             let redrawn = side.set.report().redrawn;
             let mebibytes = side.set.map_bytes() as f64 / f64::from(1 << 20);
@@ -230,7 +231,10 @@ fn figures(viewer: &Viewer, ui: &mut egui::Ui) {
             row(pass, format!("{time:.2} ms"));
         }
         if let Some(truth) = &viewer.figures.truth {
-            row("truth known", format!("{:.0} %", 100.0 * truth.progress));
+            row(
+                "reference traced",
+                format!("{:.0} %", 100.0 * truth.progress),
+            );
         }
     });
 }

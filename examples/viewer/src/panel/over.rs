@@ -1,4 +1,4 @@
-//! Windows and labels over the picture: what each side shows, maps, lists, messages, keys.
+//! Windows and labels over the image: descriptions of both sides, maps, lists, messages, keys.
 
 use super::side;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 };
 use egui::{Align2, Rect, Window};
 
-/// Draws all windows and labels over the picture.
+/// Draws all windows and labels over the image.
 pub(crate) fn show(viewer: &mut Viewer, ui: &egui::Ui) {
     let rect = ui.max_rect();
     let below = unfold(viewer, ui, rect);
@@ -24,7 +24,7 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &egui::Ui) {
             ui.label(offer);
         });
     }
-    // The message is above what is being loaded.
+    // Put the message above the loading notice.
     let up = if loading(viewer, ui) { -64.0 } else { -16.0 };
     if let Some(message) = viewer.message.clone() {
         notice(ui, "message", Align2::CENTER_BOTTOM, up, |ui| {
@@ -42,7 +42,7 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &egui::Ui) {
     }
 }
 
-/// Returns the offset from an anchor of the window to that of the picture, points.
+/// Returns the offset from an anchor of the window to that of the image, points.
 fn offset(ui: &egui::Ui, y: f32) -> [f32; 2] {
     let window = ui.ctx().viewport_rect();
     [ui.max_rect().center().x - window.center().x, y]
@@ -57,7 +57,7 @@ fn notice(ui: &egui::Ui, name: &str, align: Align2, y: f32, contents: impl FnOnc
         .show(ui.ctx(), contents);
 }
 
-/// Draws what is being loaded. Returns whether something is.
+/// Draws the loading notice. Returns whether a scene is loading.
 fn loading(viewer: &mut Viewer, ui: &egui::Ui) -> bool {
     let Some(loading) = &viewer.loading else {
         return false;
@@ -75,7 +75,7 @@ fn loading(viewer: &mut Viewer, ui: &egui::Ui) -> bool {
     true
 }
 
-/// Draws the window with the maps of both sides, which are drawn while nothing moves.
+/// Draws the window with the maps of both sides, which are drawn at rest.
 fn maps(viewer: &mut Viewer, ui: &egui::Ui) {
     let mut is_open = viewer.settings.shows_maps;
     Window::new("Maps")
@@ -116,7 +116,7 @@ fn help(viewer: &mut Viewer, ui: &egui::Ui) {
             .num_columns(4)
             .striped(true)
             .show(ui, |ui| {
-                // Two columns of lines, so that small windows hold them.
+                // Use two columns, so that the lines fit small windows.
                 for lines in KEYS.chunks(2) {
                     for (keys, what, _) in lines {
                         ui.strong(*keys);
@@ -134,8 +134,8 @@ fn help(viewer: &mut Viewer, ui: &egui::Ui) {
         .show(ui.ctx(), keys);
 }
 
-/// Draws the button that unfolds a folded panel. Returns its height with a margin, points; 0 while
-/// there is none.
+/// Draws the button that unfolds a folded panel. Returns its height with a margin, points, or 0
+/// without a button.
 fn unfold(viewer: &mut Viewer, ui: &egui::Ui, rect: Rect) -> f32 {
     if !viewer.is_folded(ui.ctx()) {
         return 0.0;
@@ -182,13 +182,13 @@ fn picker(viewer: &mut Viewer, ui: &egui::Ui) {
     }
 }
 
-/// Draws what is typed and the lines. Returns the choice if a line was clicked.
+/// Draws the typed text and the lines. Returns the choice if a line was clicked.
 fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Chosen> {
     let mut chosen = None;
     egui::Frame::canvas(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         if picker.typed.is_empty() {
-            ui.weak("type a part of the name or of what it says; Enter takes, Esc leaves");
+            ui.weak("type part of the name or description; Enter opens, Esc closes");
         } else {
             ui.monospace(format!("{}|", picker.typed));
         }
@@ -208,7 +208,7 @@ fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Chosen> {
                 }
             }
             if lines.is_empty() {
-                ui.weak("nothing has these words");
+                ui.weak("no matches");
             }
         });
     picker.has_moved = false;

@@ -1,19 +1,19 @@
-//! Settings as plain data: whatever a technique and its map have is shown without this program
-//! knowing their names.
+//! Settings as plain data: this program displays all settings of a technique and its map without a
+//! list of their names.
 
 use super::side::labelled;
 use toml::{Table, Value};
 use umbrage::techniques::TechniquePreset;
 
-/// The part of a preset that is its map.
+/// The key of a preset's map.
 const MAP: &str = "map";
-/// Settings of the map that have controls of their own.
+/// Settings of the map that have other controls.
 const ELSEWHERE: [&str; 3] = ["size", "fit", "layout"];
-/// The kind of a layout that is cascades; how many there are has a control of its own.
+/// The kind of layout with cascades. Their number has another control.
 const CASCADES: &str = "cascades";
 const COUNT: &str = "count";
 
-/// Shows the settings of a technique without its map. Returns it with the user's changes.
+/// Shows the settings of a technique except its map. Returns the technique with the user's changes.
 pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
     let table: Table = preset.to_toml().ok()?.parse().ok()?;
     let mut changed = table.clone();
@@ -25,7 +25,7 @@ pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Techniq
     taken(&table, &changed)
 }
 
-/// Shows the settings of a technique's map without its size, fit and number of layers. Returns the
+/// Shows the settings of a technique's map except its size, fit and number of layers. Returns the
 /// technique with the user's changes.
 pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
     let table: Table = preset.to_toml().ok()?.parse().ok()?;
@@ -55,8 +55,8 @@ fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
     TechniquePreset::from_toml(&toml::to_string(after).ok()?).ok()
 }
 
-/// Shows a value, and the values in it. `preset` has all settings, `path` is the value's path in
-/// them.
+/// Shows a value, and the values in it. `preset` has all settings, and `path` is the value's path
+/// in them.
 fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) {
     let label = path
         .last()
@@ -98,8 +98,7 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
     }
 }
 
-/// Returns the words that are valid at a path of a preset, without those that need more than a
-/// word.
+/// Returns the valid words at a path of a preset, except those that need further values.
 fn taken_choices(preset: &Table, path: &[&str]) -> Vec<String> {
     let mut words = choices(preset, path);
     words.retain(|word| {
@@ -120,10 +119,10 @@ fn with_word(preset: &Table, path: &[&str], word: &str) -> Option<String> {
     toml::to_string(&changed).ok()
 }
 
-/// Returns the words that the reader of presets expects at a path: it lists them in its error for
-/// an unknown word.
+/// Returns the words that the preset reader expects at a path. It lists them in its error for an
+/// unknown word.
 fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
-    // No identifier of Rust, and so no word of any list.
+    // Not an identifier of Rust, and therefore in no list of words.
     const UNKNOWN: &str = "-";
     let Some(text) = with_word(preset, path, UNKNOWN) else {
         return Vec::new();
@@ -135,7 +134,7 @@ fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
     let Some((_, list)) = words.split_once("expected") else {
         return Vec::new();
     };
-    // `expected one of `a`, `b``: every other part is in quotes. Further lines are help.
+    // In `expected one of `a`, `b``, every other part is in quotes. Further lines are help.
     let list = list.lines().next().unwrap_or_default();
     let quoted = list.split('`').skip(1).step_by(2);
     quoted.map(str::to_owned).collect()
@@ -146,7 +145,7 @@ mod tests {
     use super::*;
     use umbrage::techniques;
 
-    /// Calls a function with each word of a table, and where it stands.
+    /// Calls a function with each word of a table and its path.
     fn words(table: &Table, path: &[&str], visit: &mut dyn FnMut(&[&str], &str)) {
         for (name, value) in table {
             let path = [path, &[name.as_str()]].concat();
@@ -158,21 +157,21 @@ mod tests {
         }
     }
 
-    /// Shows a map's settings without a user.
+    /// Shows a map's settings without user input.
     fn shown(preset: &TechniquePreset) -> Option<TechniquePreset> {
         let mut changed = None;
         let context = egui::Context::default();
         let mut output = context.run_ui(egui::RawInput::default(), |ui| {
             changed = of_map(ui, preset);
         });
-        // Nothing is drawn; textures that are dropped without that panic.
+        // Clear textures, which panic if dropped without being drawn.
         output.textures_delta.clear();
         changed
     }
 
     #[test]
     fn what_is_only_shown_stays_as_it_is() {
-        // Beyond what can be dragged to.
+        // Beyond the range of dragging.
         let far = "technique = 'pcf'\n[map.layout.cascades]\ncount = 3\nnearest = 1000.0\n";
         let preset = TechniquePreset::from_toml(far).expect("a preset");
         assert_eq!(shown(&preset), None);
@@ -202,7 +201,7 @@ mod tests {
                 let listed = choices(&table, path);
                 let left_out: Vec<&String> =
                     listed.iter().filter(|word| !known.contains(word)).collect();
-                // These come with numbers of their own.
+                // These words need further numbers.
                 let with_numbers: &[&str] = match path.last() {
                     Some(&"split") => &["practical", "given"],
                     _ => &[],

@@ -1,4 +1,4 @@
-//! Settings of a side, made from the list of techniques.
+//! Settings of a side, generated from the list of techniques.
 
 use super::plain;
 use crate::{
@@ -61,7 +61,7 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
             settings.preset = settings.preset.with_map(changed);
         }
         let rest = egui::CollapsingHeader::new("all of the map").show(ui, |ui| {
-            ui.weak("What the lists above don't have.");
+            ui.weak("Settings that are not in the lists above.");
             plain::of_map(ui, &settings.preset)
         });
         if let Some(preset) = rest.body_returned.flatten() {
@@ -72,7 +72,7 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
 
 pub(super) fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
     ui.horizontal(|ui| {
-        // Ranges are for dragging: what a preset brings from beyond them stays as it is.
+        // Ranges only limit dragging. Keep values of a preset outside them.
         let response = ui.add(drag.clamp_existing_to_range(false));
         ui.label(label);
         response.changed()
@@ -110,8 +110,8 @@ fn map_settings(ui: &mut egui::Ui, settings: &mut SideSettings, mut map: ShadowM
     map
 }
 
-/// Returns the layout of so many maps of a directional light: their other settings stay, and are
-/// shown with the rest of the map.
+/// Returns the layout with this number of maps of a directional light. The other settings are kept,
+/// and are shown with the rest of the map.
 fn layout(maps: u32, before: Layout) -> Layout {
     let known = match before {
         Layout::Cascades(cascades) => Some(cascades),
@@ -137,7 +137,7 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
                 ui.selectable_value(bias, preset, name);
             }
         });
-    egui::CollapsingHeader::new("bias by hand").show(ui, |ui| {
+    egui::CollapsingHeader::new("manual bias").show(ui, |ui| {
         for (name, number, speed) in [
             ("constant, clip depth", &mut bias.constant, 1e-4),
             ("slope, clip depth", &mut bias.slope, 1e-3),
@@ -152,10 +152,10 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
     });
 }
 
-/// Width below which texts over the picture are left out, points.
+/// Width below which labels over the image are omitted, points.
 const NARROWEST: f32 = 80.0;
 
-/// Writes a text that is at most so wide, points.
+/// Draws a text of at most this width, points.
 fn wrapped(
     painter: &egui::Painter,
     corner: egui::Pos2,
@@ -168,11 +168,11 @@ fn wrapped(
     let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, color, most);
     job.halign = anchor.x();
     let galley = painter.layout_job(job);
-    // Galleys are placed around the line that they are aligned to.
+    // Galleys are positioned relative to their alignment.
     painter.galley(corner, galley, color);
 }
 
-/// Writes over the picture what each side shows, and how wrong it is.
+/// Draws labels over the image with the technique and the error of each side.
 pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
     let painter = ui.painter_at(rect);
     let shown: &[usize] = match viewer.settings.split {
@@ -180,7 +180,7 @@ pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
         None if viewer.settings.shown_side == 0 => &[0],
         None => &[1],
     };
-    // Each side has its half of the picture.
+    // Limit each side to its half of the image.
     let most = rect.width() / shown.len() as f32 - 16.0;
     if most < NARROWEST {
         return;
@@ -203,13 +203,13 @@ pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
             text += &format!("\nno shadows: {refusal}");
         } else if let Some(error) = figures.error.filter(|error| error.pixels == 0) {
             text += match error.ambiguous {
-                Some(_) => "\nnothing to compare: no pixel that the light can reach",
-                None => "\nnothing compared yet",
+                Some(_) => "\nnothing to compare: the light reaches no pixel",
+                None => "\nnot yet compared",
             };
         } else if let Some(error) = figures.error {
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),
-                // A percentage of so few would say nothing.
+                // A percentage of so few pixels would have no meaning.
                 rmse if error.wrong < 100 => format!(
                     "\nRMSE {rmse:.4}, {} of {} pixels wrong",
                     error.wrong, error.pixels
@@ -220,14 +220,14 @@ pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
                 }
             };
             if error.ambiguous.is_none() {
-                // Pixels at which truth hangs on rounding still count as wrong.
-                text += "\nso far: truth is not checked yet";
+                // Pixels whose reference depends on rounding still count as wrong.
+                text += "\npreliminary: the reference is not yet checked";
             }
             if let Some(ambiguous) = error.ambiguous.filter(|&ambiguous| ambiguous > 0) {
-                text += &format!("\n{ambiguous} pixels left out: truth hangs on rounding");
+                text += &format!("\n{ambiguous} ambiguous pixels excluded");
             }
         }
-        // A shadow of its own keeps it readable on any picture.
+        // Draw a shadow of the text, for legibility on any image.
         let black = egui::Color32::BLACK;
         for offset in [
             egui::vec2(1.0, 1.0),

@@ -12,14 +12,14 @@ use std::ops::Range;
 use umbrage::{
     Aabb, Geometry, NO_MATERIAL,
     glam::{Affine3A, Vec2, Vec3},
-    wgpu::{CasterMesh, CutOutBuffers, Indices, LightSet, VertexLayout},
+    gpu::{CasterMesh, CutOutBuffers, Indices, LightSet, VertexLayout},
 };
 use wgpu::util::DeviceExt as _;
 
-/// Triangles of a caster of the light sets: few enough that a lamp leaves out what it can't reach.
+/// Triangles of a caster of the light sets: few enough to cull casters out of the reach of a spot
+/// or point light.
 const CASTER_TRIANGLES: u32 = 16_384;
-/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see, and
-/// that all are about as far away.
+/// Triangles of a draw: few enough to cull draws outside the view, and to have similar distances.
 const DRAWN_TRIANGLES: u32 = 1024;
 
 /// A vertex without its position.
@@ -32,7 +32,7 @@ pub(crate) struct Looks {
     triangle: u32,
 }
 
-/// Triangles of one material, near each other.
+/// Nearby triangles of one material.
 struct Draw {
     run: Run,
     /// Levels with fewer triangles.
@@ -50,12 +50,12 @@ pub(crate) struct AlphaTest {
 pub(crate) struct SceneBuffers {
     positions: wgpu::Buffer,
     looks: wgpu::Buffer,
-    /// In the order of the geometry's triangles.
+    /// Indices in the order of the geometry's triangles.
     indices: wgpu::Buffer,
-    /// In the order of `draws`; coarser levels follow.
+    /// Indices in the order of `draws`, followed by coarser levels.
     sorted: wgpu::Buffer,
     draws: Vec<Draw>,
-    /// For each material, and for triangles without one.
+    /// Bind groups of the materials, and of triangles without one.
     materials: Vec<wgpu::BindGroup>,
     casters: Vec<(Range<u32>, Aabb)>,
     pub alpha_test: Option<AlphaTest>,
@@ -65,7 +65,7 @@ impl SceneBuffers {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// Errors if a buffer would be larger than the device allows.
+    /// Returns an error if a buffer would be larger than the device allows.
     pub(super) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -75,7 +75,8 @@ impl SceneBuffers {
         let geometry = &stage.geometry;
         let (mut sorted, runs) = sorted_triangles(geometry);
         let (positions, looks) = vertices(geometry, &runs, &mut sorted);
-        // Elsewhere triangles cost little, and the levels would only take memory.
+        // Only build levels for software drivers. Elsewhere triangles cost little, and the levels
+        // would only take memory.
         let mut levels = if device.adapter_info().device_type == wgpu::DeviceType::Cpu {
             let whole = runs.iter().filter(|run| !run.has_holes);
             let ranges: Vec<_> = whole.map(|run| run.indices.clone()).collect();
@@ -84,7 +85,7 @@ impl SceneBuffers {
             Vec::new()
         }
         .into_iter();
-        // Runs with holes are the last ones.
+        // Alpha-tested runs are the last ones.
         let draw = |run| Draw {
             run,
             coarser: levels.next().unwrap_or_default(),
@@ -186,7 +187,7 @@ impl SceneBuffers {
     /// Adds all casters to a set.
     ///
     /// # Errors
-    /// Errors if the set refuses one.
+    /// Returns an error if the set refuses one.
     pub(super) fn add_casters(&self, set: &mut LightSet) -> Result<()> {
         for (triangles, bounds) in &self.casters {
             let mesh = set.add_mesh(&CasterMesh {
@@ -208,26 +209,26 @@ impl SceneBuffers {
     }
 }
 
-/// Triangles in the order in which they are drawn.
+/// Triangles in drawing order.
 struct SortedTriangles {
     ids: Vec<u32>,
     corners: Vec<[u32; 3]>,
 }
 
-/// Triangles that are drawn together.
+/// Triangles of one draw.
 struct Run {
-    /// Index of the material; greater than all for triangles without one.
+    /// Index of the material, or a greater value for triangles without one.
     material: u32,
-    /// Whether the triangles are alpha-tested.
+    /// `true` if the triangles are alpha-tested.
     has_holes: bool,
     indices: Range<u32>,
     bounds: Aabb,
-    /// A box outside of which no back face of these triangles is visible, if there is one.
+    /// A box outside of which no back face of these triangles is visible. `None` if there is none.
     convex: Option<Aabb>,
 }
 
-/// Returns all triangles sorted by whether they are alpha-tested, by material, by whether they are
-/// closed convex parts, and by position; and the runs of that list that are drawn together.
+/// Returns all triangles sorted by alpha test, by material, by whether they are closed convex
+/// parts, and by position; and the runs of that list that are drawn together.
 fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
@@ -270,8 +271,8 @@ fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
     (SortedTriangles { ids, corners }, runs)
 }
 
-/// Returns the vertices of a geometry, and behind them those of alpha-tested triangles, which have
-/// vertices of their own.
+/// Returns the vertices of a geometry, followed by those of alpha-tested triangles, which don't
+/// share vertices.
 fn vertices(
     geometry: &Geometry,
     runs: &[Run],
@@ -304,9 +305,9 @@ fn vertices(
     (positions, looks)
 }
 
-/// Returns the position of a point along a curve that fills a box and keeps neighbours together:
-/// the bits of its coordinates in turn (Morton 1966, "A computer oriented geodetic data base and a
-/// new technique in file sequencing").
+/// Returns the position of a point along a curve that fills a box and keeps neighbours together, by
+/// interleaving the bits of its coordinates (Morton 1966, "A computer oriented geodetic data base
+/// and a new technique in file sequencing").
 fn position_on_curve(point: Vec3, bounds: &Aabb) -> u32 {
     let size = (bounds.max - bounds.min).max(Vec3::splat(1e-20));
     let cell = ((point - bounds.min) / size * 1023.0).clamp(Vec3::ZERO, Vec3::splat(1023.0));

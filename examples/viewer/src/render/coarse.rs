@@ -1,10 +1,9 @@
-//! Fewer triangles for pictures of few pixels: vertices that are less than about a pixel apart are
-//! merged.
+//! Levels of detail for images of few pixels: vertices less than about a pixel apart are merged.
 //!
 //! On software drivers each triangle costs more than the pixels that it covers. Vertices are merged
 //! by the cells of a grid (Rossignac and Borrel 1993, "Multi-resolution 3D approximations for
-//! rendering complex scenes"); one of a cell's own vertices stands for all, so that flat surfaces
-//! stay flat. Corners of long triangles stay where they are: else whole walls would lean, and
+//! rendering complex scenes"). One of the vertices of a cell replaces all of them, so that flat
+//! surfaces stay flat. Corners of long triangles don't move: otherwise whole walls would tilt and
 //! shadow themselves.
 
 use std::{
@@ -16,7 +15,7 @@ use umbrage::{
     glam::{IVec3, Vec3},
 };
 
-/// Sides of the grids' cells, as shares of the scene's diagonal; the finest comes first.
+/// Sides of the grids' cells, as fractions of the scene's diagonal, the finest first.
 const CELLS: [f32; 5] = [
     1.0 / 16384.0,
     1.0 / 8192.0,
@@ -24,11 +23,11 @@ const CELLS: [f32; 5] = [
     1.0 / 2048.0,
     1.0 / 1024.0,
 ];
-/// A level is kept if it has at most this share of the triangles of the one before it.
+/// Greatest ratio of triangles to the previous level for which a level is kept.
 const WORTH: f32 = 0.8;
-/// Triangles with an edge of more cells than this keep their corners.
+/// Triangles with an edge longer than this, in cells, keep their corners.
 const LONG: f32 = 4.0;
-/// The side of a cell at most, pixels.
+/// Greatest side of a cell, pixels.
 const MOST_PIXELS: f32 = 1.0;
 
 /// A list of fewer triangles.
@@ -38,8 +37,8 @@ pub(super) struct CoarseLevel {
     pub indices: Range<u32>,
 }
 
-/// Returns for each run of a list of triangles its coarser levels, whose triangles are added to the
-/// list. Runs are ranges of indices, of which a triangle has three.
+/// Appends the triangles of coarser levels to a list of triangles, and returns the levels of each
+/// run. Runs are ranges of indices, three for each triangle.
 pub(super) fn add_levels(
     geometry: &Geometry,
     triangles: &mut Vec<[u32; 3]>,
@@ -75,7 +74,7 @@ pub(super) fn level_for(levels: &[CoarseLevel], pixel: f32) -> Option<&CoarseLev
     levels.iter().rev().find(is_fine)
 }
 
-/// Returns for each vertex the one that stands for it.
+/// Returns the replacement of each vertex.
 fn merged(geometry: &Geometry, cell: f32) -> Vec<u32> {
     let positions = geometry.positions();
     let normals = geometry.normals();
@@ -101,8 +100,8 @@ fn merged(geometry: &Geometry, cell: f32) -> Vec<u32> {
     (0..).zip(positions).map(stands_for).collect()
 }
 
-/// Returns the side of a cube that a normal points to: surfaces that face elsewhere keep their own
-/// shade.
+/// Returns the side of a cube in the direction of a normal. Surfaces of different sides keep their
+/// shading.
 fn side_of(normal: Vec3) -> u8 {
     let along = normal.abs();
     let axis = if along.x >= along.y.max(along.z) {
@@ -115,7 +114,7 @@ fn side_of(normal: Vec3) -> u8 {
     2 * axis + u8::from(normal[usize::from(axis)] < 0.0)
 }
 
-/// Returns what is left of triangles: those with three corners, each once.
+/// Returns the remaining distinct triangles with three corners.
 fn fewer(triangles: &[[u32; 3]], stands_for: &[u32]) -> Vec<[u32; 3]> {
     let mut known = HashSet::new();
     let mut out = Vec::new();
@@ -125,7 +124,7 @@ fn fewer(triangles: &[[u32; 3]], stands_for: &[u32]) -> Vec<[u32; 3]> {
         if a == b || b == c || c == a {
             continue;
         }
-        // Triangles that go round the same way are the same.
+        // Normalise the order of corners: cyclic rotations are the same triangle.
         let turns = match corners {
             [a, b, c] if a < b.min(c) => 0,
             [_, b, c] if b < c => 1,

@@ -1,18 +1,18 @@
-//! Closed convex parts of a scene, such as boxes and balls: the backs of their triangles are never
-//! seen from outside, so that software rasterisers, whose frames take as long as there are
-//! triangles, may leave them out. Other parts may be open, or show their backs through folds: all
-//! of their triangles are drawn.
+//! Closed convex parts of a scene, such as boxes and balls. The backs of their triangles are never
+//! visible from outside, so software rasterisers, whose time is proportional to the number of
+//! triangles, can cull them. Other parts may be open or show their backs through folds, so all of
+//! their triangles are drawn.
 
 use std::collections::HashMap;
 use umbrage::{Aabb, Geometry, glam::Vec3};
 
-/// Most triangles of a part that is looked at: what it takes grows with their square.
+/// Greatest number of triangles of a candidate part, since the test takes quadratic time.
 const MOST: usize = 256;
-/// Distance of a corner in front of a plane that rounding explains, as a share of the part's size.
+/// Distance of a corner in front of a plane that counts as rounding, as a fraction of the part's
+/// size.
 const ROUNDING: f32 = 1e-5;
 
-/// Returns for each triangle the box of the closed convex part to which it belongs, if it belongs
-/// to one.
+/// Returns the box of the closed convex part of each triangle, if it belongs to one.
 pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     let triangles = geometry.triangles();
     let corners = welded(geometry);
@@ -44,11 +44,11 @@ pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     out
 }
 
-/// Returns for each vertex the first one at the same place: meshes repeat vertices whose normals
-/// differ.
+/// Returns the first vertex at the position of each vertex. Meshes repeat vertices with different
+/// normals.
 fn welded(geometry: &Geometry) -> Vec<u32> {
     let mut known = HashMap::new();
-    // The sum makes -0 the same as 0.
+    // Add zero, which turns -0 into 0.
     let bits = |place: &Vec3| (*place + Vec3::ZERO).to_array().map(f32::to_bits);
     (0_u32..)
         .zip(geometry.positions())
@@ -56,7 +56,7 @@ fn welded(geometry: &Geometry) -> Vec<u32> {
         .collect()
 }
 
-/// Returns the first corner of a corner's part, and shortens the way to it.
+/// Returns the root of a corner's part, and compresses the path to it.
 fn root(parents: &mut [u32], mut corner: u32) -> u32 {
     while parents[corner as usize] != corner {
         let parent = parents[corner as usize];
@@ -66,7 +66,7 @@ fn root(parents: &mut [u32], mut corner: u32) -> u32 {
     corner
 }
 
-/// Returns whether each edge is passed as often one way as the other.
+/// Reports whether each edge occurs equally often in both directions.
 fn is_closed(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
     let mut edges: Vec<(u32, u32, i32)> = Vec::new();
     for [a, b, c] in triangles {
@@ -81,7 +81,7 @@ fn is_closed(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
         .all(|edge| edge.iter().map(|(_, _, way)| way).sum::<i32>() == 0)
 }
 
-/// Returns whether all corners are behind the planes of all triangles.
+/// Reports whether all corners are behind the planes of all triangles.
 fn is_convex<I: Iterator<Item = u32>>(geometry: &Geometry, ids: impl Fn() -> I, size: f32) -> bool {
     ids().all(|id| {
         let [a, b, c] = geometry.corners(id);
@@ -96,8 +96,8 @@ mod tests {
     use super::*;
     use umbrage::scenes;
 
-    /// Returns how many triangles of an object belong to closed convex parts, and how many there
-    /// are.
+    /// Returns the number of an object's triangles in closed convex parts, and the number of all
+    /// its triangles.
     fn counted(object: &str) -> (usize, usize) {
         let text = format!(
             "[[light]]\nkind = \"directional\"\ndirection = [1, -2, 0.5]\n[[object]]\n{object}"
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_room_seen_from_inside_keeps_its_walls() {
-        // Its triangles face inwards.
+        // Their triangles face inwards.
         for name in ["c3-room", "room-corner"] {
             let scene = (scenes::find(name).expect("a scene").build)();
             let geometry = Geometry::bake(&scene).expect("a geometry");

@@ -1,4 +1,4 @@
-//! A light's mask for given receivers, made by a light set on the device and read back.
+//! A light's mask for given receivers, computed by a light set on the device and read back.
 
 use super::{
     pipelines,
@@ -8,7 +8,7 @@ use anyhow::Result;
 use umbrage::{
     Receivers,
     glam::UVec2,
-    wgpu::{GBuffer, LightId, LightSet, MaskFormat, MaskInputs, SetReceivers, SetTimestamps},
+    gpu::{GBuffer, LightId, LightSet, MaskFormat, MaskInputs, MaskReceivers, SetTimestamps},
 };
 
 /// Receivers as textures.
@@ -41,21 +41,21 @@ impl ReceiverTextures {
     }
 }
 
-/// A mask on its way from the device.
+/// A mask that is being read back from the device.
 pub(crate) struct PendingMask {
     size: UVec2,
     bytes_per_row: u32,
     mask: Readback,
-    /// Timestamps around the mask's pass; `None` without timestamps, and if the light has no shadow
-    /// to look up.
+    /// Timestamps around the mask's pass. `None` without timestamps, and if the light has no
+    /// shadows.
     time: Option<(Timestamps, Readback)>,
 }
 
 impl PendingMask {
-    /// Records and submits the passes that make a light's mask. The set must have been prepared.
+    /// Records and submits the passes for a light's mask. The set must have been prepared.
     ///
     /// # Errors
-    /// Errors if the set does.
+    /// Returns an error if the set does.
     pub(super) fn request(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -66,7 +66,7 @@ impl PendingMask {
         let size = receivers.size;
         let inputs = MaskInputs {
             size,
-            receivers: SetReceivers::Positions(GBuffer {
+            receivers: MaskReceivers::Positions(GBuffer {
                 position: &receivers.position,
                 normal: &receivers.normal,
                 triangle: Some(&receivers.triangle),
@@ -113,11 +113,11 @@ impl PendingMask {
         })
     }
 
-    /// Returns the mask, rows from the top, and the time of all its lookups on the device,
-    /// milliseconds, once they are there.
+    /// Returns the mask, rows from the top, and the device time of all its lookups, milliseconds,
+    /// when they are available.
     ///
     /// # Errors
-    /// Errors if the device failed.
+    /// Returns an error if the device failed.
     pub(crate) fn take(&self) -> Result<Option<(Vec<f32>, Option<f64>)>> {
         let milliseconds = match &self.time {
             Some((clock, stamps)) => match clock.take(stamps)? {

@@ -12,7 +12,7 @@ use wgpu::util::DeviceExt as _;
 /// Returns a bind group for each material, and one for triangles without a material.
 ///
 /// # Errors
-/// Errors if a material names a texture that isn't there.
+/// Returns an error if a material refers to a missing texture.
 pub(super) fn groups(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -59,7 +59,7 @@ pub(super) fn groups(
             Some(index) => views.get(index).and_then(Option::as_ref),
             None => Some(&white),
         };
-        let view = view.context("a material names a texture that isn't there")?;
+        let view = view.context("a material refers to a missing texture")?;
         let resources = [
             uniforms.as_entire_binding(),
             wgpu::BindingResource::TextureView(view),
@@ -98,7 +98,7 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> wgpu
     uploaded.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Returns an image of half the size: means of four texels.
+/// Returns an image of half the size, from means of four texels.
 fn halved(size: UVec2, texels: &[[f32; 4]]) -> (UVec2, Vec<[f32; 4]>) {
     let smaller = (size / 2).max(UVec2::ONE);
     let at = |x: u32, y: u32| {

@@ -1,5 +1,4 @@
-//! Draws the scene through light sets, as any program would: one set for each of the two techniques
-//! that are compared.
+//! Renders the scene with light sets, like any program: one set for each of the two techniques.
 
 mod buffers;
 mod coarse;
@@ -24,9 +23,9 @@ use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
 use seen::SeenPart;
 use side::{Side, clip_from_world};
 use std::time::Duration;
-use umbrage::{Camera, Receivers, glam::UVec2, wgpu::LightId};
+use umbrage::{Camera, Receivers, glam::UVec2, gpu::LightId};
 
-/// The background, linear.
+/// The linear background colour.
 const BACKGROUND: wgpu::Color = wgpu::Color {
     r: 0.42,
     g: 0.52,
@@ -39,10 +38,10 @@ pub(crate) struct FrameSettings<'a> {
     pub camera: &'a Camera,
     pub stage: &'a Stage,
     pub settings: &'a Settings,
-    /// Whether something moves. If nothing does, a hidden side is prepared, too, since its mask may
-    /// be requested, and maps whose time isn't known are drawn once more.
+    /// `true` if something moves. At rest, a hidden side is prepared, too, since its mask may be
+    /// requested, and maps of unknown time are redrawn once.
     pub is_moving: bool,
-    /// Whether details smaller than a pixel may be left out.
+    /// `true` if details smaller than a pixel may be culled.
     pub is_coarse: bool,
 }
 
@@ -56,7 +55,7 @@ impl FrameSettings<'_> {
         }
     }
 
-    /// Returns the columns of each side in the picture; sides without any are left out.
+    /// Returns the columns of each visible side in the image.
     fn parts(&self) -> Vec<(usize, std::ops::Range<u32>)> {
         let width = self.camera.size.x;
         let mut parts = match self.settings.split {
@@ -71,7 +70,7 @@ impl FrameSettings<'_> {
     }
 }
 
-/// Draws a scene.
+/// Renderer of a scene.
 pub(crate) struct Renderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -80,12 +79,12 @@ pub(crate) struct Renderer {
     pub sides: [Side; 2],
     overlays: [Overlay; 2],
     overlay_pipeline: wgpu::RenderPipeline,
-    /// `None` if the device has no timestamps.
+    /// Clock of the passes. `None` if the device has no timestamps.
     pub clock: Option<PassClock>,
     targets: Option<Targets>,
 }
 
-/// Images of the picture's size.
+/// Render targets of the image's size.
 struct Targets {
     size: UVec2,
     color: wgpu::TextureView,
@@ -97,7 +96,7 @@ impl Renderer {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// Errors if the device has no capacity for it.
+    /// Returns an error if the device has no capacity for it.
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -124,10 +123,11 @@ impl Renderer {
         })
     }
 
-    /// Draws a frame and submits it. Returns the image, which is the same until the size changes.
+    /// Draws a frame and submits it. Returns the image, which stays the same until the size
+    /// changes.
     ///
     /// # Errors
-    /// Errors if a set refuses its input.
+    /// Returns an error if a set refuses its input.
     pub(crate) fn frame(&mut self, frame: &FrameSettings<'_>) -> Result<&wgpu::TextureView> {
         let size = frame.camera.size;
         if self.targets.as_ref().is_none_or(|t| t.size != size) {
@@ -144,7 +144,7 @@ impl Renderer {
         }
         let moving = frame.is_moving.then_some(size);
         let is_timed = self.clock.as_mut().is_some_and(|clock| clock.begin(moving));
-        // Taken out while the frame is recorded, since both it and the sides change.
+        // Take the clock out while the frame is recorded, since both it and the sides change.
         let mut clock = self.clock.take();
         let recorded = self.record(&mut encoder, frame, clock.as_mut().filter(|_| is_timed));
         self.clock = clock;
@@ -173,8 +173,8 @@ impl Renderer {
             let casters = side.set.casters_box();
             let draws_all = !frame.is_moving && is_unknown;
             if draws_all && !casters.is_empty() {
-                // Draw all maps in one frame that is timed. The frame after a change mostly isn't:
-                // timestamps of another are on their way.
+                // Draw all maps in one timed frame. The frame after a change is mostly untimed,
+                // because timestamps of another are pending.
                 side.set.touch(&casters)?;
             }
             side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
@@ -197,20 +197,19 @@ impl Renderer {
         Ok(())
     }
 
-    /// Returns whether the time of a side's maps and lists isn't known yet, and can be measured.
+    /// Reports whether the time of a side's maps and lists is unknown and can be measured.
     pub(crate) fn awaits_times(&self) -> bool {
         let clock = self.clock.as_ref();
         clock.is_some_and(|clock| clock.drawn_ms.contains(&None))
     }
 
-    /// Returns the last frame that was timed while something moved, once: its size, pixels, and its
-    /// time on the device.
+    /// Removes and returns the last timed frame in motion: its size, pixels, and its device time.
     pub(crate) fn take_moving_frame(&mut self) -> Option<(UVec2, Duration)> {
         self.clock.as_mut()?.moving_frame.take()
     }
 
-    /// Lays a picture of a size over a side: rows from the top, sRGB and opacity, a byte each.
-    /// `None` removes it.
+    /// Sets the overlay of a side: an image of this size, rows from the top, sRGB and opacity, a
+    /// byte each. `None` removes it.
     pub(crate) fn show_overlay(&mut self, side: usize, picture: Option<(UVec2, Vec<u8>)>) {
         self.overlays[side].show(&self.device, &self.queue, &self.layouts, picture);
     }
@@ -219,10 +218,10 @@ impl Renderer {
         ReceiverTextures::new(&self.device, &self.queue, receivers)
     }
 
-    /// Requests a light's mask from a side that was prepared.
+    /// Requests a light's mask from a prepared side.
     ///
     /// # Errors
-    /// Errors if the side's set does.
+    /// Returns an error if the side's set does.
     pub(crate) fn request_mask(
         &mut self,
         side: usize,
@@ -233,10 +232,10 @@ impl Renderer {
         PendingMask::request(&self.device, &self.queue, set, light, receivers)
     }
 
-    /// Lets the device report what it has finished.
+    /// Polls the device for finished work.
     ///
     /// # Errors
-    /// Errors if the device does.
+    /// Returns an error if the device does.
     pub(crate) fn poll(&self) -> Result<()> {
         self.device.poll(wgpu::PollType::Poll)?;
         Ok(())
@@ -278,8 +277,8 @@ impl Renderer {
                 clip_from_world: clip_from_world(frame.camera),
                 part: [part.start, part.end].map(share),
                 eye: has_perspective.then(|| frame.camera.eye()),
-                // Its corners are farther away than its centre: twice is enough for views of 120
-                // degrees.
+                // Double it, since corners are farther away than the centre: this suffices for
+                // views of 120 degrees.
                 near: 2.0 * near(frame.camera),
                 coarse_pixel: frame.is_coarse.then(|| pixel(frame.camera)),
             };
@@ -301,13 +300,13 @@ impl Renderer {
     }
 }
 
-/// Returns the distance of the near plane, metres: depth is reversed and infinite, so that it is
+/// Returns the distance of the near plane, metres. Depth is reversed and infinite:
 /// `near / distance`.
 fn near(camera: &Camera) -> f32 {
     camera.clip_from_view.w_axis.z
 }
 
-/// Returns the width of a pixel, metres; in perspective, at a distance of one metre.
+/// Returns the width of a pixel, metres. In perspective, at a distance of one metre.
 fn pixel(camera: &Camera) -> f32 {
     2.0 / (camera.clip_from_view.y_axis.y.abs() * camera.size.y as f32)
 }

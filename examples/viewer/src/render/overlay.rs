@@ -1,9 +1,9 @@
-//! A picture of figures that is laid over a side: errors, texels, cascades.
+//! Overlay of a side: errors, texels, cascades.
 
 use super::pipelines::{self, Layouts, group};
 use umbrage::glam::UVec2;
 
-/// The picture of a side, if there is one, and how it is bound.
+/// The overlay of a side, if there is one, and its bind group.
 pub(crate) struct Overlay {
     uniforms: wgpu::Buffer,
     shown: Option<wgpu::BindGroup>,
@@ -23,7 +23,7 @@ impl Overlay {
         }
     }
 
-    /// Shows a picture of a size, if there is one: rows from the top, sRGB and opacity, a byte
+    /// Sets the image of the overlay, if there is one: rows from the top, sRGB and opacity, a byte
     /// each.
     pub(super) fn show(
         &mut self,
@@ -43,7 +43,7 @@ impl Overlay {
         });
     }
 
-    /// Draws the picture over a part of the width, from one share of it to another.
+    /// Draws the overlay over a part of the width, from one fraction of it to another.
     pub(super) fn draw(
         &self,
         queue: &wgpu::Queue,

@@ -1,46 +1,46 @@
-//! Times of each pass of a frame on the device, where it has timestamps.
+//! Device times of each pass of a frame, if the device has timestamps.
 
 use super::readback::{Readback, Timestamps};
 use crate::side::SIDES;
 use std::time::Duration;
 use umbrage::{
     glam::UVec2,
-    wgpu::{PassCasters, SetPass, SetTimestamps, TimedPass},
+    gpu::{PassCasters, SetPass, SetTimestamps, TimedPass},
 };
 
-/// Most timestamps of a frame.
+/// Greatest number of timestamps of a frame.
 const QUERIES: u32 = 128;
 
-/// A frame that is timed.
+/// A timed frame.
 #[derive(Default)]
 struct FrameStamps {
     /// The pass of each pair of timestamps.
     names: Vec<String>,
-    /// Whether each side draws all of its maps and lists.
+    /// `true` if each side draws all of its maps and lists.
     draws_all: [bool; 2],
     /// Size of the frame, pixels, if something moves.
     moving: Option<UVec2>,
 }
 
-/// Times one frame after the other: the next one once the timestamps of the last one have been
-/// read.
+/// Clock that times one frame after the other: the next one after the timestamps of the last one
+/// have been read.
 pub(crate) struct PassClock {
     stamps: Timestamps,
     frame: FrameStamps,
-    /// Timestamps that are to be read.
+    /// Timestamps to be read.
     recorded: Option<wgpu::Buffer>,
     pending: Option<Readback>,
     /// Times of passes, milliseconds.
     pub times: Vec<(String, f64)>,
-    /// Time to draw all maps and lists of each side, milliseconds; `None` before that is timed.
+    /// Time to draw all maps and lists of each side, milliseconds. `None` before it is measured.
     pub drawn_ms: [Option<f64>; 2],
-    /// The last frame that was timed while something moved: its size, pixels, and its time on the
-    /// device. It is taken.
+    /// The last timed frame in motion: its size, pixels, and its device time. The receiver removes
+    /// it.
     pub moving_frame: Option<(UVec2, Duration)>,
 }
 
 impl PassClock {
-    /// Returns `None` if the device has no timestamps.
+    /// Creates a clock. Returns `None` if the device has no timestamps.
     pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
         Some(Self {
             stamps: Timestamps::new(device, queue, QUERIES)?,
@@ -53,8 +53,8 @@ impl PassClock {
         })
     }
 
-    /// Starts to time a frame; `moving` is its size if something moves. Returns false while
-    /// timestamps of another frame are on their way.
+    /// Starts to time a frame. `moving` is its size if something moves. Returns `false` while
+    /// timestamps of another frame are pending.
     pub(super) fn begin(&mut self, moving: Option<UVec2>) -> bool {
         self.take();
         if self.pending.is_some() {
@@ -67,8 +67,7 @@ impl PassClock {
         true
     }
 
-    /// Forgets the time of a side's maps and lists, since they changed; also that of a frame that
-    /// is on its way.
+    /// Discards the time of a side's changed maps and lists, and that of a pending frame.
     pub(super) fn forget_drawn(&mut self, side: usize) {
         self.drawn_ms[side] = None;
         self.frame.draws_all[side] = false;
@@ -78,16 +77,16 @@ impl PassClock {
         2 * self.frame.names.len() as u32
     }
 
-    /// Returns the queries that are left for a set.
+    /// Returns the remaining queries for a set.
     pub(super) fn for_set(&self) -> SetTimestamps<'_> {
         SetTimestamps {
             queries: &self.stamps.queries,
-            // The last two are the picture's.
+            // Reserve the last two for the image.
             range: self.written()..QUERIES - 2,
         }
     }
 
-    /// Notes the passes of a side that were timed, and whether they draw all of its maps and lists.
+    /// Records the timed passes of a side, and whether they draw all of its maps and lists.
     pub(super) fn note(&mut self, side: usize, draws_all: bool, passes: &[TimedPass]) {
         self.frame.draws_all[side] = draws_all;
         for pass in passes {
@@ -96,7 +95,7 @@ impl PassClock {
         }
     }
 
-    /// Returns the timestamps of the picture's pass, which is the last one.
+    /// Returns the timestamps of the image's pass, which is the last one.
     pub(super) fn for_picture(&mut self) -> wgpu::RenderPassTimestampWrites<'_> {
         let begin = self.written();
         self.frame.names.push("picture".to_owned());
@@ -117,7 +116,7 @@ impl PassClock {
         self.pending = self.recorded.take().map(Readback::start);
     }
 
-    /// Takes timestamps that are there.
+    /// Receives available timestamps.
     fn take(&mut self) {
         let Some(pending) = &self.pending else {
             return;
@@ -125,7 +124,7 @@ impl PassClock {
         let times = match self.stamps.take(pending) {
             Ok(None) => return,
             Ok(Some(times)) => times,
-            // The next frame is timed instead.
+            // Time the next frame instead.
             Err(_) => Vec::new(),
         };
         self.pending = None;

@@ -8,14 +8,14 @@ use umbrage::glam::UVec2;
 pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Format in which the same texels are read without decoding.
 pub(crate) const COLOR_AS_READ: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Reversed: 1 at the near plane, 0 endlessly far.
+/// Format of the reversed depth: 1 at the near plane, 0 at infinity.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Bind groups of the forward shader.
 pub(crate) const FRAME_GROUP: u32 = 0;
 pub(crate) const MATERIAL_GROUP: u32 = 1;
 pub(crate) const SET_GROUP: u32 = 2;
-/// Inputs of the alpha test; only if the scene has alpha-tested triangles.
+/// Inputs of the alpha test. Only used if the scene has alpha-tested triangles.
 pub(crate) const HOLES_GROUP: u32 = 3;
 /// Prefix of the names of the library's alpha test.
 const HOLES_PREFIX: &str = "holes_";
@@ -28,7 +28,7 @@ pub(crate) const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
 pub(crate) const SAMPLER: wgpu::BindingType =
     wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
 
-/// Layouts of the renderer's own bind groups.
+/// Layouts of the renderer's bind groups.
 pub(crate) struct Layouts {
     pub frame: wgpu::BindGroupLayout,
     pub material: wgpu::BindGroupLayout,
@@ -54,7 +54,7 @@ impl Layouts {
 pub(crate) struct Forward {
     /// Both sides of triangles.
     pub all: wgpu::RenderPipeline,
-    /// Front faces alone: for closed convex parts, whose back faces are hidden.
+    /// Front faces only, for closed convex parts, whose back faces are hidden.
     pub fronts: wgpu::RenderPipeline,
     /// Alpha-tested triangles; `None` if the scene has none.
     pub alpha_tested: Option<wgpu::RenderPipeline>,
@@ -64,7 +64,7 @@ pub(crate) struct Forward {
 /// renderer's own.
 ///
 /// # Errors
-/// Errors if the library has no text for the alpha test.
+/// Returns an error if the library has no text for the alpha test.
 pub(crate) fn forward(
     device: &wgpu::Device,
     layouts: &Layouts,
@@ -131,7 +131,7 @@ pub(crate) fn forward(
     })
 }
 
-/// Returns the pipeline that lays a picture of figures over the image.
+/// Returns the pipeline that draws an overlay over the image.
 pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderPipeline {
     let text = include_str!("shaders/overlay.wgsl").to_owned();
     let target = wgpu::ColorTargetState {
@@ -142,7 +142,7 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
     covering(device, text, &layouts.overlay, target)
 }
 
-/// Returns the pipeline that draws a picture into the window, whose colours have this format.
+/// Returns the pipeline that draws an image into the window, whose colours have this format.
 pub(crate) fn present(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,

@@ -1,23 +1,23 @@
-//! Puts the picture into the window.
+//! Presentation of the image in the window.
 //!
-//! The panel's own shader would do, but for each pixel it also filters by hand, dithers and blends.
-//! On software drivers, which run all branches of a shader, that took longer than most frames of
+//! The panel's own shader would work, but for each pixel it also filters, dithers and blends. On
+//! software drivers, which execute all branches of a shader, that took longer than most frames of
 //! the scene.
 
 use super::pipelines;
 use egui_wgpu::CallbackTrait;
 use umbrage::glam::UVec2;
 
-/// Draws pictures into the window.
+/// Draws images into the window.
 pub(crate) struct Presenter {
     device: wgpu::Device,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
-    /// For pictures with as many pixels as the window shows, and for all others.
+    /// Samplers for images with the pixels of the window, and for all others.
     samplers: [wgpu::Sampler; 2],
 }
 
-/// A picture that the panel's painter puts into the window.
+/// An image that the panel's painter draws into the window.
 struct Presented {
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
@@ -41,7 +41,7 @@ impl Presenter {
         }
     }
 
-    /// Returns what shows a picture of a size in a part of the window, which has its own number of
+    /// Returns a shape that shows an image in a part of the window with a different number of
     /// pixels.
     pub(crate) fn shape(
         &self,

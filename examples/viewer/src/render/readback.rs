@@ -1,12 +1,12 @@
-//! Bytes and timestamps that come back from the device some frames later.
+//! Readback of bytes and timestamps from the device, some frames later.
 
 use anyhow::{Context as _, Result};
 use std::sync::{Arc, OnceLock};
 
-/// A buffer on its way from the device.
+/// A buffer that is being read back.
 pub(crate) struct Readback {
     buffer: wgpu::Buffer,
-    /// Whether the buffer could be mapped, once that is known.
+    /// `true` if the buffer could be mapped. Unset until that is known.
     is_mapped: Arc<OnceLock<bool>>,
 }
 
@@ -31,10 +31,10 @@ impl Readback {
         Self { buffer, is_mapped }
     }
 
-    /// Returns the bytes, once they are there.
+    /// Returns the bytes when they are available.
     ///
     /// # Errors
-    /// Errors if the device failed.
+    /// Returns an error if the device failed.
     pub(super) fn take(&self) -> Result<Option<Vec<u8>>> {
         let Some(is_mapped) = self.is_mapped.get() else {
             return Ok(None);
@@ -53,7 +53,7 @@ pub(crate) struct Timestamps {
 }
 
 impl Timestamps {
-    /// Returns `None` if the device has no timestamps.
+    /// Creates the queries. Returns `None` if the device has no timestamps.
     pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, count: u32) -> Option<Self> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return None;
@@ -74,7 +74,7 @@ impl Timestamps {
         })
     }
 
-    /// Records the copy of the first queries into a buffer, which is to be read.
+    /// Records the copy of the first queries into a buffer for reading.
     pub(super) fn resolve(
         &self,
         device: &wgpu::Device,
@@ -88,10 +88,10 @@ impl Timestamps {
         buffer
     }
 
-    /// Returns the time of each pair of queries, milliseconds, once they are there.
+    /// Returns the time of each pair of queries, milliseconds, when they are available.
     ///
     /// # Errors
-    /// Errors if the device failed.
+    /// Returns an error if the device failed.
     pub(super) fn take(&self, readback: &Readback) -> Result<Option<Vec<f64>>> {
         let Some(bytes) = readback.take()? else {
             return Ok(None);
@@ -109,7 +109,7 @@ impl Timestamps {
 /// Returns the 32-bit floats of an image whose rows are padded.
 ///
 /// # Errors
-/// Errors if there are fewer bytes.
+/// Returns an error if there are fewer bytes.
 pub(super) fn floats_of_rows(bytes: &[u8], width: usize, bytes_per_row: usize) -> Result<Vec<f32>> {
     let mut out = Vec::new();
     for row in bytes.chunks(bytes_per_row) {

@@ -1,26 +1,26 @@
-//! Culling of what the camera doesn't see.
+//! Culling of geometry outside the camera's view.
 
 use umbrage::{
     Aabb,
     glam::{Mat4, Vec3},
 };
 
-/// A part of the picture, and the camera.
+/// A part of the image, and the camera.
 pub(crate) struct SeenPart {
     pub clip_from_world: Mat4,
-    /// From one share of the width to another, 0..=1.
+    /// Start and end of the part, as fractions of the width, 0..=1.
     pub part: [f32; 2],
-    /// Position of the camera; `None` if its projection is parallel.
+    /// Position of the camera. `None` if its projection is orthographic.
     pub eye: Option<Vec3>,
-    /// Distance from the eye within which the near plane may cut, metres.
+    /// Distance from the eye within which the near plane may clip, metres.
     pub near: f32,
-    /// Width of a pixel, metres, if smaller details may be left out; in perspective, at a distance
-    /// of one metre.
+    /// Width of a pixel, metres, if smaller details may be culled. In perspective, at a distance of
+    /// one metre.
     pub coarse_pixel: Option<f32>,
 }
 
 impl SeenPart {
-    /// Returns whether the camera is outside a box, and the near plane cuts nothing off it.
+    /// Reports whether the camera is outside a box, and the near plane doesn't clip it.
     pub(super) fn is_outside(&self, bounds: &Aabb) -> bool {
         let Some(eye) = self.eye else {
             return false;
@@ -29,15 +29,15 @@ impl SeenPart {
         nearest.distance(eye) > self.near
     }
 
-    /// Returns the width of a pixel at the nearest point of a box, metres, if details may be left
-    /// out.
+    /// Returns the width of a pixel at the nearest point of a box, metres. `None` if details must
+    /// not be culled.
     pub(super) fn pixel_at(&self, bounds: &Aabb) -> Option<f32> {
         let pixel = self.coarse_pixel?;
         let nearest = |eye: Vec3| eye.clamp(bounds.min, bounds.max).distance(eye);
         Some(pixel * self.eye.map_or(1.0, nearest))
     }
 
-    /// Returns whether a box may be visible: it is not, if all of its corners are beyond one side.
+    /// Reports whether a box may be visible. It is not if all of its corners are beyond one side.
     pub(super) fn may_show(&self, bounds: &Aabb) -> bool {
         let [left, right] = self.part.map(|share| 2.0 * share - 1.0);
         let mut outside = [true; 5];

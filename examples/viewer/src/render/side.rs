@@ -1,4 +1,4 @@
-//! One half of a comparison: a light set whose lights all have the same technique.
+//! One side of a comparison: a light set whose lights all have the same technique.
 
 use super::{
     FrameSettings,
@@ -16,21 +16,21 @@ use anyhow::Result;
 use umbrage::{
     Camera, Light,
     glam::{Mat4, Vec3},
+    gpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, ShadowedLight, Unserved},
     scenes,
     techniques::{self, TechniqueEntry},
-    wgpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight, Unserved},
 };
 
-/// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, four vectors for
-/// each lamp.
+/// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, and four vectors
+/// for each lamp.
 const FRAME_BYTES: u64 = 16 * (4 + 3 + 6 + 4 * MAX_LIGHTS as u64);
 
-/// A small scene for [`Side::refused_techniques`]: planes that receive, closed casters, a sun.
+/// A small scene for [`Side::refused_techniques`]: planar receivers, closed casters, a sun.
 const CHECKED_SCENE: &str = "cubes";
 
 pub(crate) struct Side {
     pub set: LightSet,
-    /// The set's lights: those that are on, in their order.
+    /// The set's lights: those that are on, in the order of the settings.
     pub ids: Vec<LightId>,
     /// The lights of `ids`.
     lights: Vec<Light>,
@@ -75,12 +75,13 @@ impl Side {
         })
     }
 
-    /// Applies settings to the set's lights; `nth` is this side, 0 or 1. Returns whether they have
-    /// other maps now.
+    /// Applies settings to the set's lights. `nth` is this side, 0 or 1. Returns whether their maps
+    /// change.
     pub(super) fn apply(&mut self, settings: &Settings, nth: usize) -> Result<bool> {
         let wanted: Vec<Light> = lit(settings).collect();
         let settings = &settings.sides[nth];
-        // Cascades are for directional lights alone, so that another kind has another technique.
+        // Another kind of light needs another technique, since only directional lights have
+        // cascades.
         let kinds = wanted.iter().map(std::mem::discriminant);
         let same_kinds = kinds.eq(self.lights.iter().map(std::mem::discriminant));
         if !same_kinds || *settings != self.settings {
@@ -88,7 +89,7 @@ impl Side {
                 self.set.remove_light(id)?;
             }
             for light in &wanted {
-                self.ids.push(self.set.add_light(SetLight {
+                self.ids.push(self.set.add_light(ShadowedLight {
                     light: *light,
                     technique: settings.technique(light),
                     priority: 1.0,
@@ -148,7 +149,7 @@ impl Side {
         Ok(())
     }
 
-    /// Returns whether the set was prepared for this camera and these settings; `nth` is this side,
+    /// Reports whether the set was prepared for this camera and these settings. `nth` is this side,
     /// 0 or 1.
     pub(crate) fn is_ready_for(&self, camera: &Camera, settings: &Settings, nth: usize) -> bool {
         self.camera.as_ref() == Some(camera)
@@ -159,12 +160,12 @@ impl Side {
     /// Returns the names of the techniques that the set refuses for a kind of light, with their
     /// default settings.
     ///
-    /// A small scene is checked: refusals depend on the passes of a technique, the kind of light
-    /// and the device. Some techniques make lists of all triangles first, which took 11 seconds for
-    /// a scene of 2.4 million.
+    /// The test uses a small scene: refusals depend on the passes of a technique, the kind of light
+    /// and the device. Some techniques first build lists of all triangles, which took 11 seconds
+    /// for a scene of 2.4 million.
     ///
     /// # Errors
-    /// Errors if there is no such scene.
+    /// Returns an error if there is no such scene.
     pub(crate) fn refused_techniques(&self, kind: Kind) -> Result<Vec<String>> {
         let scene = scenes::by_argument(CHECKED_SCENE).map_err(anyhow::Error::msg)?;
         let stage = Stage::of_scene(CHECKED_SCENE, CHECKED_SCENE, scene)?;
@@ -211,21 +212,21 @@ impl Side {
         let Some((_, forward)) = &self.forward else {
             anyhow::bail!("a side was drawn before it was prepared");
         };
-        // Bind groups stay bound when pipelines change: both have the same layout.
+        // Set bind groups once: they stay bound when pipelines of the same layout change.
         pass.set_bind_group(FRAME_GROUP, &self.frame_group, &[]);
         pass.set_bind_group(SET_GROUP, group, &[]);
         scene.draw(pass, forward, seen);
         Ok(())
     }
 
-    /// Returns the lights that have no shadows, and why.
+    /// Returns the lights without shadows, with reasons.
     fn refused_lights(&self) -> impl Iterator<Item = (LightId, String)> + '_ {
         let unserved = self.set.unserved();
         let refused = unserved.filter(|(_, why)| !matches!(why, Unserved::Waiting));
         refused.map(|(id, why)| (id, why.to_string()))
     }
 
-    /// Returns why lights have no shadows, each reason once.
+    /// Returns the distinct reasons for which lights have no shadows.
     pub(crate) fn refusals(&self) -> Vec<String> {
         let mut out: Vec<String> = self.refused_lights().map(|(_, reason)| reason).collect();
         out.sort();
@@ -233,7 +234,7 @@ impl Side {
         out
     }
 
-    /// Returns why a light has no shadows; `None` if it has.
+    /// Returns the reason for which a light has no shadows. `None` if it has some.
     pub(crate) fn refusal(&self, light: LightId) -> Option<String> {
         let mut refused = self.refused_lights();
         refused.find_map(|(id, reason)| (id == light).then_some(reason))
@@ -246,12 +247,12 @@ fn lit(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
     lights.map(|light| light.light)
 }
 
-/// Returns the matrix from the world to the picture.
+/// Returns the matrix from world to clip space.
 pub(crate) fn clip_from_world(camera: &Camera) -> Mat4 {
     camera.clip_from_view * Mat4::from(camera.world_from_view.inverse())
 }
 
-/// Returns the rays through the pixels, as the shader has them.
+/// Returns the rays through the pixels in the shader's layout.
 fn rays(camera: &Camera) -> [f32; 24] {
     let rays = camera.rays();
     let vectors = [
@@ -265,13 +266,13 @@ fn rays(camera: &Camera) -> [f32; 24] {
     bytemuck::cast(vectors.map(|v| v.to_array()))
 }
 
-/// Returns a lamp as the shader has it.
+/// Returns a lamp in the shader's layout.
 fn lamp(light: &EditLight, index: u32) -> [f32; 16] {
     let place = match light.light.position() {
         Some(position) => position.extend(1.0),
         None => light.light.direction_from(Vec3::ZERO).extend(0.0),
     };
-    // The cones of lights that shine in all directions are beyond all cosines.
+    // Give lights without a cone cosines that no angle reaches.
     let (axis, inner, outer) = match light.light {
         Light::Spot {
             direction,
@@ -279,7 +280,7 @@ fn lamp(light: &EditLight, index: u32) -> [f32; 16] {
             outer,
             ..
         } => {
-            // The two differ, since `smoothstep` needs that.
+            // Make the two different, as `smoothstep` requires.
             let outer_cosine = outer.cos();
             (
                 direction.normalize(),

@@ -1,17 +1,17 @@
-//! Functions for tests and the curious in the browser's console. All return JSON:
-//! `umbrage_report()` what is shown and its errors, `umbrage_agreement()` how well the device's
-//! masks agree with the CPU's, `umbrage_widgets()` the positions of the panel's parts.
+//! Functions for tests and debugging in the browser's console. All return JSON: `umbrage_report()`
+//! the displayed settings and their errors, `umbrage_agreement()` the agreement of the device's
+//! masks with the CPU's, `umbrage_widgets()` the positions of the panel's parts.
 
 use crate::{app::App, report};
 use eframe::WebRunner;
 use serde_json::Value;
 use wasm_bindgen::{JsValue, closure::Closure};
 
-/// Gives the page the functions.
+/// Adds the functions to the page.
 pub(super) fn offer(runner: &WebRunner, ctx: &egui::Context) {
     let widgets_ctx = ctx.clone();
     offer_one("umbrage_widgets", move || {
-        // The next call returns those of the next frame.
+        // Draw a frame, whose positions the next call returns.
         widgets_ctx.request_repaint();
         report::widgets(&widgets_ctx)
     });
@@ -29,7 +29,7 @@ pub(super) fn offer(runner: &WebRunner, ctx: &egui::Context) {
 
 fn offer_one(name: &str, value: impl Fn() -> Value + 'static) {
     let function = Closure::<dyn Fn() -> String>::new(move || value().to_string()).into_js_value();
-    // A page that refuses new names has no tests that call them.
+    // Ignore a page that refuses new names: it has no tests that call them.
     js_sys::Reflect::set(&js_sys::global(), &JsValue::from_str(name), &function).ok();
 }
 

@@ -1,5 +1,5 @@
-//! The program in a worker: does a task, and reports to the page. [`worker`](super::worker) has the
-//! page's half.
+//! The program in a worker: executes a task, and reports to the page. [`worker`](super::worker) is
+//! the page's half.
 
 use super::{
     scenes::{MadeStage, make, read_files},
@@ -12,7 +12,7 @@ use umbrage::plan::{Cancel, Step};
 use wasm_bindgen::{JsCast as _, JsValue, closure::Closure};
 use web_sys::DedicatedWorkerGlobalScope;
 
-/// Gives the worker's script the function that does tasks.
+/// Adds the function that executes tasks to the worker's script.
 pub(super) fn offer() {
     std::panic::set_hook(Box::new(|panic| post("failed", &format!("{panic}").into())));
     let work = Closure::<dyn Fn(String, Array)>::new(|task: String, parts: Array| {
@@ -22,7 +22,7 @@ pub(super) fn offer() {
         }
     });
     let name = JsValue::from_str("umbrage_work");
-    // Can't fail: nothing in our worker refuses new names.
+    // This can't fail: our worker refuses no names.
     js_sys::Reflect::set(&js_sys::global(), &name, &work.into_js_value()).ok();
 }
 
@@ -30,18 +30,18 @@ pub(super) fn offer() {
 fn post(kind: &str, value: &JsValue) {
     let message = object(&[(kind, value.clone())]);
     let scope = js_sys::global().unchecked_into::<DedicatedWorkerGlobalScope>();
-    // Bytes are handed over instead of copied.
+    // Transfer bytes instead of copying them.
     let handed_over = match value.is_instance_of::<js_sys::ArrayBuffer>() {
         true => Array::of1(value),
         false => Array::new(),
     };
-    // Plain texts and bytes can always be sent.
+    // This can't fail for texts and bytes.
     scope
         .post_message_with_transfer(&message, &handed_over)
         .ok();
 }
 
-/// Does a task. Returns the outcome as bytes.
+/// Executes a task. Returns the outcome as bytes.
 fn run(task: &str, parts: &Array) -> Result<Vec<u8>> {
     let first = parts.get(0);
     let on_step = |step: String| {
@@ -58,8 +58,8 @@ fn run(task: &str, parts: &Array) -> Result<Vec<u8>> {
         return write(&read_files(parts, &on_step)?);
     }
     match task {
-        // For tests: faults that a task should never have.
-        "panic" => panic!("a test asked for a panic"),
+        // Simulate failures of a task, for tests.
+        "panic" => panic!("a test requested a panic"),
         "memory" => {
             let all: Vec<Vec<u8>> = (0..5).map(|_| Vec::with_capacity(1 << 30)).collect();
             bail!("{} GB are there", std::hint::black_box(all).len())
@@ -76,8 +76,8 @@ fn write(made: &MadeStage) -> Result<Vec<u8>> {
 fn plan(request: &[u8]) -> Result<Vec<u8>> {
     let (request, refused): (plan::PlanRequest, Vec<String>) = postcard::from_bytes(request)?;
     let on_step = |step: Step<'_>| post("step", &plan::step_label(step).into());
-    // The page ends the whole worker instead of cancelling.
+    // The page terminates the whole worker instead of cancelling.
     let plan = plan::plan(&request, &refused, &Cancel::default(), &on_step)?;
-    // Techniques' settings are tables with names, which only formats with names can hold.
+    // Settings of techniques are tables with names, which require a self-describing format.
     Ok(serde_json::to_vec(&plan)?)
 }

@@ -1,4 +1,5 @@
-//! What the page's address shows first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
+//! Initial settings in the page's address:
+//! `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
 
 use crate::{
     bookmarks,
@@ -20,7 +21,7 @@ pub(super) struct Query {
 }
 
 impl Query {
-    /// Reads the page's address. A message names parts that can't be read.
+    /// Reads the page's address. A message lists invalid parts.
     pub(super) fn of_page() -> Self {
         let address = web_sys::window().and_then(|window| window.location().search().ok());
         let mut out = Self::default();
@@ -30,7 +31,7 @@ impl Query {
         else {
             return out;
         };
-        // A link shows everybody the same.
+        // Ignore saved settings, so that a link is the same for everybody.
         out.start.is_fresh = true;
         let mut faults = Vec::new();
         for pair in parameters.entries().into_iter().flatten() {
@@ -60,7 +61,7 @@ impl Query {
                     self.start.scene = Some(value);
                     self.start.shows_failure = true;
                 }
-                None => return unknown("place of failure"),
+                None => return unknown("failure"),
             },
             "left" | "right" => match techniques::find(&value) {
                 Some(_) => self.start.techniques[usize::from(key == "right")] = Some(value),
@@ -78,11 +79,11 @@ impl Query {
             "over" => {
                 let known = Picture::ALL.iter().find(|(_, name)| *name == value);
                 let Some((picture, _)) = known else {
-                    return unknown("picture to lay over");
+                    return unknown("overlay");
                 };
                 self.first_shown.picture = Some(*picture);
             }
-            _ => return Err(format!("`{key}` means nothing; the keys are {KEYS}")),
+            _ => return Err(format!("unknown key `{key}`; the keys are {KEYS}")),
         }
         Ok(())
     }

@@ -18,12 +18,12 @@ use web_sys::{File, FileReaderSync};
 #[derive(Serialize, Deserialize)]
 pub(crate) struct MadeStage {
     pub stage: Stage,
-    /// Files that a model names and that were not dropped.
+    /// Missing files that a model names.
     missing: Vec<PathBuf>,
 }
 
 impl MadeStage {
-    /// Returns which files the scene is shown without.
+    /// Returns a note about missing files of the scene.
     pub(crate) fn note(&self, name: &str) -> Option<String> {
         let missing = self.missing.iter().map(|path| path.display().to_string());
         let files = missing.collect::<Vec<_>>().join(", ");
@@ -32,7 +32,7 @@ impl MadeStage {
     }
 }
 
-/// Starts a worker that makes or reads a scene. Without workers the page makes built-in scenes
+/// Starts a worker that makes or reads a scene. Without workers, the page makes built-in scenes
 /// itself.
 pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
     let read = |bytes: &[u8]| {
@@ -65,7 +65,7 @@ pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
 /// Makes a built-in scene.
 ///
 /// # Errors
-/// Errors if there is none of that name.
+/// Returns an error if there is none of that name.
 pub(super) fn make(name: &str, on_step: OnStep<'_>) -> Result<MadeStage> {
     let stage = Stage::of_argument(name, on_step)?;
     Ok(MadeStage {
@@ -74,12 +74,12 @@ pub(super) fn make(name: &str, on_step: OnStep<'_>) -> Result<MadeStage> {
     })
 }
 
-/// Reads a scene from files. Only workers can.
+/// Reads a scene from files. Only available in workers.
 ///
 /// # Errors
-/// Errors if they can't be read.
+/// Returns an error if they can't be read.
 pub(super) fn read_files(parts: &Array, on_step: OnStep<'_>) -> Result<MadeStage> {
-    on_step("is read".to_owned());
+    on_step("reading".to_owned());
     let reader = FileReaderSync::new().map_err(|error| anyhow!(error_label(&error)))?;
     let mut files = FilesInMemory::default();
     for i in (0..parts.length()).step_by(2) {

@@ -1,10 +1,9 @@
-//! Workers of the page do what takes long, while the page goes on drawing.
+//! Workers of the page, which execute long tasks while the page continues to draw.
 //!
-//! A worker is a second instance of the program, with memory of its own, in a thread of the
-//! browser. It does one [`WorkerTask`] and ends. The page sends `{ program, job, parts }`; the
-//! worker sends any number of `{ step: text }`, and at last `{ done: bytes }` or
-//! `{ failed: text }`. Threads that share memory would need headers from the web server that many
-//! servers don't send.
+//! A worker is a second instance of the program, with separate memory, in a thread of the browser.
+//! It executes one [`WorkerTask`] and ends. The page sends `{ program, job, parts }`. The worker
+//! sends any number of `{ step: text }`, and finally `{ done: bytes }` or `{ failed: text }`.
+//! Threads with shared memory would need headers that many web servers don't send.
 
 use crate::job::Job;
 use anyhow::{Result, anyhow};
@@ -13,10 +12,10 @@ use std::{cell::Cell, rc::Rc};
 use wasm_bindgen::{JsCast as _, JsValue, closure::Closure};
 use web_sys::{ErrorEvent, MessageEvent, WorkerOptions, WorkerType};
 
-/// Next to the page.
+/// Path of the worker's script, relative to the page.
 const SCRIPT: &str = "worker.js";
 
-/// Work that a worker can do.
+/// Tasks of workers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum WorkerTask {
     /// Parts: the request. Done: the plan, as JSON.
@@ -38,8 +37,8 @@ impl WorkerTask {
     }
 }
 
-/// Starts a worker. `read` reads its outcome; `without_worker` returns the outcome where the worker
-/// never began, for that reason.
+/// Starts a worker. `read` parses its outcome. `without_worker` returns the outcome if the worker
+/// could not start, for the given reason.
 pub(crate) fn start<T: 'static>(
     ctx: &egui::Context,
     task: WorkerTask,
@@ -53,7 +52,8 @@ pub(crate) fn start<T: 'static>(
         Message::Step(step) => {
             progress.step(step);
         }
-        // The program reports a panic first, and the worker's script reports it again.
+        // Ignore repetitions: the program reports a panic first, and the worker's script reports it
+        // again.
         _ if has_ended.replace(true) => {}
         Message::Done(bytes) => progress.publish(read(&bytes)),
         Message::Failed(error) => progress.publish(Err(anyhow!(error))),
@@ -62,7 +62,7 @@ pub(crate) fn start<T: 'static>(
     match PageWorker::start(task, parts, on_message.clone()) {
         Ok(worker) => job.worker = Some(worker),
         Err(error) => on_message(Message::NeverBegan(format!(
-            "The browser starts no worker ({}). Load the page again, from a web server.",
+            "The browser can't start a worker ({}). Load the page again, from a web server.",
             error_label(&error)
         ))),
     }
@@ -71,11 +71,11 @@ pub(crate) fn start<T: 'static>(
 
 /// Message of a worker to the page.
 enum Message {
-    /// The current step, in words.
+    /// Description of the current step.
     Step(String),
     Done(Vec<u8>),
     Failed(String),
-    /// Its script could not be loaded.
+    /// The worker's script could not be loaded.
     NeverBegan(String),
 }
 
@@ -96,18 +96,18 @@ impl Message {
     }
 
     fn of_error(event: &ErrorEvent) -> Self {
-        // It is reported here: the page's own listener need not stop the viewer.
+        // Report it here, and keep the page's own listener from stopping the viewer.
         event.prevent_default();
         let message = Reflect::get(event, &"message".into()).ok();
         match message.and_then(|message| message.as_string()) {
             Some(message) => Self::Failed(format!("{message}. Load the page again.")),
-            // A script that could not be loaded comes without a message.
+            // A script that could not be loaded causes an error without a message.
             None => Self::NeverBegan(format!("{SCRIPT} can't be loaded. Load the page again.")),
         }
     }
 }
 
-/// A running worker. Dropping it ends it at once.
+/// A running worker, which is terminated on drop.
 pub(crate) struct PageWorker {
     worker: web_sys::Worker,
     _on_message: Closure<dyn Fn(MessageEvent)>,
@@ -118,8 +118,8 @@ impl PageWorker {
     /// Starts a worker. `on_message` is called between frames.
     ///
     /// # Errors
-    /// Errors if the browser starts no worker. If it can't load the worker's script, a message
-    /// reports that later.
+    /// Returns an error if the browser can't start a worker. If it can't load the worker's script,
+    /// a later message reports that.
     fn start(
         task: WorkerTask,
         parts: &Array,
@@ -158,17 +158,17 @@ impl Drop for PageWorker {
     }
 }
 
-/// Returns an object of JavaScript.
+/// Returns a JavaScript object.
 pub(super) fn object(fields: &[(&str, JsValue)]) -> Object {
     let out = Object::new();
     for (name, value) in fields {
-        // A new object takes any field.
+        // This can't fail: a new object accepts any field.
         Reflect::set(&out, &JsValue::from_str(name), value).ok();
     }
     out
 }
 
-/// Returns the text of an error of JavaScript, without the positions in scripts that it names.
+/// Returns the text of a JavaScript error, without positions in scripts.
 pub(super) fn error_label(error: &JsValue) -> String {
     match error.dyn_ref::<js_sys::Error>() {
         Some(error) => error.message().into(),

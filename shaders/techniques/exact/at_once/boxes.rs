@@ -1,4 +1,4 @@
-//! Boxes of eight things side by side: on a face of a light's frame, and how deep.
+//! Groups of eight boxes on a face of a light's frame, with depth ranges.
 
 use super::super::{light_frame::LightFrame, outline::distance_to_origin};
 use umbrage_core::{
@@ -7,15 +7,15 @@ use umbrage_core::{
     math::{greater, lesser},
 };
 
-/// How many boxes are tested at once.
+/// Number of boxes that are tested at once.
 pub(super) const BOXES: usize = 8;
-/// Boxes in a vector.
+/// Number of boxes in a vector.
 const LANES: usize = 4;
 
-/// A number of each box.
+/// One value per box.
 type Eight = [f32; BOXES];
 
-/// Where a caster may hide the light on a face, margins included.
+/// Region of a face in which a caster may hide the light, including margins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     pub(super) low: Vec2,
@@ -24,7 +24,7 @@ pub(super) struct Reach {
     pub(super) nearest: f32,
 }
 
-/// Where receivers lie on a face.
+/// Bounds of receivers on a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceBox {
     pub(super) low: Vec2,
@@ -35,7 +35,7 @@ pub(super) struct FaceBox {
     pub(super) farthest: f32,
 }
 
-/// Eight such boxes; those that are not used hold nothing.
+/// Eight such boxes; unused ones are empty.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Boxes {
     low: [Eight; 2],
@@ -44,31 +44,32 @@ pub(super) struct Boxes {
     farthest: Eight,
 }
 
-/// A large caster's edges and plane, as functions on a face.
+/// Edges and plane of a large caster, as functions on a face.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FaceOutline {
-    /// Factors of the coordinates across and down, and a summand; a lane each for three edges and
-    /// the plane.
+    /// Factors of the coordinates across and down, and a summand. The lanes are three edges and the
+    /// plane.
     pub(super) factors: [Vec4; 3],
-    /// Whether the plane's function means anything.
+    /// True if the plane's function is valid.
     pub(super) knows_depth: bool,
 }
 
 impl Reach {
-    /// Of no caster.
+    /// Reach of no caster.
     pub(super) const NOWHERE: Self = Self {
         low: Vec2::INFINITY,
         high: Vec2::NEG_INFINITY,
         nearest: f32::INFINITY,
     };
-    /// Of casters that may be anywhere.
+    /// Reach of casters that may be anywhere.
     const ANYWHERE: Self = Self {
         low: Vec2::NEG_INFINITY,
         high: Vec2::INFINITY,
         nearest: 0.0,
     };
 
-    /// Returns where casters in a box in world space may hide the light on a face; none if nowhere.
+    /// Returns the region of a face in which casters in a world-space box may hide the light, if
+    /// any.
     #[inline(always)]
     pub(super) fn of_box(frame: &LightFrame, face: u32, bounds: &Aabb) -> Option<Self> {
         if frame.is_lamp {
@@ -84,7 +85,7 @@ impl Reach {
         let half = bounds.max - center;
         let placed = frame.place_as::<false>(center);
         let [across, down, deep] = frame.rows.map(|row| row.abs().dot(half));
-        // What the products' roundings add, many times over.
+        // Add the rounding of the products, with a large safety factor.
         let margin = frame.margin(0.0) + frame.rounding;
         let at = placed.truncate();
         let half = Vec2::new(across, down) + margin;
@@ -104,6 +105,7 @@ impl Reach {
             return Some(Self::ANYWHERE);
         }
         let margin = 2.0 * frame.margin(distance);
+        // Find the depth range along the face's axis.
         let axis = face as usize / 2;
         let [near, far] = if face % 2 == 1 {
             [-high[axis], -low[axis]]
@@ -113,7 +115,7 @@ impl Reach {
         if far < 0.0 {
             return None;
         }
-        // Beside the pyramid that is seen through the face.
+        // Reject boxes outside the face's pyramid.
         let widest = far * (1.0 + margin);
         let sides = [(axis + 1) % 3, (axis + 2) % 3];
         if sides.iter().any(|&k| low[k] > widest || -high[k] > widest) {
@@ -122,7 +124,7 @@ impl Reach {
         if near <= 0.0 {
             return Some(Self::ANYWHERE);
         }
-        // Directions are coordinates over the depth, which lies between the two.
+        // Directions are coordinates divided by the depth, which is between the two.
         let least = |k: usize| low[k] / if low[k] < 0.0 { near } else { far };
         let greatest = |k: usize| high[k] / if high[k] < 0.0 { far } else { near };
         let [across, down] = sides;
@@ -135,7 +137,7 @@ impl Reach {
 }
 
 impl FaceBox {
-    /// The box around nothing.
+    /// Box around nothing.
     pub(super) const EMPTY: Self = Self {
         low: Vec2::INFINITY,
         high: Vec2::NEG_INFINITY,
@@ -143,7 +145,7 @@ impl FaceBox {
         farthest: f32::NEG_INFINITY,
     };
 
-    /// Grows around a point. What is not a number is left out, but then nothing covers the box.
+    /// Grows the box around a point. NaN is skipped, but then nothing covers the box.
     #[inline(always)]
     pub(super) fn add(&mut self, at: Vec2, depth: f32) {
         let is_number = at.x + at.y + depth < f32::INFINITY;
@@ -154,7 +156,7 @@ impl FaceBox {
         self.farthest = greater(depth, self.farthest);
     }
 
-    /// Grows around a box.
+    /// Grows the box around another box.
     #[inline(always)]
     pub(super) fn add_box(&mut self, other: &Self) {
         self.low = self.low.min(other.low);
@@ -172,7 +174,7 @@ impl Boxes {
         farthest: [f32::NEG_INFINITY; BOXES],
     };
 
-    /// Returns up to eight boxes side by side, and the box around all of them.
+    /// Groups up to eight boxes, and returns them with their bounding box.
     #[inline(always)]
     pub(super) fn around(boxes: &[FaceBox]) -> (Self, FaceBox) {
         let mut all = FaceBox::EMPTY;
@@ -220,7 +222,7 @@ impl Boxes {
         bits
     }
 
-    /// Returns what a caster's outline says of each box.
+    /// Tests each box against a caster's outline.
     #[inline(always)]
     pub(super) fn met_by_outline(&self, frame: &LightFrame, outline: &FaceOutline) -> ByOutline {
         let [across, down, summand] = outline.factors;
@@ -229,8 +231,8 @@ impl Boxes {
             let at = |v: &Eight| four(v, first);
             let low = [at(&self.low[0]), at(&self.low[1])];
             let high = [at(&self.high[0]), at(&self.high[1])];
-            // The greatest that a linear function is in the box, or the least where its factors are
-            // turned round.
+            // Find the maximum of a linear function in the box, or its minimum with negated
+            // factors.
             let extreme = |edge: usize, sign: f32| {
                 let [x, y] = [across[edge], down[edge]];
                 let u = if x * sign > 0.0 { high[0] } else { low[0] };
@@ -239,9 +241,11 @@ impl Boxes {
             };
             let greatest = |edge: usize| extreme(edge, 1.0);
             let least = |edge: usize| extreme(edge, -1.0);
+            // Test the edges.
             let mut met = greatest(0).cmpge(Vec4::NEG_ONE)
                 & greatest(1).cmpge(Vec4::NEG_ONE)
                 & greatest(2).cmpge(Vec4::NEG_ONE);
+            // Test the plane's depth.
             if outline.knows_depth {
                 let [near, far] = [least(3), greatest(3)];
                 let nearest = frame.four_nearest_of_plane(near, far);
@@ -259,12 +263,12 @@ impl Boxes {
     }
 }
 
-/// What a caster's outline says of eight boxes.
+/// Results of a caster's outline for eight boxes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ByOutline {
-    /// A bit for each box of which the edges leave anything, and which reaches behind the plane.
+    /// Bits of the boxes that are partly inside the edges and extend behind the plane.
     pub(super) met: u32,
-    /// A bit for each box all of whose rays the caster surely blocks.
+    /// Bits of the boxes whose rays are all surely blocked by the caster.
     pub(super) covered: u32,
 }
 

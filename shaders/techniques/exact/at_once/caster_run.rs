@@ -1,4 +1,4 @@
-//! Runs of casters as the light sees them.
+//! Runs of casters as projected to the light.
 
 use super::{
     super::{
@@ -15,42 +15,42 @@ use umbrage_core::{
     math::{greater, lesser},
 };
 
-/// Casters of a run.
+/// Number of casters of a run.
 pub(super) const RUN: usize = TRIANGLES_A_RUN as usize;
 
-/// Boxes that a caster may meet before its edges are asked, too.
+/// Number of boxes up to which a caster's edges are not tested.
 const FEW: u32 = 4;
 
-/// Casters in a vector.
+/// Number of casters in a vector.
 const LANES: usize = 4;
 
-/// A number of each caster of a run.
+/// One value per caster of a run.
 type OfEach<T> = [T; RUN];
 
-/// A run of casters on a face.
+/// Run of casters on a face.
 pub(super) struct CasterRun {
     face: u32,
     first: u32,
-    /// By corner, axis and caster, in world space.
+    /// Corner coordinates by corner, axis and caster, in world space.
     corner: [[OfEach<f32>; 3]; 3],
     low: [OfEach<f32>; 2],
     high: [OfEach<f32>; 2],
     nearest: OfEach<f32>,
-    /// Of all that show on the face.
+    /// Reach of all casters that project to the face.
     pub(super) reach: Reach,
-    /// A bit for each that shows on the face.
+    /// Bits of the casters that project to the face.
     shown: u64,
-    /// A bit for each so near to a lamp that its edges mean nothing.
+    /// Bits of the casters so near to a point light that their edges are meaningless.
     is_anywhere: u64,
-    /// A bit for each with holes.
+    /// Bits of the alpha-tested casters.
     has_holes: u64,
-    /// A bit for each whose outline is known.
+    /// Bits of the casters whose outline is computed.
     has_outline: u64,
     outline: OfEach<FaceOutline>,
 }
 
-/// Returns the least of the numbers of all casters; of vectors side by side, so that it is found by
-/// vector instructions.
+/// Returns the least value over all casters. It uses adjacent vectors, so that the loop is
+/// vectorised.
 #[inline(always)]
 fn least(numbers: &OfEach<f32>) -> f32 {
     let mut out = Vec4::INFINITY;
@@ -60,7 +60,7 @@ fn least(numbers: &OfEach<f32>) -> f32 {
     out.min_element()
 }
 
-/// Returns the greatest likewise.
+/// Returns the greatest value over all casters.
 #[inline(always)]
 fn greatest(numbers: &OfEach<f32>) -> f32 {
     let mut out = Vec4::NEG_INFINITY;
@@ -88,7 +88,7 @@ impl CasterRun {
         }
     }
 
-    /// Reads a run of a geometry: at least one caster.
+    /// Reads a run of a geometry, with at least one caster.
     #[inline(always)]
     pub(super) fn read(
         &mut self,
@@ -103,11 +103,13 @@ impl CasterRun {
         self.is_anywhere = 0;
         self.has_outline = 0;
         self.has_holes = 0;
+        // Mark alpha-tested casters.
         if geometry.cut_outs().is_some() {
             for (i, id) in run.clone().enumerate() {
                 self.has_holes |= u64::from(geometry.has_holes(id)) << i;
             }
         }
+        // Copy the corners.
         let triangles = geometry.run(run);
         let positions = geometry.positions();
         for (i, corners) in triangles.iter().enumerate() {
@@ -118,12 +120,13 @@ impl CasterRun {
                 of_corner[2][i] = position.z;
             }
         }
+        // Project them to the face.
         if frame.is_lamp {
             self.place_around_lamp(frame, run.len());
         } else {
             self.place_under_sun(frame);
         }
-        // Those that don't show meet nothing, whatever room they had before.
+        // Reset casters outside the face, whose entries may be from a previous run.
         for i in 0..RUN {
             if self.shown >> i & 1 == 0 {
                 self.hide_from_all(i);
@@ -136,12 +139,11 @@ impl CasterRun {
         };
     }
 
-    /// Places all casters under a sun, as [`FaceBounds::under_sun`] does one of them. Without
-    /// closures over arrays, which compilers don't put in place, so that loops become ones of
-    /// vector instructions.
+    /// Projects all casters for a directional light, like [`FaceBounds::under_sun`]. It avoids
+    /// closures over arrays, which compilers don't inline, so that the loops are vectorised.
     #[inline(always)]
     fn place_under_sun(&mut self, frame: &LightFrame) {
-        // A copy, since what the loop writes can't be what it reads.
+        // Copy the frame, so that the loop's outputs can't alias it.
         let frame = *frame;
         let margin = frame.margin(0.0);
         let [a, b, c] = &self.corner;
@@ -207,19 +209,19 @@ impl CasterRun {
         }
     }
 
-    /// Returns a bit for each caster that shows on the face.
+    /// Returns a bit for each caster that projects to the face.
     #[inline(always)]
     pub(super) fn all(&self) -> u64 {
         self.shown
     }
 
-    /// Returns the triangle that caster `i` is.
+    /// Returns the triangle id of caster `i`.
     #[inline(always)]
     pub(super) fn id(&self, i: usize) -> u32 {
         self.first + i as u32
     }
 
-    /// Returns whether alpha textures cut holes into caster `i`.
+    /// Returns whether caster `i` is alpha-tested.
     #[inline(always)]
     pub(super) fn has_holes(&self, i: usize) -> bool {
         self.has_holes >> i & 1 == 1
@@ -236,13 +238,12 @@ impl CasterRun {
         ]
     }
 
-    /// Returns the boxes of eight in which caster `i` may hide the light, and those in which it
-    /// surely hides it.
+    /// Returns which of eight boxes caster `i` may hide the light in, and in which it surely does.
     #[inline(always)]
     pub(super) fn meets(&mut self, frame: &LightFrame, i: usize, boxes: &Boxes) -> ByOutline {
         let met = boxes.met_by(&self.reach_of(i));
         if self.has_outline >> i & 1 == 0 {
-            // What edges cost pays where they leave much out, or will.
+            // Test edges only if they reject enough boxes now or later.
             if met.count_ones() <= FEW || self.is_anywhere >> i & 1 == 1 {
                 return ByOutline { met, covered: 0 };
             }
@@ -270,8 +271,8 @@ impl CasterRun {
         }
     }
 
-    /// Returns a bit for each caster that may hide the light in a box; bits of those that don't
-    /// show mean nothing.
+    /// Returns a bit for each caster that may hide the light in a box. Bits of casters outside the
+    /// face are undefined.
     #[inline(always)]
     pub(super) fn meeting(&self, bounds: &FaceBox) -> u64 {
         let left = Vec4::splat(bounds.low.x);

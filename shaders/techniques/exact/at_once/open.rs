@@ -1,21 +1,20 @@
-//! Which rays are not known to be blocked: a bit for each ray of a block, each block of a group,
-//! and so on up to the top.
+//! Rays that are not known to be blocked: a bit for each ray of a block, each block of a group, and
+//! so on up to the top.
 
 use super::boxes::BOXES;
 use std::sync::atomic::{AtomicU8, Ordering};
 use umbrage_core::parallel::prelude::*;
 
-/// Bits that only ever go off.
+/// Bits that are only ever cleared.
 #[derive(Debug)]
 pub(super) struct Open {
-    /// A bit for each ray of each block.
+    /// Bits of the rays of each block.
     rays: Vec<AtomicU8>,
-    /// A bit for each block of eight, then for each of eight groups of these, and so on up to one
-    /// word.
+    /// Bits of the blocks in groups of eight, then of each eight groups, and so on up to one word.
     groups: Vec<Vec<AtomicU8>>,
 }
 
-/// Returns words with so many bits in all, eight a word.
+/// Returns words with this number of set bits in total, eight per word.
 fn words(bits: usize) -> Vec<AtomicU8> {
     let in_word = |first: usize| (bits - first).min(BOXES);
     let word = |first| AtomicU8::new(u8::MAX >> (BOXES - in_word(first)));
@@ -23,7 +22,8 @@ fn words(bits: usize) -> Vec<AtomicU8> {
 }
 
 impl Open {
-    /// All rays of `blocks` are open; the last block has `in_last` of them, the others eight.
+    /// Returns bits in which all rays of `blocks` are open. The last block has `in_last` rays, the
+    /// others eight.
     pub(super) fn all(blocks: usize, in_last: usize) -> Self {
         let rays = words((blocks - 1) * BOXES + in_last);
         let mut groups = vec![words(blocks)];
@@ -38,7 +38,7 @@ impl Open {
     /// Returns a bit for each ray of a block that is not known to be blocked.
     #[inline(always)]
     pub(super) fn rays(&self, block: usize) -> u32 {
-        // Another thread's news may come late: then a ray that is blocked is asked again.
+        // Other threads' updates may be late. A blocked ray is then tested again.
         self.rays[block].load(Ordering::Relaxed).into()
     }
 
@@ -49,7 +49,7 @@ impl Open {
         self.groups[level][group].load(Ordering::Relaxed).into()
     }
 
-    /// Notes that rays of a block are blocked.
+    /// Marks rays of a block as blocked.
     #[inline(always)]
     pub(super) fn close_rays(&self, block: usize, rays: u32) {
         let blocked = rays as u8;
@@ -59,7 +59,7 @@ impl Open {
         }
     }
 
-    /// Notes that all rays of some parts of a group are blocked.
+    /// Marks all rays of some parts of a group as blocked.
     #[inline(always)]
     pub(super) fn close_parts(&self, level: usize, group: usize, parts: u32) {
         let mut level = level;
@@ -76,8 +76,8 @@ impl Open {
         }
     }
 
-    /// Calls `tell` with each block that has open rays, and a bit for each of these. A thread takes
-    /// so many `at_least` of the lowest groups.
+    /// Calls `tell` with each block that has open rays, and a bit for each of these. A thread
+    /// processes at least `at_least` of the lowest groups.
     pub(super) fn for_each(&self, at_least: usize, tell: impl Fn(usize, u32) + Sync) {
         let tell_group = |group: usize| {
             if !self.is_open(group) {
@@ -93,7 +93,7 @@ impl Open {
         groups.with_min_len(at_least).for_each(tell_group);
     }
 
-    /// Returns whether a lowest group, and all that it is part of, has open rays.
+    /// Returns whether a lowest group and all its parents have open rays.
     fn is_open(&self, group: usize) -> bool {
         let mut part = group;
         (1..self.groups.len()).all(|level| {
@@ -104,7 +104,7 @@ impl Open {
     }
 }
 
-/// Takes the lowest bit off, and returns its place.
+/// Clears the lowest bit, and returns its position.
 #[inline(always)]
 pub(super) fn take_lowest(bits: &mut u32) -> Option<usize> {
     let place = bits.trailing_zeros();
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(open.parts(0, 0), 0xff);
         open.close_rays(1, 0xff);
         assert_eq!(open.parts(0, 0), 0b1111_1101);
-        // All blocks of the last group but one, each by itself; then that one by its group.
+        // Close all blocks of the second to last group one by one, then the last one by its group.
         for block in 64..69 {
             open.close_rays(block, 0xff);
         }
@@ -147,7 +147,7 @@ mod tests {
         open.close_rays(69, 0b111);
         assert_eq!(open.parts(1, 1), 0);
         assert_eq!(open.parts(2, 0), 0b01);
-        // A group at once.
+        // Close a whole group.
         open.close_parts(1, 0, 0b0000_0001);
         assert_eq!(open_rays(&open), (64..64 * 8).collect::<Vec<_>>());
         open.close_parts(1, 0, 0xff);

@@ -1,24 +1,24 @@
-//! Sorts rays by where they lie: two passes of a radix sort from the lowest digit up (Knuth 1998,
-//! "The Art of Computer Programming" 3, section 5.2.5), which keep the order of equal keys. A
+//! Sorts rays by position, with two passes of a radix sort from the lowest digit up (Knuth 1998,
+//! "The Art of Computer Programming" 3, section 5.2.5). Passes keep the order of equal keys. A
 //! comparison sort takes three times as long.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use umbrage_core::parallel::prelude::*;
 
-/// Bits of a key.
+/// Number of bits of a key.
 pub(super) const KEY_BITS: u32 = 2 * DIGIT_BITS;
-/// Bits that are sorted at a time.
+/// Number of bits that are sorted at a time.
 const DIGIT_BITS: u32 = 12;
 const DIGITS: usize = 1 << DIGIT_BITS;
-/// Where in an entry its key begins.
+/// Bit offset of the key in an entry.
 const KEY_SHIFT: u32 = 32;
 
-/// A key and a pixel.
+/// Key and pixel of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Entry(u64);
 
 impl Entry {
-    /// Of a key below 2^[`KEY_BITS`].
+    /// Returns the entry of a key below 2^[`KEY_BITS`].
     #[inline(always)]
     pub(super) fn new(key: u32, pixel: u32) -> Self {
         Self(u64::from(key) << KEY_SHIFT | u64::from(pixel))
@@ -40,7 +40,7 @@ impl Entry {
     }
 }
 
-/// Entries that several threads write, each its own places.
+/// Entries that several threads write, each at its own positions.
 pub(super) struct Sorted(Vec<AtomicU64>);
 
 impl Sorted {
@@ -48,7 +48,7 @@ impl Sorted {
         Self((0..count).map(|_| AtomicU64::new(0)).collect())
     }
 
-    /// Returns how many they are.
+    /// Returns the number of entries.
     pub(super) fn len(&self) -> usize {
         self.0.len()
     }
@@ -59,14 +59,14 @@ impl Sorted {
         Entry(self.0[i].load(Ordering::Relaxed))
     }
 
-    /// Returns how many entries have keys below this one.
+    /// Returns the number of entries with keys below this one.
     pub(super) fn below(&self, key: u32) -> usize {
         let is_below = |entry: &AtomicU64| Entry(entry.load(Ordering::Relaxed)).key() < key;
         self.0.partition_point(is_below)
     }
 }
 
-/// Returns the entries of all parts, sorted by key; those with equal keys stay in order.
+/// Returns the entries of all parts, sorted by key. Entries with equal keys keep their order.
 pub(super) fn sort(parts: &[Vec<Entry>]) -> Sorted {
     let by_low_digit = pass(parts, 0, |part, i| part[i], Vec::len);
     let count = by_low_digit.len();
@@ -79,7 +79,7 @@ pub(super) fn sort(parts: &[Vec<Entry>]) -> Sorted {
     pass(&ranges, 1, read, ExactSizeIterator::len)
 }
 
-/// Sorts the entries of all parts by one digit. `read` gives an entry of a part, `len` their
+/// Sorts the entries of all parts by one digit. `read` returns an entry of a part, `len` their
 /// number.
 fn pass<P: Sync>(
     parts: &[P],
@@ -95,7 +95,7 @@ fn pass<P: Sync>(
         counts
     };
     let mut places: Vec<Vec<u32>> = parts.par_iter().map(count_digits).collect();
-    // A digit's entries of the first part come first, then those of the second.
+    // For each digit, entries of the first part come first, then those of the second.
     let mut next = 0;
     for digit in 0..DIGITS {
         for places in &mut places {
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use umbrage_core::light_sample::hash;
 
-    /// As the standard library's stable sort has it, whatever the parts.
+    /// Compares with the standard library's stable sort, for several parts.
     #[test]
     fn entries_are_sorted_and_equal_keys_stay_in_order() {
         for (count, part) in [(0, 1), (1, 1), (20_000, 7_001), (20_000, 20_000)] {

@@ -1,11 +1,11 @@
-//! The rays of all receivers in the order in which the light sees them, and boxes around them,
-//! level by level.
+//! Rays of all receivers in an order that follows their projection to the light, and boxes around
+//! them, level by level.
 //!
-//! Rays are sorted along a curve over the light's frame that goes through all of a square before it
-//! leaves it (Morton 1966, "A Computer Oriented Geodetic Data Base and a New Technique in File
-//! Sequencing"), so that eight that follow one another lie side by side, and so do eight such
-//! blocks, and so on: wherever many pixels see little of the scene, or few see much, a box holds
-//! the same number of rays.
+//! Rays are sorted along a space-filling curve over the light's frame, which covers a square
+//! completely before it leaves it (Morton 1966, "A Computer Oriented Geodetic Data Base and a New
+//! Technique in File Sequencing"). So eight consecutive rays are close together, as are eight
+//! consecutive blocks, and so on. A box has the same number of rays whether many pixels show little
+//! of the scene or few show much.
 
 use super::{
     super::{
@@ -31,25 +31,25 @@ use umbrage_core::{
     math::{dot3, greater, lesser},
 };
 
-/// Rays of a block.
+/// Number of rays of a block.
 const BLOCK: usize = 8;
-/// Blocks, or groups of them, that a thread makes at least.
+/// Minimum number of blocks, or groups of them, per task of a thread.
 const A_TASK: usize = 64;
-/// Rays that a thread answers at least, in groups of blocks.
+/// Minimum number of groups of blocks that a thread evaluates.
 const GROUPS_ANSWERED: usize = 256;
 
-/// Bits of a coordinate in a sun's key.
+/// Number of bits of a coordinate in a directional light's key.
 const SUN_BITS: u32 = KEY_BITS / 2;
-/// The same in a lamp's, which begins with the face.
+/// Number of bits of a coordinate in a point light's key, which begins with the face.
 const LAMP_BITS: u32 = (KEY_BITS - FACE_BITS) / 2;
 const FACE_BITS: u32 = 3;
 
-/// The rays on a face.
+/// Rays on a face.
 #[derive(Debug)]
 pub(super) struct FaceRays {
     pub(super) face: u32,
-    /// Apart from what else is known of blocks, since most casters that are near a block miss all
-    /// of its rays.
+    /// Positions of the blocks, separate from their other data, since most casters near a block
+    /// miss all of its rays.
     places: Vec<BlockPlaces>,
     blocks: Vec<Block>,
     pub(super) open: Open,
@@ -57,7 +57,7 @@ pub(super) struct FaceRays {
     pub(super) levels: Vec<Vec<Boxes>>,
 }
 
-/// Where the light sees the origins of eight rays.
+/// Projections of the origins of eight rays.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 struct BlockPlaces {
@@ -66,22 +66,21 @@ struct BlockPlaces {
     depth: [f32; BLOCK],
 }
 
-/// Eight rays. A last block that is not full has its last one several times.
+/// Eight rays. A last partial block repeats its last one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
-    /// World space.
+    /// Ray origins, world space.
     origin: [[f32; BLOCK]; 3],
-    /// The triangle on which the ray starts.
+    /// Triangle on which each ray starts.
     own: [u32; BLOCK],
     pixel: [u32; BLOCK],
 }
 
-/// Which way rays go.
+/// Direction of all rays.
 pub(super) enum Rays {
-    /// Those of a directional light, from anywhere. In a box of its own, since it is much larger
-    /// than a position.
+    /// Rays to a directional light. Boxed, since this is much larger than a position.
     Parallel(Box<FourSegments>),
-    /// Those of a light at this position.
+    /// Rays to a light at this position.
     Towards(Vec3),
 }
 
@@ -102,7 +101,7 @@ impl Rays {
 pub(super) struct Mask(Vec<AtomicU32>);
 
 impl Mask {
-    /// Returns the numbers.
+    /// Returns the visibilities.
     pub(super) fn into_numbers(self) -> Vec<f32> {
         let number = |bits: AtomicU32| f32::from_bits(bits.into_inner());
         self.0.into_iter().map(number).collect()
@@ -114,19 +113,20 @@ impl Mask {
     }
 }
 
-/// The rays of a picture, face by face, and the mask as if all of them were blocked.
+/// Rays of an image, face by face, and the mask with all of them blocked.
 pub(super) struct AllRays {
     pub(super) faces: Vec<FaceRays>,
     pub(super) mask: Mask,
 }
 
-/// Makes the rays of all receivers that face the light, and beside which there are casters.
+/// Creates the rays of all receivers that face the light and are in reach of casters.
 pub(super) fn make_rays(
     simd: Simd,
     uniforms: &ExactUniforms,
     frame: &LightFrame,
     receivers: &Receivers,
 ) -> AllRays {
+    // Place the receivers, one band per thread.
     let mask = Mask((0..receivers.len()).map(|_| AtomicU32::new(0)).collect());
     let threads = umbrage_core::parallel::current_num_threads();
     let band = receivers
@@ -157,6 +157,7 @@ pub(super) fn make_rays(
         }
     };
     let parts: Vec<Vec<Entry>> = firsts.into_par_iter().map(place_band).collect();
+    // Sort the rays along the curve, and split them by face.
     let sorted = sort(&parts);
     let source = Source {
         simd,
@@ -181,8 +182,8 @@ pub(super) fn make_rays(
     AllRays { faces, mask }
 }
 
-/// Places a band of receivers, whole batches but for the last: returns entries of those whose rays
-/// are asked, and notes which see the light without being asked.
+/// Task that places a band of receivers, in whole batches except the last. Returns entries of the
+/// rays to test, and marks the pixels that are lit without a test.
 struct Place<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
@@ -218,22 +219,22 @@ impl<const LAMP: bool> Place<'_, LAMP> {
         let mut padded = PaddedReceivers::new();
         let receivers = ReceiverBatch::from(&span, 0, &mut padded);
         let u = self.uniforms;
-        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what
-        // it reads.
+        // Copy the inputs, so that the loop is vectorised: its outputs can't alias them.
         let frame = *self.frame;
         let eye = u.eye.truncate();
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
         let to_half = frame.half.recip() * 0.5;
-        // Beyond it no ray of a sun is found to meet a caster.
+        // No ray to a directional light hits a caster beyond this edge.
         let rim = frame.half + frame.margin(0.0);
         let mut key = [0; BATCH];
         let mut faces_light = [false; BATCH];
         let mut is_beside = [false; BATCH];
+        // Compute each receiver's key.
         for i in 0..BATCH {
             let n = receivers.normal(i);
             let o = ray_origin(receivers.position(i), n, eye, u.grid.w);
-            // As `segment` has it of a point.
+            // Compute the segment to a point as in `segment`.
             let d = if LAMP { (lamp - o) * SHORT } else { sun };
             let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
             let at = point.on_face * to_half + 0.5;
@@ -247,6 +248,7 @@ impl<const LAMP: bool> Place<'_, LAMP> {
             let size = point.on_face.abs();
             is_beside[i] = !LAMP && (size.x > rim.x || size.y > rim.y);
         }
+        // Mark pixels that are lit without a test; collect the others.
         for i in 0..count {
             let pixel = (batch.start + i) as u32;
             if !receives[i] || faces_light[i] && is_beside[i] {
@@ -258,16 +260,15 @@ impl<const LAMP: bool> Place<'_, LAMP> {
     }
 }
 
-/// Numbers from here to twice this are whole.
+/// Least float from which, up to twice its value, all floats are integers.
 const WHOLE: f32 = 8_388_608.0;
 
-/// Returns the first bits of a number of 0 to 1 (others are taken for the nearest of these), with a
-/// zero above each.
+/// Returns the first bits of a number clamped to 0..=1, with a zero above each.
 #[inline(always)]
 fn curve_bits(number: f32, count: u32) -> u32 {
     let most = ((1_u32 << count) - 1) as f32;
     let bounded = lesser(greater(number * most, 0.0), most);
-    // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
+    // Adding 2^23 moves the integer into the lowest bits: a conversion without range checks.
     let bits = (bounded + WHOLE).to_bits() & 0xffff;
     let bits = (bits | bits << 8) & 0x00ff_00ff;
     let bits = (bits | bits << 4) & 0x0f0f_0f0f;
@@ -275,7 +276,7 @@ fn curve_bits(number: f32, count: u32) -> u32 {
     (bits | bits << 1) & 0x5555_5555
 }
 
-/// What rays are made of.
+/// Inputs of rays.
 struct Source<'a> {
     simd: Simd,
     uniforms: &'a ExactUniforms,
@@ -284,7 +285,8 @@ struct Source<'a> {
     sorted: &'a Sorted,
 }
 
-/// Makes up to eight blocks of a face. Returns boxes around them, and the box around these.
+/// Task that creates up to eight blocks of a face. Returns boxes around them, and their bounding
+/// box.
 struct MakeBlocks<'a, const LAMP: bool> {
     source: &'a Source<'a>,
     face: u32,
@@ -316,7 +318,7 @@ impl<const LAMP: bool> SimdTask for MakeBlocks<'_, LAMP> {
     }
 }
 
-/// Makes blocks of a face from sorted entries, up to an end.
+/// Creates blocks of a face from sorted entries, up to an end.
 struct BlockMaker<'a, const LAMP: bool> {
     source: &'a Source<'a>,
     face: u32,
@@ -324,12 +326,13 @@ struct BlockMaker<'a, const LAMP: bool> {
 }
 
 impl<const LAMP: bool> BlockMaker<'_, LAMP> {
-    /// Makes a block of the entries from `first` on.
+    /// Creates a block from the entries starting at `first`.
     #[inline(always)]
     fn block(&self, first: usize, places: &mut BlockPlaces, block: &mut Block) {
         let r = self.source.receivers;
         let mut position = [[0.0; BLOCK]; 3];
         let mut normal = [[0.0; BLOCK]; 3];
+        // Gather the receivers.
         for i in 0..BLOCK {
             let entry = (first + i).min(self.end - 1);
             let pixel = self.source.sorted.get(entry).pixel();
@@ -343,13 +346,13 @@ impl<const LAMP: bool> BlockMaker<'_, LAMP> {
             normal[1][i] = r.ny[pixel];
             normal[2][i] = r.nz[pixel];
         }
-        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what
-        // it reads.
+        // Copy the inputs, so that the loop is vectorised: its outputs can't alias them.
         let frame = *self.source.frame;
         let u = self.source.uniforms;
         let eye = u.eye.truncate();
         let mut origin = [[0.0; BLOCK]; 3];
         let mut made = BlockPlaces::default();
+        // Compute the rays and their positions on the face.
         for i in 0..BLOCK {
             let p = Vec3::new(position[0][i], position[1][i], position[2][i]);
             let n = Vec3::new(normal[0][i], normal[1][i], normal[2][i]);
@@ -369,7 +372,7 @@ impl<const LAMP: bool> BlockMaker<'_, LAMP> {
 }
 
 impl BlockPlaces {
-    /// Returns a bit for each ray that may meet a caster with this reach.
+    /// Returns a bit for each ray that may hit a caster with this reach.
     #[inline(always)]
     fn near(&self, reach: &Reach) -> u32 {
         let mut bits = 0;
@@ -391,7 +394,7 @@ fn four(numbers: &[f32; BLOCK], first: usize) -> Vec4 {
 }
 
 impl FaceRays {
-    /// Makes the rays of some entries, all on one face.
+    /// Creates the rays of some entries, all on one face.
     fn new(source: &Source<'_>, face: u32, entries: Range<usize>) -> Self {
         const A_GROUP: usize = BLOCK * BOXES;
         let count = entries.len();
@@ -417,6 +420,7 @@ impl FaceRays {
                 })
             }
         };
+        // Create the blocks in groups of eight.
         let mut places = vec![BlockPlaces::default(); groups * BOXES];
         let mut blocks = vec![Block::default(); groups * BOXES];
         let rooms = places
@@ -427,6 +431,7 @@ impl FaceRays {
             .with_min_len(A_TASK)
             .map(|(group, (places, blocks))| make(group, places, blocks))
             .unzip();
+        // Build the levels of boxes up to one.
         let mut levels = vec![boxes];
         while around.len() > 1 {
             let above = around.chunks(BOXES).map(Boxes::around);
@@ -445,8 +450,7 @@ impl FaceRays {
         }
     }
 
-    /// Hides the light from those rays of a block that meet a caster, but for those that start on
-    /// it.
+    /// Blocks the rays of a block that hit a caster, except those that start on it.
     #[inline(always)]
     pub(super) fn hide(
         &self,
@@ -474,8 +478,8 @@ impl FaceRays {
         }
     }
 
-    /// Returns a bit for each of some rays of a block, which meet a caster, that meets it in a
-    /// hole.
+    /// Returns a bit for each ray that hits a caster at a transparent texel. All given rays of the
+    /// block hit the caster.
     fn through_holes(
         &self,
         block: usize,
@@ -503,8 +507,8 @@ impl FaceRays {
         bits
     }
 
-    /// Returns a bit for each ray of a block that meets a triangle; those of rays beside which no
-    /// `wanted` bit is mean nothing.
+    /// Returns a bit for each ray of a block that hits a triangle. Bits outside `wanted` are
+    /// undefined.
     #[inline(always)]
     fn hits(&self, block: usize, rays: &Rays, wanted: u32, corners: &[Vec3; 3]) -> u32 {
         let mut bits = 0;
@@ -517,9 +521,9 @@ impl FaceRays {
             let segments = match rays {
                 Rays::Parallel(rays) => rays.from_origins(origin),
                 Rays::Towards(lamp) => {
-                    // As `segment` has it of a point.
+                    // Compute the segment to a point as in `segment`.
                     let to_lamp = |k: usize| (Vec4::splat(lamp[k]) - origin[k]) * SHORT;
-                    // Rays of a face have its axis for their longest one.
+                    // Rays of a face have its axis as their longest one.
                     let axis = self.face / 2;
                     FourSegments::new(origin, [to_lamp(0), to_lamp(1), to_lamp(2)], axis)
                 }
@@ -529,7 +533,7 @@ impl FaceRays {
         bits
     }
 
-    /// Notes in the mask which rays are not known to be blocked.
+    /// Marks in the mask the rays that are not known to be blocked.
     pub(super) fn answer(&self, mask: &Mask) {
         self.open.for_each(GROUPS_ANSWERED, |block, mut rays| {
             while let Some(ray) = take_lowest(&mut rays) {

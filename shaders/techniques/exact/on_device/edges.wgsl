@@ -1,13 +1,13 @@
-// A caster's outline as seen from the light, as outline.rs has it, in 32 bits: what these round is
+// Outline of a caster relative to the light, like outline.rs, in 32 bits. The rounding errors are
 // added to the margins.
 
-// What products of a lamp's directions are wrong by: 8 roundings of 1. A sun's are of differences
-// within the triangle, and far less.
+// Error of products of a point light's directions: 8 roundings of 1. Those of a directional light
+// are differences within the triangle, with a far smaller error.
 const LAMP_SLACK = 4.8e-7;
-// How much of the margin in depth a plane may be wrong by, for it to be asked. Edges of casters of
-// few cells are found anew in each pass, and may be rounded otherwise there: no plane is asked
-// where items are counted that isn't where they are filled in, so that the count is never too
-// small. Edges of casters of many cells are found once.
+// Greatest error of a plane, as a fraction of the depth margin, for which it is used. Edges of
+// casters of few cells are recomputed in each pass, possibly with different rounding. The limit is
+// lower when items are counted, so that the count is never too small. Edges of casters of many
+// cells are computed once.
 const FILLED_SLOPE = 0.5;
 const COUNTED_SLOPE = 0.48;
 
@@ -15,18 +15,18 @@ fn exact_slope() -> f32 {
     return select(FILLED_SLOPE, COUNTED_SLOPE, DOES == COUNT);
 }
 
-// Functions on a face: three edges, and the plane's depth (of a lamp one over it).
+// Functions on a face: three edges, and the plane's depth (one over it for a point light).
 struct Edges {
     across: vec4f,
     down: vec4f,
     summand: vec4f,
-    // Where a sun's functions have their origin on the face.
+    // Origin of a directional light's functions on the face.
     base: vec2f,
     knows_depth: bool,
 }
 
-// One over a plane's depth, from the lamp, as a function on a face. w: 0 where differences of the
-// corners are too inexact for that.
+// Returns one over a plane's depth from the point light, as a function on a face. w: 0 if
+// differences of the corners are too inexact for that.
 fn plane_of_lamp(face: u32, corners: array<vec3f, 3>) -> vec4f {
     let u = corners[1] - corners[0];
     let v = corners[2] - corners[0];
@@ -34,7 +34,7 @@ fn plane_of_lamp(face: u32, corners: array<vec3f, 3>) -> vec4f {
     let offset = dot(normal, corners[0]);
     let longest = max(length(u), length(v));
     let farthest = max(max(length(corners[0]), length(corners[1])), length(corners[2]));
-    // Corners are wrong by a rounding of their distance, and with them the normal by that times the
+    // The error of corners is a rounding of their distance. That of the normal is this times the
     // edges.
     let error = LAMP_SLACK * longest * farthest * farthest;
     let is_exact = abs(offset) > 0.0 && error <= exact_slope() * grid.down.w * abs(offset);
@@ -72,11 +72,10 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
     let longest = max(max(lengths.x, lengths.y), lengths.z);
     let whole = dot(directions[0], e0);
     let sign = select(1.0, -1.0, whole < 0.0);
-    // Along a short edge the direction is known only roughly: at its far end the error is longest /
-    // length as large.
+    // Scale the edges by their error. A short edge has an uncertain direction; the error at its far
+    // end is longest / length as large.
     let factors = sign / max(around * (lengths + longest) + slack, vec3f(1e-30));
-    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of
-    // their shares.
+    // Fit the plane through the corners' depths. Its error is the sum of the edges' contributions.
     let steps = depths - depths.x;
     let shares = dot(abs(steps), around * lengths + slack);
     var slope = shares;
@@ -94,7 +93,7 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
         knows_depth = abs(whole) > 0.0;
     }
     knows_depth = knows_depth && slope <= exact_slope() * grid.down.w * abs(whole);
-    // Where nobody asks for it the depth is 0, whatever the plane.
+    // Set unused planes to 0.
     plane = select(vec4f(0.0), plane, knows_depth);
     return Edges(
         vec4f(e0.x * factors.x, e1.x * factors.y, e2.x * factors.z, plane.x),
@@ -105,8 +104,8 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
     );
 }
 
-// The functions along a row of cells: their values at the first corner of the face's first cell,
-// and what they grow by from cell to cell and to the next row.
+// Functions along a row of cells: their values at the first corner of the face's first cell, and
+// their growth from cell to cell and to the next row.
 struct Row {
     first: vec4f,
     across: vec4f,
@@ -119,24 +118,24 @@ fn row_of(edges: Edges, y: u32, cell_side: f32) -> Row {
     return Row(first, edges.across * cell_side, edges.down * cell_side);
 }
 
-// The cells of a row in which the edges' greatest values are at least `least`; the first and the
-// last one, maybe none. Linear functions have their greatest values at corners. Divisions are
-// rounded: `more`, in cells, makes up for it.
+// Returns the first and the last cell of a row in which the edges' greatest values are at least
+// `least`; possibly none. Linear functions have their greatest values at corners. `more`, in cells,
+// compensates for rounded divisions.
 fn touched_cells(row: Row, least: f32, more: f32) -> vec2f {
     let corner = row.first.xyz + max(row.across.xyz, vec3f(0.0)) + max(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(least) - corner);
     return vec2f(ceil(cells.x - more), floor(cells.y + more));
 }
 
-// The cells of a row in which the edges' least values are above 1: here a 16th of a cell makes up
-// for rounded divisions.
+// Returns the cells of a row in which the edges' least values are above 1. Here a 16th of a cell
+// compensates for rounded divisions.
 fn covered_cells(row: Row) -> vec2f {
     let corner = row.first.xyz + min(row.across.xyz, vec3f(0.0)) + min(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(1.0) - corner);
     return vec2f(ceil(cells.x + 0.0625), floor(cells.y - 0.0625));
 }
 
-// Where on a row each step times the place is at least what is needed.
+// Returns the positions on a row where each step times the position is at least `needed`.
 fn cells_above(step: vec3f, needed: vec3f) -> vec2f {
     let far = vec3f(1e6);
     let bound = clamp(needed / step, -far, far);
@@ -149,7 +148,7 @@ fn cells_above(step: vec3f, needed: vec3f) -> vec2f {
     return vec2f(max(max(first.x, first.y), first.z), min(min(last.x, last.y), last.z));
 }
 
-// The least depth of the plane in a cell of a row, less the margin.
+// Returns the least depth of the plane in a cell of a row, minus the margin.
 fn nearest_in_cell(row: Row, x: u32) -> f32 {
     let corner = row.first.w + row.across.w * f32(x);
     if is_lamp() {
@@ -160,7 +159,7 @@ fn nearest_in_cell(row: Row, x: u32) -> f32 {
     return before(corner + min(row.across.w, 0.0) + min(row.down.w, 0.0));
 }
 
-// The greatest depth, and the margin.
+// Returns the greatest depth of the plane in a cell of a row, plus the margin.
 fn farthest_in_cell(row: Row, x: u32) -> f32 {
     let corner = row.first.w + row.across.w * f32(x);
     if !is_lamp() {

@@ -1,4 +1,4 @@
-// What stands in each cell's list.
+// Items of each cell's list.
 
 // Words of an unsorted item: caster, box, least depth.
 const UNSORTED = 3u;
@@ -22,11 +22,11 @@ fn fill_item(number: u32, id: u32, nearest: f32, touch: Touch, cell: vec2u) {
     unsorted[word + 2u] = bitcast<u32>(nearest);
 }
 
-// No receiver is in this box: its least step lies behind its greatest one.
+// Box that contains no receiver: its least step is behind its greatest one.
 const NOWHERE = LAST | (LAST << FIELD) | (LAST << (2u * FIELD)) | (LAST << (3u * FIELD));
 
-// Sorts each cell's list by steps of depth. What was counted and not filled in then comes last, and
-// asks nobody.
+// Sorts each cell's list by steps of depth. Items that were counted but not filled in are last, and
+// match no receiver.
 @compute @workgroup_size(64)
 fn sort_items(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let cell = at.x + at.y * groups.x * 64u;
@@ -36,7 +36,7 @@ fn sort_items(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups)
     let out = 4u * (made.rows.y + cell);
     let first = tables[out];
     let end = tables[out + 4u];
-    // Lists were filled from their ends on.
+    // Lists were filled from their ends.
     let filled = first + atomicLoad(&work[cell_word(cell)]);
     var least = FAR;
     var greatest = 0u;
@@ -48,7 +48,7 @@ fn sort_items(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups)
     let nearest = bitcast<f32>(least);
     let width = bitcast<f32>(greatest) - nearest;
     var steps = 0.0;
-    // As wide as floats know them to be, so that the quotient is finite.
+    // Require a width that floats can resolve, so that the quotient is finite.
     if width > 1e-30 {
         steps = (KEY_STEPS - 1.0) / width;
     }
@@ -78,7 +78,7 @@ fn sort_items(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups)
     }
 }
 
-// The step of depth of an unsorted item.
+// Returns the depth step of an unsorted item.
 fn step_of(item: u32, nearest: f32, steps: f32) -> u32 {
     let depth = bitcast<f32>(unsorted[UNSORTED * item + 2u]);
     return u32(clamp((depth - nearest) * steps, 0.0, KEY_STEPS - 1.0));

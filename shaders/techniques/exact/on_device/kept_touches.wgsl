@@ -1,6 +1,6 @@
-// Touches in memory, from pass to pass.
+// Storage of touches between passes.
 
-// A touch takes four words: caster and face, the box's corners, and the least depth.
+// A touch has four words: caster and face, the box's corners, and the least depth.
 fn keep_touch(place: u32, id: u32, touch: Touch) {
     touches[place] = vec4u(
         id | (touch.face << 29u),
@@ -21,7 +21,7 @@ fn kept_id(place: u32) -> u32 {
     return touches[place].x & 0x1fffffffu;
 }
 
-// Touches of large casters are kept from the end on, each with its edges before it.
+// Touches of large casters are stored from the end on, each preceded by its edges.
 fn large_place(number: u32) -> u32 {
     return made.touches - LARGE_TOUCH * (number + 1u);
 }

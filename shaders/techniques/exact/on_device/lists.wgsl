@@ -1,18 +1,18 @@
-// Makes the tables that exact.wgsl reads, from the casters' corners, by the compute passes that
-// `DeviceLists` of `umbrage-core` lists.
+// Builds the tables that exact.wgsl reads, from the casters' corners, with the compute passes in
+// `DeviceLists` of `umbrage-core`.
 //
-// Counting, summing up and filling in is the counting sort of Knuth 1973, "The Art of Computer
+// Counting, prefix sums and filling in are the counting sort of Knuth 1973, "The Art of Computer
 // Programming" 3, 5.2.
 
 struct ListsPlace {
     // First rows of tiles, cells, items and corners among the tables.
     rows: vec4u,
     triangles: u32,
-    // Most items.
+    // Maximum number of items.
     items: u32,
-    // Most touches.
+    // Maximum number of touches.
     touches: u32,
-    // Cells at the first try.
+    // Number of cells in the first attempt.
     cells: u32,
 }
 
@@ -23,24 +23,25 @@ struct ListsPlace {
 @group(0) @binding(4) var<storage, read_write> unsorted: array<u32>;
 @group(0) @binding(5) var<storage, read_write> touches: array<vec4u>;
 
-// `work` begins with these.
+// Head of `work`.
 const FITS = 0u;
 const HALVED = 1u;
 const TOTAL = 2u;
-// Items of the first try; then touches of large casters and of small ones.
+// Number of items in the first attempt; then touches of large casters and of small ones.
 const NEEDED = 3u;
 const LARGE = 4u;
 const SMALL = 5u;
 const HEAD = 16u;
-// Sums of blocks, then two words a cell: items, and what is deeper is in shadow (the bits of a
-// positive float, which compare like it, taken from those of infinity, so that 0 is the farthest).
+// Sums of blocks, then two words per cell. The first is the number of items. The second is the
+// depth beyond which everything is in shadow: the bits of a positive float, which compare like it,
+// subtracted from those of infinity, so that 0 is the farthest.
 const BLOCK = 1024u;
 const CELL_WORDS = 2u;
 const FAR = 0x7f800000u;
 
-// Casters that touch more cells than this are left to many threads.
+// Number of cells beyond which a caster is processed by many threads.
 const MANY_CELLS = 16u;
-// Rows of touches that one of these takes.
+// Number of rows of touches that one of these uses.
 const LARGE_TOUCH = 5u;
 
 fn side_log2() -> u32 {

@@ -1,9 +1,9 @@
-// Where each cell's list begins.
+// Start of each cell's list.
 
 var<workgroup> sums: array<u32, 256>;
 
-// Returns the sum of what the lanes before this one have. The last lane's sum and its own value are
-// all of it.
+// Returns the sum of the values of the lanes before this one. The total is the last lane's sum plus
+// its own value.
 fn sum_before(lane: u32, value: u32) -> u32 {
     sums[lane] = value;
     workgroupBarrier();
@@ -26,7 +26,7 @@ fn items_of(cell: u32) -> u32 {
     return atomicLoad(&work[cell_word(cell)]);
 }
 
-// Items of four cells.
+// Returns the numbers of items of four cells.
 fn items_of_four(first: u32) -> vec4u {
     return vec4u(items_of(first), items_of(first + 1u), items_of(first + 2u), items_of(first + 3u));
 }
@@ -41,11 +41,11 @@ fn sum_blocks(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     }
 }
 
-// Groups of threads of each pass of a further try.
+// Number of workgroups for each pass of a further attempt.
 @group(1) @binding(0) var<storage, read_write> further: array<u32>;
 
-// Turns the blocks' sums into the sums of all blocks before, and says whether lists fit. If they
-// do, further tries have no threads; if they don't, cells become twice as wide.
+// Converts the blocks' sums to prefix sums, and records whether the lists fit. If they do, further
+// attempts have no workgroups. Otherwise cells become twice as wide.
 @compute @workgroup_size(256)
 fn sum_all(@builtin(local_invocation_index) lane: u32) {
     let is_done = atomicLoad(&work[FITS]) != 0u;
@@ -99,7 +99,7 @@ fn place_cells(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
     }
 }
 
-// Where nothing fits, all lists are empty: nothing casts.
+// If nothing fits, all lists are empty and nothing casts.
 fn place_cell(cell: u32, first_item: u32, fits: bool) {
     let out = 4u * (made.rows.y + cell);
     if cell == cell_count() {
@@ -110,7 +110,7 @@ fn place_cell(cell: u32, first_item: u32, fits: bool) {
     }
     tables[out] = first_item;
     tables[out + 1u] = select(FAR, cover_of(cell), fits);
-    // Nothing is nearer than what isn't there.
+    // An absent item has no nearest depth.
     tables[out + 2u] = FAR;
     tables[out + 3u] = 0u;
 }

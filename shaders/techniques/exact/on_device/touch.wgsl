@@ -1,36 +1,36 @@
-// Which part of a light's grid a caster touches, as light_frame.rs and touches.rs have it: in the
-// arithmetic of a device, whose roundings are within the margins.
+// Part of a light's grid that a caster touches, like light_frame.rs and touches.rs. It uses device
+// arithmetic, whose rounding is within the margins.
 
 struct ListsGrid {
-    // Frame space's origin, world space; w: what the triangle test is wrong by.
+    // Frame space's origin, world space; w: error of the triangle test.
     origin: vec4f,
-    // Rows of the matrix from the world, less the origin, to frame space. w: the least margin
-    // across the rays.
+    // Rows of the matrix from the world, relative to the origin, to frame space. w: the least
+    // margin across the rays.
     across: vec4f,
     // w: the margin in depth.
     down: vec4f,
-    // w: what is subtracted from a sun's depth.
+    // w: value subtracted from a directional light's depth.
     away: vec4f,
-    // Half the size of a face, across and down; tiles a unit of a direction; casters nearer to a
-    // lamp than this may be anywhere.
+    // Half the size of a face, across and down; tiles per unit of a direction; distance from a
+    // point light within which casters may be anywhere.
     face: vec4f,
-    // Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side at
-    // most, as a power of two.
+    // Number of tiles of a face, across and down; 1 if the light has a position; greatest number of
+    // cells along a tile's side, as a power of two.
     tiles: vec4u,
 }
 
-// Steps along a tile's side, as a power of two.
+// Number of steps along a tile's side, as a power of two.
 const STEPS = 12u;
-// A point's greatest coordinate is at least this much of its distance.
+// A point's greatest coordinate is at least this fraction of its distance.
 const COORDINATE = 0.577;
 const NO_FACE = 7u;
 
 struct Touch {
     face: u32,
-    // The box around the caster on the face, in steps, inclusive.
+    // Bounding box of the caster on the face, in steps, inclusive.
     low: vec2u,
     high: vec2u,
-    // Least depth, less the margin.
+    // Least depth, minus the margin.
     nearest: f32,
 }
 
@@ -50,7 +50,8 @@ fn frame_point(p: vec3f) -> vec3f {
     return vec3f(dot3(grid.across.xyz, v), dot3(grid.down.xyz, v), dot3(grid.away.xyz, v) - grid.away.w);
 }
 
-// Across a face of the cube around a lamp, down it, and along its axis.
+// Rotates to coordinates across and down a face of the cube around a point light, and along its
+// axis.
 fn turned(v: vec3f, face: u32) -> vec3f {
     let sign = select(1.0, -1.0, (face & 1u) == 1u);
     let axis = face / 2u;
@@ -63,7 +64,8 @@ fn turned(v: vec3f, face: u32) -> vec3f {
     return vec3f(v.x, v.y, sign * v.z);
 }
 
-// A lower bound of the distance between the origin and a triangle: that of the box around it.
+// Returns a lower bound of the distance between the origin and a triangle: that of its bounding
+// box.
 fn distance_to_origin(corners: array<vec3f, 3>) -> f32 {
     let low = min(min(corners[0], corners[1]), corners[2]);
     let high = max(max(corners[0], corners[1]), corners[2]);
@@ -77,7 +79,7 @@ fn margin(distance: f32) -> f32 {
     return grid.across.w + grid.origin.w / (distance * COORDINATE);
 }
 
-// A depth that is surely less, and one that is surely greater.
+// `before` returns the depth minus the margin, `behind` the depth plus the margin.
 fn before(depth: f32) -> f32 {
     if is_lamp() {
         return depth * (1.0 - grid.down.w) - grid.origin.w;
@@ -103,8 +105,9 @@ fn touch_in_box(face: u32, low: vec2f, high: vec2f, nearest: f32) -> Touch {
     return Touch(select(face, NO_FACE, misses), inside, vec2u(clamp(last, vec2i(0), end - 1)), max(before(nearest), 0.0));
 }
 
-// A lamp's face, seen through the pyramid around it: nothing where all corners lie beyond one of
-// its sides, else the box around the corners, or all of the face where some lie behind the lamp.
+// Projects to a point light's face with the pyramid around it. The result is empty if all corners
+// are beyond one of its sides. If some are behind the light, it is the whole face. Otherwise it is
+// the bounding box of the corners.
 fn touch_on_cube(face: u32, corners: array<vec3f, 3>, distance: f32) -> Touch {
     let around = margin(distance);
     let rim = 1.0 + 2.0 * around;

@@ -1,14 +1,13 @@
-// What passes do for each cell that a caster may touch: find what covers it, count its items, fill
-// them in.
+// Visits of each cell that a caster may touch: find covered cells, count items, fill in items.
 
-// What a pass does for each cell that a caster may touch: a constant of its pipeline, since drivers
-// that run on the CPU go through all branches of a shader, taken or not.
+// Action of a pass for each cell that a caster may touch. It is a pipeline constant, since drivers
+// that run on the CPU execute all branches of a shader, taken or not.
 override DOES: u32 = 0u;
 const COVER = 0u;
 const COUNT = 1u;
 const FILL = 2u;
-// How far the edges' functions may be below -1, and how much further the cells of a row reach: both
-// more where items are counted, since both passes round as they like.
+// Tolerance of the edges' functions below -1, and the extension of the cells of a row. Both are
+// larger where items are counted, since rounding may differ between the passes.
 const COUNTED_MISS = -1.0625;
 const FILLED_MISS = -1.0;
 const COUNTED_MORE = 0.125;
@@ -22,7 +21,7 @@ fn cell_number(face: u32, cell: vec2u) -> u32 {
     return (((tile_number << side) + in_tile.y) << side) + in_tile.x;
 }
 
-// What there is to do for a caster in a row of cells.
+// Processes a caster in a row of cells.
 fn visit_row(id: u32, touch: Touch, edges: Edges, y: u32) {
     let shift = STEPS - side_log2();
     let cell_side = 1.0 / (grid.face.z * f32(1u << side_log2()));
@@ -57,7 +56,7 @@ fn visit_cell(id: u32, touch: Touch, nearest: f32, cell: vec2u) {
     }
 }
 
-// A little less than a depth: how devices may round it otherwise when items are filled in.
+// Returns a slightly smaller depth, to allow for different rounding when items are filled in.
 fn counted_depth(nearest: f32) -> f32 {
     return max(nearest * (1.0 - 1.0 / 65536.0) - 1e-30, 0.0);
 }
@@ -77,7 +76,7 @@ fn visit_small(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups
     if !touches_fit() {
         return;
     }
-    // A lamp's casters touch several faces: there may be more touches than threads.
+    // A point light's casters touch several faces, so there may be more touches than threads.
     let count = atomicLoad(&work[SMALL]);
     let stride = groups.x * groups.y * 64u;
     for (var place = at.x + at.y * groups.x * 64u; place < count; place += stride) {
@@ -91,7 +90,8 @@ fn visit_touch(place: u32) {
     let low = touch.low >> shift;
     let high = touch.high >> shift;
     let id = kept_id(place);
-    // Finding out which of so few cells it leaves out costs more than asking it in vain.
+    // Use all of so few cells: testing which of them it misses costs more than occasional useless
+    // tests.
     let in_box = all(high - low <= vec2u(1u));
     if in_box && DOES != COVER {
         for (var i = 0u; i < 4u; i++) {
@@ -113,7 +113,7 @@ fn visit_touch(place: u32) {
     }
 }
 
-// A group of threads takes every `groups.x`th large caster; each thread a row of its cells.
+// A workgroup takes every `groups.x`th large caster; each thread takes a row of its cells.
 @compute @workgroup_size(64)
 fn visit_large(
     @builtin(workgroup_id) group: vec3u,

@@ -1,5 +1,5 @@
-//! `cargo xtask card --pack`: packs what a machine with a graphics card needs to run the
-//! measurements, without a compiler or a network.
+//! `cargo xtask card --pack`: packs the measuring programs for a machine with a graphics card,
+//! without a compiler or a network.
 
 #[path = "../../../../crates/umbrage-lab/src/compare/commit.rs"]
 mod commit;
@@ -17,11 +17,11 @@ use std::{
     process::Command,
 };
 
-/// What runs on that machine.
+/// Script that runs on that machine.
 const RUN_SCRIPT: &str = include_str!("run.sh");
 
-/// Debian's packages of Vulkan's loader, and of what NVIDIA's driver loads besides: machines for
-/// computing lack them.
+/// Debian's packages of Vulkan's loader, and of further libraries that NVIDIA's driver loads.
+/// Compute machines lack them.
 const LOADER: [&str; 7] = [
     "libvulkan1",
     "libegl1",
@@ -35,7 +35,7 @@ const LOADER: [&str; 7] = [
 /// Test programs that compare an adapter with the CPU.
 const TESTS: [&str; 2] = ["nets", "second_driver"];
 
-/// A program, and its name in the folder.
+/// Name in the folder, and path of a program.
 type Packed = (String, PathBuf);
 
 /// Builds the programs and packs them.
@@ -47,7 +47,7 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     if bevy.is_file() {
         programs.push(("beside_bevy".to_owned(), bevy));
     } else {
-        println!("without Bevy, as examples/beside/engines is not built: its README says how");
+        println!("skipped Bevy: examples/beside/engines is not built; see its README");
     }
     write_folder(folder, &programs)?;
     download_loader(&folder.join("loader"))?;
@@ -58,8 +58,8 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     Ok(())
 }
 
-/// Refuses folders with files of others: a new one, an empty one and one that was packed before
-/// will do.
+/// Rejects folders with other files. A new folder, an empty one and one that was packed before are
+/// accepted.
 fn check_folder(folder: &Path) -> Result<()> {
     let refuse = |why: String| Usage(format!("--pack: `{}` {why}", folder.display()));
     let is_empty = match fs::read_dir(folder) {
@@ -67,7 +67,7 @@ fn check_folder(folder: &Path) -> Result<()> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => true,
         Err(e) => bail!(refuse(format!("cannot be read: {e}"))),
     };
-    // Its first lines stay the same from version to version.
+    // The script's first two lines are equal in all versions.
     let head = |script: &str| {
         script
             .lines()
@@ -82,7 +82,7 @@ fn check_folder(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Builds what is packed, and returns the programs.
+/// Builds the programs to pack, and returns them.
 fn build() -> Result<Vec<Packed>> {
     let measure = ["--profile", "measure", "--package", "xtask-measure"];
     run(cargo().arg("build").args(measure))?;
@@ -95,7 +95,7 @@ fn build() -> Result<Vec<Packed>> {
         "--no-run",
         "--message-format=json",
     ]);
-    // Cargo's own lines go to standard error, where people see them.
+    // Cargo's own lines go to standard error, which is visible.
     command.stderr(std::process::Stdio::inherit());
     for test in TESTS {
         command.args(["--test", test]);
@@ -130,7 +130,7 @@ fn write_folder(folder: &Path, programs: &[Packed]) -> Result<()> {
         let packed = bin.path().join(name);
         fs::copy(path, &packed)
             .with_context(|| format!("`{}` cannot be copied", path.display()))?;
-        // Smaller without symbols; as it is where `strip` is missing.
+        // Strip symbols; without `strip` the program is packed as it is.
         drop(Command::new("strip").arg(&packed).status());
     }
     let archive = folder.join("bin.tar.xz");
@@ -142,10 +142,10 @@ fn write_folder(folder: &Path, programs: &[Packed]) -> Result<()> {
     Ok(())
 }
 
-/// Downloads Vulkan's loader, which machines for computing lack.
+/// Downloads Vulkan's loader, which compute machines lack.
 fn download_loader(folder: &Path) -> Result<()> {
     if !adapter::is_debian() {
-        println!("without Vulkan's loader, which is packed on Debian and Ubuntu alone");
+        println!("skipped Vulkan's loader: it is only packed on Debian and Ubuntu");
         return Ok(());
     }
     fs::create_dir_all(folder)?;
@@ -175,7 +175,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let folder = dir.path().join("packed");
         check_folder(&folder).expect("a new one");
-        // Programs of the user stay where they are.
+        // Other files in the folder are kept.
         let kept = folder.join("bin/program");
         fs::create_dir_all(folder.join("bin")).expect("a folder");
         fs::write(&kept, "mine").expect("there");

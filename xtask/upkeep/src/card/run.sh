@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Measures the graphics card of this machine with the programs in this folder: bash run.sh [PART ...]
 #
-# Parts: adapter agreement times light-set prices nets lists soft stability bevy. All of them take about ten minutes on 16 cores. Each has a time
-# limit, and its results stay in the folder `results` (or $OUT) whatever comes after. $WGPU_ADAPTER_NAME chooses one of several adapters.
+# Parts: adapter agreement times light-set prices nets lists soft stability bevy. All of them take
+# about ten minutes on 16 cores. Each has a time limit, and its results stay in the folder `results`
+# (or $OUT) even if a later part fails. $WGPU_ADAPTER_NAME selects one of several adapters.
 set -u
 exec 2>&1
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -13,7 +14,7 @@ mkdir -p "$out"
 tar -xJf "$here/bin.tar.xz" -C "$bin"
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then export XDG_RUNTIME_DIR=$bin; fi
 
-# Vulkan's loader, if the machine has none: for these programs alone.
+# Use the packed Vulkan loader if the machine has none, only for these programs.
 if [ -d "$here/loader" ] && ! ldconfig -p | grep -q 'libvulkan\.so\.1'; then
   for package in "$here"/loader/*.deb; do dpkg -x "$package" "$bin/loader"; done
   export LD_LIBRARY_PATH=$bin/loader/usr/lib/$(uname -m)-linux-gnu${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
@@ -39,7 +40,7 @@ commit=$(cat "$here/commit")
 card() { limit "$1" "card-$2" "$bin/xtask-measure" card --parts "$2" --out "$out/card.json" ${commit:+--commit "$commit"}; }
 
 cd "$out" || exit 1
-# Figures of a commit that was packed before stay in another file.
+# Keep figures of another commit in another file.
 if [ -n "$commit" ] && [ -f card.json ] && ! grep -qF "\"commit\": \"$commit\"" card.json; then
   mv --backup=numbered card.json card-before.json
 fi
@@ -64,7 +65,7 @@ for part in ${*:-adapter agreement times light-set prices nets lists soft stabil
     bevy)
       if [ -x "$bin/beside_bevy" ]; then limit 120 bevy "$bin/beside_bevy" street street-soft --frames 15 --out "$out/bevy"; else echo "not packed"; fi
       ;;
-    *) echo "no part is called $part"; exit 2 ;;
+    *) echo "error: there is no part $part; the parts are listed at the head of run.sh"; exit 2 ;;
   esac
 done
 echo "== $((SECONDS - start)) s: results in $out"

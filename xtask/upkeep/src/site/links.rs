@@ -1,4 +1,4 @@
-//! Checks that every link, picture and heading anchor of the Markdown pages leads to something.
+//! Checks that every link, image and heading anchor of the Markdown pages is valid.
 
 use anyhow::{Result, bail};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
@@ -7,31 +7,31 @@ use std::{
     path::Path,
 };
 
-/// The list of the site's pages.
+/// List of the site's pages.
 pub(super) const SUMMARY: &str = "docs/SUMMARY.md";
-/// The page that shows the viewer. Only links to it may have a query, which the viewer reads.
+/// Page with the viewer. Only links to it may have a query, which the viewer reads.
 pub(super) const LIVE: &str = "docs/live.md";
 
 /// A Markdown file of the repository.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MarkdownPage {
     pub(super) text: String,
-    /// Targets of links and pictures as written, such as `soft.md#the-idea`, with their lines.
+    /// Targets of links and images as written, such as `soft.md#the-idea`, with their lines.
     pub(super) links: Vec<(String, usize)>,
-    /// The headings as addresses name them: `#far-from-the-origin` without `#`.
+    /// Anchors of the headings as in addresses: `far-from-the-origin`.
     anchors: BTreeSet<String>,
-    /// Links that can't be checked as they are written.
+    /// Links that can't be checked as written: message and line.
     faults: Vec<(&'static str, usize)>,
 }
 
 /// The target of a link inside the repository.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct LinkTarget {
-    /// From the top folder, with `/` between its parts.
+    /// Path from the top folder, with `/` between its parts.
     pub(super) path: String,
-    /// From `?` on, or empty.
+    /// Query from `?` on, or empty.
     pub(super) query: String,
-    /// From `#` on, or empty.
+    /// Anchor from `#` on, or empty.
     pub(super) anchor: String,
 }
 
@@ -53,14 +53,14 @@ impl MarkdownPage {
                     }
                     if !is_inline {
                         page.faults
-                            .push(("a link that is not written as [words](address)", line));
+                            .push(("a link that is not inline: write [words](address)", line));
                     }
                     page.links.push((dest_url.into_string(), line));
                 }
                 Event::Html(html) | Event::InlineHtml(html)
                     if html.contains(" src=") || html.contains(" href=") =>
                 {
-                    let fault = "a link or a picture as HTML, not as Markdown";
+                    let fault = "a link or an image as HTML: write it as Markdown";
                     page.faults.push((fault, line));
                 }
                 _ => {}
@@ -70,8 +70,8 @@ impl MarkdownPage {
         page
     }
 
-    /// Adds a heading in lower case with hyphens. As in mdBook and on GitHub, repeated ones are
-    /// numbered.
+    /// Adds a heading's anchor: lower case with hyphens. Repeated ones are numbered, as in mdBook
+    /// and on GitHub.
     fn add_anchor(&mut self, words: &str) {
         let kept = |c: &char| c.is_alphanumeric() || "_- ".contains(*c);
         let plain: String = words.chars().filter(kept).collect();
@@ -84,7 +84,7 @@ impl MarkdownPage {
         }
     }
 
-    /// Returns the target of a link of this page; `None` for external ones and for code that looks
+    /// Returns the target of a link of this page; `None` for external links and for code that looks
     /// like a link.
     pub(super) fn resolved(&self, path: &str, target: &str) -> Option<LinkTarget> {
         let is_link = self.links.iter().any(|(link, _)| link == target);
@@ -121,14 +121,14 @@ impl MarkdownPages {
         targets.map(|target| target.path).collect()
     }
 
-    /// Errors, naming every fault, unless all links lead to something and the list names all pages
-    /// of `docs`.
+    /// Checks that all links are valid and that the list contains all pages of `docs`. The error
+    /// lists every fault.
     pub(super) fn check(&self, root: &Path) -> Result<()> {
         let listed = self.of_site();
         let mut faults = Vec::new();
         for (path, page) in &self.0 {
             for (fault, line) in &page.faults {
-                faults.push(format!("{path}:{line}: {fault}: write it so"));
+                faults.push(format!("{path}:{line}: {fault}"));
             }
             for (target, line) in &page.links {
                 if let Err(why) = self.check_link(root, path, target) {
@@ -149,24 +149,27 @@ impl MarkdownPages {
 
     fn check_link(&self, root: &Path, path: &str, target: &str) -> Result<()> {
         let Some(target) = resolve(path, target) else {
-            bail!("leads out of the repository; link a file in it");
+            bail!("leads out of the repository: link a file in it");
         };
         if !root.join(&target.path).is_file() {
             bail!("there is no file {}", target.path);
         }
         if !target.query.is_empty() && target.path != LIVE {
-            bail!("only {LIVE} takes what follows `?`; remove it");
+            bail!("only {LIVE} takes a query: remove `?` and the rest");
         }
         let Some(anchor) = target.anchor.strip_prefix('#') else {
             return Ok(());
         };
         let Some(linked) = self.0.get(&target.path) else {
-            bail!("only pages have places to link to; remove what follows `#`");
+            bail!("only pages have anchors: remove `#` and the rest");
         };
         if !linked.anchors.contains(anchor) {
             let known: Vec<&str> = linked.anchors.iter().map(String::as_str).collect();
             let known = known.join(", ");
-            bail!("{} has no heading `{anchor}`; it has {known}", target.path);
+            bail!(
+                "{} has no heading `{anchor}`; its headings: {known}",
+                target.path
+            );
         }
         Ok(())
     }
@@ -254,19 +257,19 @@ mod tests {
             ),
             (
                 "[b](b.md#other)",
-                "no heading `other`; it has again, again-1, one",
+                "no heading `other`; its headings: again, again-1, one",
             ),
             ("[a](#b)", "no heading `b`"),
-            ("![p](p.png#b)", "only pages have places"),
+            ("![p](p.png#b)", "only pages have anchors"),
             ("[b](b.md?scene=cubes)", "only docs/live.md takes"),
             ("[o](../../etc/passwd)", "leads out of the repository"),
             (
                 "[a][b]\n\n[b]: b.md\n",
-                "docs/a.md:1: a link that is not written",
+                "docs/a.md:1: a link that is not inline",
             ),
             (
                 "<img src=\"p.png\">\n",
-                "docs/a.md:1: a link or a picture as HTML",
+                "docs/a.md:1: a link or an image as HTML",
             ),
         ] {
             let faults = faults_of(bad);

@@ -1,8 +1,8 @@
-//! Files of code that pages link to, as pages that show their text.
+//! Pages that show the text of code files that other pages link to.
 
 use std::fmt::Write as _;
 
-/// Returns a page with a file's text, each line with its number.
+/// Returns a page with a file's text and line numbers.
 pub(super) fn page(path: &str, text: &str) -> String {
     let title = escaped(path);
     let up = "../".repeat(path.matches('/').count() + 1);
@@ -10,7 +10,7 @@ pub(super) fn page(path: &str, text: &str) -> String {
     for (i, line) in text.lines().enumerate() {
         let number = i + 1;
         let line = escaped(line);
-        // Writing into a text does not fail.
+        // Writing into a `String` does not fail.
         let _ = writeln!(
             lines,
             "<span id=\"{number}\" class=\"line\">{number:>5}</span>  {line}"
@@ -27,7 +27,7 @@ pub(super) fn page(path: &str, text: &str) -> String {
 const STYLE: &str = "body { margin: 1rem; font: 15px/1.5 system-ui, sans-serif; } pre { overflow-x: auto; font-size: 13px; } \
                      .line { color: #767676; user-select: none; } :root { color-scheme: light dark; }";
 
-/// Returns a text as HTML shows it.
+/// Returns a text escaped for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,6 +1,5 @@
-//! The folder that mdBook makes the site from. Pages keep their links as they are in the
-//! repository, where they may lead out of `docs`; here each page and file has its place on the
-//! site, and every link leads there.
+//! The folder that mdBook builds the site from. In the repository, links may lead out of `docs`.
+//! Here every page and file has a place on the site, and every link is changed to it.
 
 use super::{
     links::{LIVE, LinkTarget, MarkdownPage, MarkdownPages, SUMMARY},
@@ -9,16 +8,16 @@ use super::{
 use anyhow::{Context as _, Result, bail};
 use std::{collections::BTreeSet, fs, path::Path};
 
-/// The folder of the viewer on the site.
+/// Folder of the viewer on the site.
 pub(super) const VIEWER: &str = "viewer";
-/// mdBook's settings, and the site's own style.
+/// Settings of mdBook, and the site's own style.
 const SETTINGS: [&str; 2] = ["docs/book.toml", "docs/site.css"];
-/// Stands before what the page shows in place of the viewer; behind it the viewer's query.
+/// Start of the part that the viewer replaces, followed by the viewer's query.
 const VIEWER_BEGINS: &str = "<!-- viewer: ";
 const VIEWER_ENDS: &str = "<!-- end of viewer -->";
-/// Told where the viewer would be.
-const LEFT_OUT: &str = "**This site was built without the viewer** (`cargo xtask site --without-viewer`), so a picture stands \
-                        here: `cargo xtask site` builds it with the viewer.\n\n";
+/// Text for a site without the viewer.
+const LEFT_OUT: &str = "**This site was built without the viewer** (`cargo xtask site --without-viewer`), so it shows an image instead. \
+                        `cargo xtask site` builds it with the viewer.\n\n";
 
 /// Writes the folder. Links to the viewer's page with a query lead to the viewer itself if the site
 /// has it.
@@ -32,6 +31,7 @@ pub(super) fn write(
         pages: pages.of_site(),
         has_viewer,
     };
+    // Write the pages, and collect the files that they link to.
     let mut files = BTreeSet::new();
     for path in stage.pages.iter().map(String::as_str).chain([SUMMARY]) {
         let page = pages.0.get(path);
@@ -42,6 +42,7 @@ pub(super) fn write(
         }
         put(folder, &format!("src/{}", place_of(path)), text.as_bytes())?;
     }
+    // Copy images, and write all other files as pages.
     for file in files {
         let place = format!("src/{}", place_of_file(&file));
         let bytes = fs::read(root.join(&file)).with_context(|| format!("cannot read {file}"))?;
@@ -59,15 +60,15 @@ pub(super) fn write(
     Ok(())
 }
 
-/// What decides the addresses of links.
+/// Data that determines the addresses of links.
 struct Stage {
-    /// The site's pages, by their paths in the repository.
+    /// Pages of the site, by their paths in the repository.
     pages: BTreeSet<String>,
     has_viewer: bool,
 }
 
 impl Stage {
-    /// Returns a page's text with links to places on the site, and adds the files that it needs.
+    /// Returns a page's text with links for the site, and adds the files that it needs.
     fn with_links_of_site(
         &self,
         path: &str,
@@ -92,7 +93,7 @@ impl Stage {
         text
     }
 
-    /// Returns the address on the site of a target, from the page at `path`.
+    /// Returns the address of a target on the site, from the page at `path`.
     fn address(&self, path: &str, target: &LinkTarget) -> String {
         let up = "../".repeat(place_of(path).matches('/').count());
         if !target.query.is_empty() && self.has_viewer {
@@ -105,7 +106,7 @@ impl Stage {
         format!("{up}{place}{}", target.anchor)
     }
 
-    /// Returns the viewer's page: with the viewer in a frame, or with a word that it was left out.
+    /// Returns the viewer's page: with the viewer in a frame, or with a note that it was skipped.
     fn live_page(&self, text: &str) -> Result<String> {
         let parts = text.split_once(VIEWER_BEGINS).and_then(|(before, rest)| {
             let (query, rest) = rest.split_once(" -->\n")?;
@@ -114,8 +115,8 @@ impl Stage {
         });
         let Some((before, query, instead, after)) = parts else {
             bail!(
-                "{LIVE} has no place for the viewer: put `{VIEWER_BEGINS}scene=cubes -->` before what stands there without it, \
-                 and `{VIEWER_ENDS}` behind"
+                "{LIVE} has no place for the viewer: put `{VIEWER_BEGINS}scene=cubes -->` before the part that the viewer replaces, \
+                 and `{VIEWER_ENDS}` after it"
             );
         };
         let middle = match self.has_viewer {
@@ -131,22 +132,22 @@ fn frame(query: &str) -> String {
     let address = format!("{VIEWER}/index.html?{query}").replace('&', "&amp;");
     format!(
         "<iframe class=\"viewer\" title=\"The viewer\" src=\"{address}\" allow=\"fullscreen\" loading=\"lazy\"></iframe>\n\n\
-         [Open the viewer on a page of its own]({VIEWER}/index.html?{query})\n"
+         [Open the viewer on its own page]({VIEWER}/index.html?{query})\n"
     )
 }
 
-/// Returns the place of a file that is not a page: pictures are copied, all others become pages
-/// that show their text.
+/// Returns the place of a file that is not a page: images are copied, all others become pages that
+/// show their text.
 fn place_of_file(path: &str) -> String {
     match path.rsplit_once('.') {
         Some((_, "png" | "svg")) => place_of(path).to_owned(),
-        // mdBook would take `.md.html` for a page of its own.
+        // mdBook would treat `.md.html` as one of its pages.
         Some((stem, "md")) => format!("source/{stem}.html"),
         _ => format!("source/{path}.html"),
     }
 }
 
-/// Returns a page's or file's place on the site.
+/// Returns the place of a page or a file on the site.
 fn place_of(path: &str) -> &str {
     path.strip_prefix("docs/").unwrap_or(path)
 }
@@ -220,7 +221,7 @@ mod tests {
         assert!(stage(true).live_page("# L\n").is_err());
     }
 
-    /// Every link of the pages that mdBook gets leads to a page or a file of the site.
+    /// Every link of the staged pages leads to a page or a file of the site.
     #[test]
     fn the_repositorys_pages_hold_together() {
         let root = crate::run::root();

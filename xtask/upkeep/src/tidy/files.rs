@@ -1,4 +1,4 @@
-//! The files that are ours to keep tidy.
+//! Files that `tidy` checks.
 
 use anyhow::{Context as _, Result};
 use std::{fs, path::Path};
@@ -6,7 +6,7 @@ use std::{fs, path::Path};
 /// A text file.
 #[derive(Debug)]
 pub(crate) struct Source {
-    /// Relative to the top folder.
+    /// Path relative to the top folder.
     pub(crate) path: String,
     pub(crate) text: String,
 }
@@ -17,7 +17,7 @@ impl Source {
     }
 }
 
-/// Every Rust, WGSL, TOML and Markdown file below `root`, in order of path.
+/// Returns every Rust, WGSL, TOML and Markdown file below `root`, sorted by path.
 pub(crate) fn read_all(root: &Path) -> Result<Vec<Source>> {
     let mut out = Vec::new();
     read_folder(root, "", &mut out)?;
@@ -33,7 +33,7 @@ fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()>
         let name = entry.file_name().to_string_lossy().into_owned();
         let path = format!("{prefix}{name}");
         if entry.file_type()?.is_dir() {
-            // Cargo's output, and what tools hide.
+            // Skip cargo's output and hidden folders.
             if name != "target" && !name.starts_with('.') {
                 read_folder(&entry.path(), &format!("{path}/"), out)?;
             }

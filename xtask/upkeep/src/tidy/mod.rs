@@ -1,5 +1,5 @@
-//! House style that clippy and rustfmt don't check: sizes of functions and files, density of code,
-//! one meaning for every public type name, and WGSL, TOML and Markdown files.
+//! House style beyond clippy and rustfmt: sizes of functions and files, density of code, unique
+//! names of public types, and WGSL, TOML and Markdown files.
 
 pub(crate) mod files;
 mod rules;
@@ -12,18 +12,17 @@ use comfy_table::Table;
 use files::Source;
 use std::collections::BTreeMap;
 
-/// What is measured, and its bound. Density counts the tokens of a file over its lines of code,
-/// without comments.
+/// Measures and their limits. Density is the number of tokens per line of code, without comments.
 const LIMITS: [(&str, usize); 6] = [
     ("tokens of Rust functions", 850),
     ("lines of Rust functions", 220),
     ("lines of Rust files", 700),
-    ("tokens a line of Rust files", 14),
+    ("tokens per line of Rust files", 14),
     ("lines of WGSL functions", 70),
     ("lines of WGSL files", 200),
 ];
 
-/// A size, and whose.
+/// Size of a function or a file.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Length {
     size: usize,
@@ -31,27 +30,27 @@ struct Length {
     place: String,
 }
 
-/// What was found in files.
+/// Findings in the files.
 #[derive(Debug, Default)]
 struct Findings {
     /// Sizes of each kind, in the order of [`LIMITS`].
     lengths: [Vec<Length>; LIMITS.len()],
-    /// The places that define each public type name.
+    /// Places that define each public type name.
     types: BTreeMap<String, Vec<String>>,
-    /// Each as `path:line: what, and what to do`.
+    /// Faults as `path:line: fault, and remedy`.
     faults: Vec<String>,
 }
 
-/// Prints the table of sizes; errors if anything is too large or against the rules.
+/// Prints the table of sizes. Errors if anything is too large or breaks a rule.
 pub(crate) fn tidy() -> Result<()> {
     let sources = files::read_all(root())?;
     let findings = examine(&sources)?;
     println!("{}", table(&findings));
     if findings.faults.is_empty() {
-        println!("tidy: {} files, nothing to object to", sources.len());
+        println!("tidy: {} files, no faults", sources.len());
         return Ok(());
     }
-    bail!("tidy objects:\n  {}", findings.faults.join("\n  "))
+    bail!("tidy found faults:\n  {}", findings.faults.join("\n  "))
 }
 
 /// Measures files, and checks sizes, names and text.
@@ -70,7 +69,7 @@ fn examine(sources: &[Source]) -> Result<Findings> {
     }
     for (name, places) in out.types.iter().filter(|(_, places)| places.len() > 1) {
         out.faults.push(format!(
-            "{}: the type name `{name}` is defined here, too: {}; one name means one thing",
+            "{}: the type name `{name}` is also defined at {}; rename one of them",
             places[0],
             places[1..].join(", ")
         ));
@@ -78,7 +77,7 @@ fn examine(sources: &[Source]) -> Result<Findings> {
     for ((name, limit), lengths) in LIMITS.iter().zip(&mut out.lengths) {
         lengths.sort();
         for Length { size, place } in lengths.iter().filter(|length| length.size > *limit) {
-            let fault = format!("{place}: {size} {name}, and {limit} are allowed: split it");
+            let fault = format!("{place}: {size} {name}, limit {limit}: split it");
             out.faults.push(fault);
         }
     }
@@ -94,7 +93,7 @@ fn lines_of(source: &Source) -> Length {
 
 fn table(findings: &Findings) -> Table {
     let mut table = Table::new();
-    table.set_header(["", "count", "median", "90 %", "most", "limit", "the most"]);
+    table.set_header(["", "count", "median", "90 %", "most", "limit", "largest"]);
     for ((name, limit), lengths) in LIMITS.iter().zip(&findings.lengths) {
         let last = lengths.len().saturating_sub(1);
         let at = |percent: usize| lengths.get((lengths.len() * percent / 100).min(last));
@@ -143,7 +142,7 @@ mod tests {
             ("a.wgsl", function(71, "    g();\n"), 1),
             // 201 lines.
             ("a.wgsl", function(67, "    g();\n").repeat(3), 1),
-            // 20 tokens a line.
+            // 20 tokens per line.
             ("a.rs", function(30, &("g(); ".repeat(4) + "g();\n")), 1),
             // Over 850 tokens.
             ("a.rs", function(110, "    g(1, 2, 3);\n"), 1),

@@ -1,9 +1,9 @@
-//! Rules for the text of files. Clippy refuses `todo!`, `unimplemented!` and attributes without a
-//! reason.
+//! Rules for the text of files. Clippy already rejects `todo!`, `unimplemented!` and attributes
+//! without a reason.
 
 use super::files::Source;
 
-/// Marks of postponed work, in pieces so that this file may be tidy, too.
+/// Marks of postponed work, split so that this file passes, too.
 const LATER: [&str; 4] = [
     concat!("TO", "DO"),
     concat!("FIX", "ME"),
@@ -11,7 +11,7 @@ const LATER: [&str; 4] = [
     concat!("#[ig", "nore"),
 ];
 
-/// Returns the faults of a file, each as `path:line: what, and what to do`.
+/// Returns the faults of a file, each as `path:line: fault, and remedy`.
 pub(super) fn faults(source: &Source) -> Vec<String> {
     let is_code = matches!(source.extension(), "rs" | "wgsl");
     let mut out = Vec::new();
@@ -24,7 +24,7 @@ pub(super) fn faults(source: &Source) -> Vec<String> {
             add("a blank at the end of the line; remove it");
         }
         for word in LATER.iter().filter(|w| is_code && line.contains(**w)) {
-            add(&format!("`{word}`; do it, or leave it out"));
+            add(&format!("`{word}`; do it, or remove it"));
         }
     }
     if !source.text.ends_with('\n') || source.text.ends_with("\n\n") {

@@ -1,7 +1,7 @@
-//! Measures Rust files, and finds names that house style refuses.
+//! Measures Rust files, and finds names that break the house style.
 //!
-//! Functions that are short because their lines are packed are harder to read than longer plain
-//! ones, so lengths are bounded in tokens, too.
+//! A short function with dense lines is harder to read than a longer plain one, so the number of
+//! tokens is limited, too.
 
 use super::{Findings, Length, files::Source, lines_of};
 use anyhow::{Result, anyhow};
@@ -12,7 +12,7 @@ use syn::{
     visit::{self, Visit},
 };
 
-/// Files with fewer lines of code are too short to have a density.
+/// Least number of lines of code for which density is measured.
 const LINES_FOR_DENSITY: usize = 30;
 
 /// Adds a file's sizes, type names and faults.
@@ -35,7 +35,7 @@ pub(super) fn examine(source: &Source, out: &mut Findings) -> Result<()> {
     Ok(())
 }
 
-/// Collects the lines of all tokens in order, without those of doc comments.
+/// Collects the lines of all tokens in order, except doc comments.
 fn collect(stream: TokenStream, lines: &mut Vec<usize>) {
     let is_punct = |tree: &TokenTree, wanted: char| matches!(tree, TokenTree::Punct(punct) if punct.as_char() == wanted);
     let mut trees = stream.into_iter().peekable();
@@ -59,7 +59,7 @@ fn collect(stream: TokenStream, lines: &mut Vec<usize>) {
     }
 }
 
-/// Returns whether a group is what follows the `#` of a doc comment: `[doc = ".."]`.
+/// Reports whether a group is the part of a doc comment after `#`: `[doc = ".."]`.
 fn is_doc(tree: &TokenTree) -> bool {
     let TokenTree::Group(group) = tree else {
         return false;
@@ -141,7 +141,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
                 let name = &signature.ident;
                 let place = format!("{}:{}", self.path, name.span().start().line);
                 self.out.faults.push(format!(
-                    "{place}: `{name}` takes a parameter apart; give it plain parameters, or a struct"
+                    "{place}: `{name}` destructures a parameter; use plain parameters or a struct"
                 ));
             }
         }

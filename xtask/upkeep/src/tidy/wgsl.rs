@@ -2,8 +2,8 @@
 
 use super::{Length, files::Source};
 
-/// The lines of every function: our WGSL starts them with `fn ` in the first column (after
-/// attributes, perhaps) and ends them with a brace there.
+/// Returns the number of lines of every function. Our WGSL starts functions with `fn ` in the first
+/// column, after attributes at most, and ends them with a brace there.
 pub(super) fn lengths(source: &Source) -> Vec<Length> {
     let mut out = Vec::new();
     let mut open: Option<(usize, &str)> = None;

@@ -1,4 +1,4 @@
-//! Building hierarchies: `obvhs` finds their shape.
+//! Construction of the hierarchies, whose topology is computed by `obvhs`.
 
 use crate::geometry::aabb::Aabb;
 use glam::Vec3A;
@@ -9,7 +9,7 @@ use obvhs::{
     ploc::PlocBuilder,
 };
 
-/// A two-way tree over at least one box, and an eight-way one made of it.
+/// Builds a two-way tree over at least one box, and the eight-way tree derived from it.
 pub(super) fn trees(boxes: &[Aabb]) -> (Bvh2, CwBvh) {
     let p = BvhBuildParams::medium_build();
     let scaled = in_unit_cube(boxes);
@@ -28,16 +28,16 @@ pub(super) fn trees(boxes: &[Aabb]) -> (Bvh2, CwBvh) {
     (narrow, wide)
 }
 
-/// A two-way tree's eight-way one, with leaves of up to three triangles.
+/// Converts a two-way tree to an eight-way tree with leaves of up to three triangles.
 pub(super) fn eight_way(narrow: &Bvh2) -> CwBvh {
     bvh2_to_cwbvh(narrow, 3, true, false)
 }
 
-/// The boxes, scaled by a power of two so that the builder's products neither overflow nor vanish.
+/// Scales the boxes by a power of two, so that the builder's products neither overflow nor vanish.
 fn in_unit_cube(boxes: &[Aabb]) -> Vec<aabb::Aabb> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
     let reach = all.min.abs().max(all.max.abs()).max_element();
-    // The bits of the exponent alone are a power of two.
+    // The exponent bits alone are a power of two.
     let power =
         f32::from_bits(reach.to_bits() & 0x7f80_0000).clamp(f32::MIN_POSITIVE, 1.701_411_8e38);
     let scaled =
@@ -51,7 +51,7 @@ fn in_unit_cube(boxes: &[Aabb]) -> Vec<aabb::Aabb> {
         .collect()
 }
 
-/// Gives every node the box around its triangles' boxes, to the last bit.
+/// Sets the box of every node to the exact union of its triangles' boxes.
 fn refit(tree: &mut Bvh2, boxes: &[Aabb]) {
     let mut order = vec![0];
     let mut next = 0;

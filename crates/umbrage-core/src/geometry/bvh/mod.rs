@@ -1,7 +1,6 @@
-//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and
-//! triangles are ours, because truth needs answers that have no cracks and don't depend on the
-//! order of the search (`ray_triangle.rs` says why they don't), and because they have twins on the
-//! GPU.
+//! Ray queries against the casters. `obvhs` computes the topology of the hierarchies. The box and
+//! triangle tests are part of umbrage: truth requires results without cracks that don't depend on
+//! the order of the search (see `ray_triangle.rs`). The tests also need GPU twins.
 
 #[cfg(feature = "rays")]
 mod build;

@@ -1,5 +1,5 @@
-//! Answers don't depend on the order of the search: both hierarchies and lists in any order, up to
-//! 1e6 m from the origin.
+//! Property tests: query results don't depend on the order of the search. Covers both hierarchies,
+//! shuffled lists, and positions up to 1e6 m from the origin.
 
 use crate::{
     geometry::{
@@ -13,8 +13,8 @@ use crate::{
 };
 use glam::{EulerRot, Quat, Vec3};
 
-/// The two-way hierarchy as shaders hold it, searched by their rule; which child comes first is up
-/// to `turn`.
+/// The two-way hierarchy as shaders store it, searched by their rule. `turn` chooses which child is
+/// visited first.
 struct Tables {
     nodes: Vec<[u32; 4]>,
     triangles: Vec<[u32; 4]>,
@@ -66,7 +66,7 @@ impl Tables {
     }
 }
 
-/// The triangles of a geometry in another order.
+/// Returns a geometry with its triangles shuffled.
 fn shuffled(g: &Geometry, random: &mut Random) -> Geometry {
     let mut triangles = g.triangles().to_vec();
     for i in (1..triangles.len()).rev() {
@@ -76,8 +76,8 @@ fn shuffled(g: &Geometry, random: &mut Random) -> Geometry {
     geometry(g.positions().to_vec(), triangles)
 }
 
-/// A ball of radius .2 over a floor and a fence of thin wires, so far from the origin. At 1e6 m
-/// steps are 6 cm: most of the ball's triangles lose their area.
+/// A ball of radius 0.2 over a floor and a fence of thin wires, at this distance from the origin.
+/// At 1e6 m float steps are 6 cm: most of the ball's triangles lose their area.
 fn far_scene(metres: f32) -> Geometry {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
     let mut positions = Vec::new();
@@ -118,9 +118,10 @@ fn far_scene(metres: f32) -> Geometry {
     geometry(positions, triangles)
 }
 
-/// From points of the scene's surfaces to the sun or a lamp; some along the floor, some along an
-/// axis. The suns' quotients are no short numbers, but whole multiples of each other: on a coarse
-/// grid many upright triangles without area lie in line with a segment, all but for rounding.
+/// Returns a segment from a surface point of the scene to the sun or a point light; some run along
+/// the floor or along an axis. The suns' coordinates need many bits, but their ratios are whole
+/// numbers. On a coarse grid, many upright triangles without area are therefore in line with a
+/// segment, except for rounding.
 fn segment(g: &Geometry, random: &mut Random, i: u32) -> (Vec3, Vec3, u32) {
     let id = hash(i) % g.triangles().len() as u32;
     let [a, b, c] = g.corners(id);
@@ -152,8 +153,7 @@ fn every_order_gives_the_same_answer() {
         for i in 0..4_000 {
             let (o, d, id) = segment(&g, &mut random, i);
             let [a, b, c] = g.corners(id);
-            // The same triangle has another number in the other list; duplicates of it count as
-            // well.
+            // The triangle has another index in the other list; duplicates of it match as well.
             let segment = Segment::new(o, d);
             let expected = g
                 .casters()
@@ -177,12 +177,12 @@ fn every_order_gives_the_same_answer() {
         }
         assert!(
             (400..3_600).contains(&hits),
-            "at {metres} m the test tells little: {hits} hits"
+            "at {metres} m too few hits to be meaningful: {hits}"
         );
     }
 }
 
-/// The first hit, too, is the same to the last bit.
+/// The first hit is also bit-equal.
 #[test]
 fn the_nearest_hit_is_the_same_in_every_order() {
     let mut random = Random(5);
@@ -201,8 +201,8 @@ fn the_nearest_hit_is_the_same_in_every_order() {
     }
 }
 
-/// Clusters of every size, each within the box of the next: the deepest trees, with more than one
-/// way to go on everywhere.
+/// Clusters of every size, each within the box of the next: the deepest trees, with several nodes
+/// to visit at every level.
 #[test]
 fn deep_trees_are_searched_to_the_end() {
     let mut random = Random(2);
@@ -222,7 +222,7 @@ fn deep_trees_are_searched_to_the_end() {
     );
     assert!(
         g.bvh().wide.depth > SHALLOW,
-        "only {} deep",
+        "depth is only {}",
         g.bvh().wide.depth
     );
     let tables = Tables::of(&g);

@@ -1,4 +1,4 @@
-//! The hierarchy against brute force, and the traps of its box test.
+//! Tests of the hierarchy against brute force, and of edge cases of its box test.
 
 use crate::{
     gbuffer::receivers::NO_TRIANGLE,
@@ -63,12 +63,13 @@ fn agrees_with_brute_force_at_every_scale() {
         }
         assert!(
             (200..3800).contains(&hits),
-            "the test tells little: {hits} hits"
+            "too few hits to be meaningful: {hits}"
         );
     }
 }
 
-/// Scaled by powers of two, up to the ends of what 32 bits hold, every answer stays as it is.
+/// Results don't change when the scene is scaled by powers of two, up to the range of 32-bit
+/// floats.
 #[test]
 fn answers_are_the_same_at_extreme_scales() {
     let g = soup(&mut Random(29), 1000, 1.0);
@@ -97,7 +98,7 @@ fn answers_are_the_same_at_extreme_scales() {
                 "2^{power}"
             );
         }
-        assert!(hits > 200, "the test tells little: {hits} hits");
+        assert!(hits > 200, "too few hits to be meaningful: {hits}");
     }
 }
 
@@ -115,8 +116,8 @@ fn an_occluder_answers_like_the_search() {
     }
 }
 
-/// `obvhs`'s box test skips boxes that end before t = 1e-4: they must not be lost, however long the
-/// segment.
+/// `obvhs`'s box test skips boxes that end before t = 1e-4. Such boxes must be tested here, for
+/// segments of any length.
 #[test]
 fn occluders_close_to_the_origin_are_found() {
     let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]);
@@ -143,8 +144,8 @@ fn nothing_casts_nothing_occludes() {
     );
 }
 
-/// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners,
-/// edges or insides.
+/// No segment escapes from within a closed, finely tessellated ball, whether aimed at corners,
+/// edges or interiors.
 #[test]
 fn closed_meshes_have_no_cracks() {
     let rings = 48_u32;
@@ -184,8 +185,8 @@ fn closed_meshes_have_no_cracks() {
     }
 }
 
-/// Where a region is clear no segment within it is hidden; and regions are found clear, and found
-/// not to be.
+/// No segment within a clear region is occluded. The random regions include clear and not clear
+/// ones.
 #[test]
 fn clear_regions_hide_nothing() {
     let mut random = Random(23);
@@ -219,11 +220,11 @@ fn clear_regions_hide_nothing() {
     }
     assert!(
         clear > 300 && hidden > 3000,
-        "the test tells little: {clear} clear, {hidden} hidden"
+        "too few cases to be meaningful: {clear} clear, {hidden} hidden"
     );
 }
 
-/// The nearest hit against the least over all triangles.
+/// The nearest hit equals the minimum over all triangles.
 #[test]
 fn the_nearest_hit_is_the_nearest() {
     let mut random = Random(11);
@@ -256,6 +257,6 @@ fn the_nearest_hit_is_the_nearest() {
     }
     assert!(
         (100..1900).contains(&hits),
-        "the test tells little: {hits} hits"
+        "too few hits to be meaningful: {hits}"
     );
 }

@@ -21,9 +21,9 @@ pub struct Bvh {
     corners: Vec<Corners>,
     ids: Vec<u32>,
     narrow_order: Vec<u32>,
-    /// Holes of casters.
+    /// Alpha-tested casters.
     cut_outs: Option<Arc<CutOuts>>,
-    /// [`Bvh::depth`], found on first use.
+    /// [`Bvh::depth`], computed on first use.
     depth: OnceLock<usize>,
 }
 
@@ -36,7 +36,7 @@ impl std::fmt::Debug for Bvh {
 }
 
 impl Bvh {
-    /// Builds the hierarchy. Holes are cut out as each hit is asked: they don't change its shape.
+    /// Builds the hierarchy. Holes don't change its shape: each hit is alpha-tested.
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
@@ -54,7 +54,7 @@ impl Bvh {
         }
         let boxes = boxes_of(geometry, &ids);
         let (narrow, tree) = build::trees(&boxes);
-        // Triangles in the order in which leaves name them: one indirection less a test.
+        // Store triangles in leaf order: one indirection less per test.
         let order = &tree.primitive_indices;
         let in_order: Vec<_> = order.iter().map(|&i| boxes[i as usize]).collect();
         let narrow_order = narrow
@@ -76,16 +76,16 @@ impl Bvh {
         }
     }
 
-    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`,
-    /// elsewhere than in a hole that is cut out.
+    /// Returns whether any caster but triangle `skip` occludes the segment from `o` to `o + d`.
+    /// Hits in alpha-tested holes don't count.
     #[inline]
     pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
         self.occluder(o, d, skip).is_some()
     }
 
-    /// Returns a caster other than triangle `skip` that meets the segment from `o` to `o + d`, so
-    /// that similar segments can be tested against it first by [`Bvh::hits`]. The number is the
-    /// hierarchy's own, not a triangle id.
+    /// Returns a caster other than triangle `skip` that occludes the segment from `o` to `o + d`.
+    /// Similar segments can be tested against it first with [`Bvh::hits`]. The returned number is
+    /// internal to the hierarchy, not a triangle id.
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
         let segment = Segment::new(o, d);
@@ -101,8 +101,8 @@ impl Bvh {
         found
     }
 
-    /// Returns where the segment from `o` to `o + d` first meets a caster other than triangle
-    /// `skip`: a fraction of `d`, 0..=1.
+    /// Returns the first hit of the segment from `o` to `o + d` with a caster other than triangle
+    /// `skip`, as a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
         let segment = Segment::new(o, d);
         let mut nearest = None;
@@ -113,8 +113,8 @@ impl Bvh {
                     .map(|corner| corner.as_dvec3());
                 let normal = (b - a).cross(c - a);
                 let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
-                // Within the triangle's box, so that no box around it is passed over that is
-                // entered before.
+                // Clamp to the triangle's box, so that no box around it that is entered earlier is
+                // skipped.
                 let [entry, exit] = span(
                     segment.origin,
                     segment.inverse,
@@ -128,8 +128,8 @@ impl Bvh {
         nearest
     }
 
-    /// Returns whether a segment passes through a hole of the hierarchy's triangle `i`, which it
-    /// hits.
+    /// Returns whether a segment that hits the hierarchy's triangle `i` passes through a hole of
+    /// it.
     #[inline(always)]
     fn is_hole(&self, segment: &Segment, i: usize) -> bool {
         match &self.cut_outs {
@@ -139,7 +139,7 @@ impl Bvh {
     }
 
     /// Appends the triangle ids of the casters that may come within `radius` of the segment from
-    /// `o` to `o + d`, measured along each axis. Cautious: it may name others, too.
+    /// `o` to `o + d`, measured along each axis. Conservative: it may append others, too.
     pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
         let inverse = slab_inverse(d);
         let mut stack = self.narrow_root();
@@ -147,7 +147,7 @@ impl Bvh {
             let node = &self.narrow.nodes[i];
             let low = node.aabb.min;
             let high = node.aabb.max;
-            // The sums below round, once more than the boxes allow for.
+            // Allow for the rounding of the sums below, once more than the boxes do.
             let grow = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
             if !enters_box(o.into(), inverse, [low - grow, high + grow]) {
                 continue;
@@ -161,20 +161,19 @@ impl Bvh {
         }
     }
 
-    /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the
-    /// search has enough. Cautious: it may pass on others, too. What is cut out of casters is not
-    /// asked.
+    /// Passes on all casters that segments of a shaft may meet, roughly front to back, until the
+    /// search has enough. Conservative: it may pass on others, too. Alpha tests are not applied.
     #[inline(always)]
     pub fn in_shaft(&self, shaft: &Shaft, search: &mut impl ShaftSearch) {
         let caster = |i: usize| (self.ids[i], self.corners[i].points());
         self.wide.search_shaft(shaft, caster, search);
     }
 
-    /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it
-    /// is triangle `skip`.
+    /// Returns whether the caster that [`Bvh::occluder`] returned also occludes this segment,
+    /// unless it is triangle `skip`.
     ///
     /// # Panics
-    /// Panics if it came from another hierarchy with more triangles.
+    /// Panics if the number is from another hierarchy with more triangles.
     #[inline]
     pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
         let i = occluder as usize;
@@ -183,8 +182,8 @@ impl Bvh {
     }
 
     /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all
-    /// these planes (normals of any length). Cautious: it may return false where one only comes
-    /// near. One such query can spare a thousand rays.
+    /// these planes (normals of any length). Conservative: it may return false if a caster only
+    /// comes close. One such query can save a thousand rays.
     pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
         let mut stack = self.narrow_root();
         while let Some(i) = stack.pop() {
@@ -206,8 +205,8 @@ impl Bvh {
         true
     }
 
-    /// Returns a stack of nodes of the two-way hierarchy that holds its root; an empty one where
-    /// nothing casts.
+    /// Returns the traversal stack of the two-way hierarchy with its root; empty if there are no
+    /// casters.
     fn narrow_root(&self) -> Vec<usize> {
         if self.ids.is_empty() {
             Vec::new()
@@ -217,7 +216,7 @@ impl Bvh {
     }
 
     /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the
-    /// size of a shader's stack.
+    /// stack size of a shader.
     pub fn depth(&self) -> usize {
         *self.depth.get_or_init(|| self.find_depth())
     }
@@ -225,7 +224,7 @@ impl Bvh {
     fn find_depth(&self) -> usize {
         let nodes = &self.narrow.nodes;
         let mut deepest = 0;
-        // Nodes, and the number of nodes from the root to them.
+        // Nodes, each with the number of nodes from the root to it.
         let mut open: Vec<(usize, usize)> = Vec::new();
         if !nodes.is_empty() {
             open.push((0, 1));
@@ -240,10 +239,10 @@ impl Bvh {
         deepest
     }
 
-    /// Returns the two-way hierarchy as rows of four words, for shaders: row 2i is node i's least
-    /// corner and its first child or triangle, row 2i + 1 its greatest corner and its triangle
-    /// count (0 for an inner node, whose children are adjacent). Two rows of zeros where nothing
-    /// casts.
+    /// Returns the two-way hierarchy as rows of four words, for shaders. Row 2i is node i's least
+    /// corner and its first child or triangle. Row 2i + 1 is its greatest corner and its triangle
+    /// count (0 for an inner node, whose children are adjacent). Two rows of zeros if there are no
+    /// casters.
     pub fn node_rows(&self) -> Vec<[u32; 4]> {
         let mut rows = Vec::new();
         for node in &self.narrow.nodes {
@@ -257,10 +256,10 @@ impl Bvh {
         }
     }
 
-    /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each:
-    /// a corner, and the id as the fourth word. Three rows of zeros where nothing casts. If the
-    /// geometry has cut-outs, the second row's fourth word is the row of the triangle's record in
-    /// [`CutOuts::rows`], 0 for those without holes.
+    /// Returns the triangles in the order in which [`Bvh::node_rows`] refers to them, three rows
+    /// each: a corner, and the id as the fourth word. Three rows of zeros if there are no casters.
+    /// If the geometry has alpha-tested triangles, the second row's fourth word is the row of the
+    /// triangle's record in [`CutOuts::rows`], 0 for triangles without holes.
     pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
         let mut rows = Vec::new();
         for &id in &self.narrow_order {
@@ -278,8 +277,8 @@ impl Bvh {
         }
     }
 
-    /// Returns the eight-way hierarchy as `obvhs` makes it of the casters, and each of its
-    /// primitives' triangle id: to time `obvhs` by itself. `None` if nothing casts.
+    /// Returns the eight-way hierarchy of the casters as `obvhs` builds it, and the triangle id of
+    /// each of its primitives, for benchmarks of `obvhs` alone. `None` if there are no casters.
     pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
@@ -305,7 +304,7 @@ fn row(v: Vec3, w: u32) -> [u32; 4] {
 /// Returns whether a box is outside one of the half spaces (inner normal, distance).
 fn is_box_outside(half_spaces: &[(Vec3, f32)], min: Vec3, max: Vec3) -> bool {
     half_spaces.iter().any(|&half_space| {
-        // The corner that is farthest along the normal decides.
+        // Test the corner that is farthest along the normal.
         let farthest = Vec3::select(half_space.0.cmpge(Vec3::ZERO), max, min);
         is_outside(half_space, farthest)
     })
@@ -318,9 +317,9 @@ fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool 
         .any(|&half_space| corners.iter().all(|&c| is_outside(half_space, c)))
 }
 
-/// Returns whether a point is outside a half space (its inner normal and distance), whatever
-/// rounding (eight units in the last place) does to it and to the hit of a triangle that has it as
-/// a corner (`ray_triangle.rs`).
+/// Returns whether a point is outside a half space (its inner normal and distance). Allows for
+/// rounding (eight units in the last place) of the point and of a hit on a triangle with this
+/// corner (`ray_triangle.rs`).
 fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
     let (n, distance) = half_space;
     n.dot(p) < distance - 8.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
@@ -330,7 +329,7 @@ fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
 #[path = "order_tests.rs"]
 mod order_tests;
 
-/// Returns the boxes of triangles, as large as the triangle test needs them (`ray_triangle.rs`).
+/// Returns the boxes of triangles, padded for the triangle test (`ray_triangle.rs`).
 fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
     ids.iter()
         .map(|&id| {

@@ -1,10 +1,10 @@
-//! An eight-way hierarchy whose boxes are kept in full: `obvhs` finds its shape (Ylitie et al.
-//! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), the boxes and
-//! the search are ours.
+//! Eight-way hierarchy with uncompressed boxes. `obvhs` computes its topology (Ylitie et al. 2017,
+//! "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"); the boxes and the
+//! search are part of umbrage.
 //!
-//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way
-//! than the triangle test does, so it may pass over a triangle that is hit. Here boxes are tested
-//! as `ray_box.rs` does it, four at once.
+//! `obvhs` stores boxes as bytes relative to their parent's. Its box test also rounds differently
+//! from the triangle test, so it may skip a triangle that is hit. Here boxes are tested as in
+//! `ray_box.rs`, four at once.
 
 use crate::geometry::{
     aabb::Aabb,
@@ -15,17 +15,17 @@ use crate::geometry::{
 use glam::{Vec3, Vec4};
 use obvhs::cwbvh::CwBvh;
 
-/// A node's eight children: their boxes, and their nodes or triangles.
+/// The eight children of a node: their boxes, and their nodes or triangles.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     /// Six planes of the children's boxes: least x, y, z, then greatest x, y, z. Each is an array
     /// of two: those of children 0 to 3, and those of children 4 to 7.
     planes: [[Vec4; 2]; 6],
-    /// For an inner child its index among the nodes, for a leaf its first triangle.
+    /// For an inner child its node index, for a leaf its first triangle.
     first: [u32; 8],
-    /// Number of a leaf's triangles; 0 for inner children and where there is no child.
+    /// Number of a leaf's triangles; 0 for inner children and unused slots.
     count: [u8; 8],
-    /// Bit i is set if child i is an inner one.
+    /// Bit i is set if child i is an inner node.
     inner: u32,
 }
 
@@ -52,27 +52,25 @@ impl Node {
 pub(super) struct Wide {
     /// Children come after their parents.
     nodes: Vec<Node>,
-    /// Nodes from the root to the deepest leaf.
+    /// Number of nodes from the root to the deepest leaf.
     pub(super) depth: usize,
 }
 
-/// Greatest depth of a hierarchy whose search keeps its stack in a fixed array rather than on the
-/// heap.
+/// Greatest depth of a hierarchy whose traversal stack is a fixed array rather than on the heap.
 pub(super) const SHALLOW: usize = 24;
 
-/// Children that are still to be visited: their parent's index, and a bit for each in the order of
-/// visits.
+/// Children still to be visited: their parent's index, and a bit for each in the order of visits.
 type Group = (u32, u32);
 
 impl Wide {
-    /// Returns a hierarchy of a tree's shape; `boxes` are those of its triangles, in the order in
-    /// which its leaves name them.
+    /// Builds a hierarchy with a tree's topology. `boxes` are those of its triangles, in leaf
+    /// order.
     pub(super) fn new(tree: &CwBvh, boxes: &[Aabb]) -> Self {
         let mut nodes = vec![Node::EMPTY; tree.nodes.len()];
         // The box around each node, and the number of nodes from it to its deepest leaf.
         let mut node_boxes = vec![Aabb::EMPTY; nodes.len()];
         let mut depths = vec![1; nodes.len()];
-        // Children come after their parents, so from the last node to the first.
+        // Iterate from the last node to the first, as children come after their parents.
         for (i, node) in tree.nodes.iter().enumerate().rev() {
             nodes[i].inner = u32::from(node.imask);
             for child in 0..8 {
@@ -99,9 +97,9 @@ impl Wide {
         Self { nodes, depth }
     }
 
-    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, roughly from near
-    /// to far, until it returns true. `visit` may lower its second argument, at first 1, the
-    /// fraction of the segment beyond which nothing is searched.
+    /// Calls `visit` with the triangles of leaves whose boxes the segment enters, roughly front to
+    /// back, until it returns true. `visit` may lower its second argument, the fraction of the
+    /// segment at which the search ends, initially 1.
     #[inline(always)]
     pub(super) fn search(&self, segment: &Segment, visit: impl FnMut(usize, &mut f32) -> bool) {
         if self.nodes.is_empty() {
@@ -114,8 +112,8 @@ impl Wide {
         }
     }
 
-    /// Passes on what a shaft enters, roughly from near to far, until the search has enough.
-    /// `caster` returns a triangle's id and corners.
+    /// Passes on the casters in boxes that a shaft enters, roughly front to back, until the search
+    /// has enough. `caster` returns a triangle's id and corners.
     #[inline(always)]
     pub(super) fn search_shaft(
         &self,
@@ -123,7 +121,7 @@ impl Wide {
         caster: impl Fn(usize) -> (u32, [Vec3; 3]),
         search: &mut impl ShaftSearch,
     ) {
-        // Each node on the way down leaves seven others.
+        // Each node on the path leaves seven siblings.
         const MOST_WAITING: usize = 7 * SHALLOW + 1;
         if self.nodes.is_empty() {
             return;
@@ -164,7 +162,7 @@ impl Wide {
             while leaves != 0 {
                 let child = leaves.trailing_zeros() as usize;
                 leaves &= leaves - 1;
-                // Of no child there are none.
+                // An unused slot has a count of 0.
                 let first = node.first[child] as usize;
                 for triangle in first..first + usize::from(node.count[child]) {
                     let (id, corners) = caster(triangle);
@@ -173,7 +171,7 @@ impl Wide {
                     }
                 }
             }
-            // Children lie in slots by octants; the nearest one is to be on top.
+            // Child slots are ordered by octants; push the nearest one last.
             let mut inner = turned(entered & node.inner, octant);
             while inner != 0 {
                 let place = inner.trailing_zeros();
@@ -193,9 +191,9 @@ impl Wide {
     ) {
         let lanes = Lanes::new(segment);
         let mut limit = 1.0;
-        // How many groups lie on the stack.
+        // Number of groups on the stack.
         let mut waiting = 0;
-        // The group that is being visited, and the node of it that is.
+        // The group being visited, and its node.
         let mut parent = 0;
         let mut group = 0;
         let mut current = 0;
@@ -239,11 +237,11 @@ impl Wide {
 struct Lanes {
     origin: [Vec4; 3],
     inverse: [Vec4; 3],
-    /// The planes by which boxes are entered and left along x, y, z.
+    /// Indices of the planes at which a segment enters and leaves boxes, along x, y, z.
     near: [usize; 3],
     far: [usize; 3],
-    /// Children lie in slots by the octants of their parent's box; which slots are far, as a
-    /// pattern of the slot's bits.
+    /// Pattern of the slot bits that are far. Children occupy slots by the octants of their
+    /// parent's box.
     octant: u32,
 }
 
@@ -268,13 +266,13 @@ impl Lanes {
         }
     }
 
-    /// Returns a bit for each child whose box is entered: bit by bit what `enters_box` of
-    /// `ray_box.rs` returns, as the product with the plane that is named near is the lesser one.
+    /// Returns a bit for each child whose box is entered. Bit-equal to `enters_box` of
+    /// `ray_box.rs`, as the product with the near plane is the lesser one.
     #[inline(always)]
     fn entered(&self, node: &Node, limit: f32) -> u32 {
         let mut out = 0;
         for half in 0..2 {
-            // Where the segment meets a plane of four boxes, as a fraction of its length.
+            // Fraction of the segment at which it meets a plane of four boxes.
             let crossing = |axis: usize, plane: usize| {
                 (node.planes[plane][half] - self.origin[axis]) * self.inverse[axis]
             };
@@ -288,8 +286,8 @@ impl Lanes {
     }
 }
 
-/// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place
-/// `i ^ octant`.
+/// Moves the bits of slots to the order of visits, the first in the highest position: bit `i` to
+/// position `i ^ octant`.
 #[inline(always)]
 fn turned(slots: u32, octant: u32) -> u32 {
     let mut bits = slots;
@@ -311,7 +309,7 @@ mod tests {
     use crate::geometry::{random::Random, ray_box::enters_box};
     use glam::Vec3A;
 
-    /// The test of four boxes at once and the test of one box agree.
+    /// The test of four boxes at once agrees with the test of one box.
     #[test]
     fn lanes_say_what_the_test_of_one_box_says() {
         let mut random = Random(17);
@@ -327,7 +325,7 @@ mod tests {
             for (child, &[min, max]) in boxes.iter().enumerate() {
                 node.set_box(child, &Aabb { min, max });
             }
-            // Along an edge of one of the boxes, or past it by a few roundings.
+            // Aim along an edge of one of the boxes, or past it by a few roundings.
             let [low, high] = boxes[i as usize % 8];
             let o = low.with_x(high.x) + random.vector();
             let target = low.with_x(high.x).lerp(high, random.signed().abs());
@@ -351,7 +349,7 @@ mod tests {
         }
         assert!(
             (40_000..300_000).contains(&entered),
-            "the test tells little: {entered}"
+            "too few hits to be meaningful: {entered}"
         );
     }
 }

@@ -1,12 +1,13 @@
-//! Fits of cascades: where what the camera sees is cut, and the light space of each slice.
+//! Fits of cascades: the split of the camera's view, and the light space of each slice.
 //!
-//! A lookup takes the first layer that holds the receiver with all that the kernel reaches,
-//! wherever the slices end. So any layer must answer rightly for everything on it: tight slices
-//! begin, in depth, at the first caster in their *column*, not at the first that their own
-//! receivers need, and go sideways around all from where a kernel may find a caster. A slice
-//! without shadows lies beside the scene, where nothing is looked up. Slices overlap where answers
-//! blend. Recipes stay pure: what holds slices over frames is a function of two frames' ends
-//! ([`SliceEnds::held`]).
+//! A lookup uses the first layer that contains the receiver with the kernel's reach, wherever the
+//! slices end. So every layer must be correct for everything on it. Tight slices begin, in depth,
+//! at the first caster in their *column*, not at the first that their own receivers need. Their
+//! lateral bounds include all positions at which a kernel may find a caster.
+//!
+//! A slice without shadows gets a space outside the scene, where nothing is looked up. Slices
+//! overlap where results are blended. Recipes stay pure: stable slices are a function of the ends
+//! of two frames ([`SliceEnds::held`]).
 
 use crate::{
     geometry::aabb::Aabb,
@@ -31,29 +32,30 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Room for rounding where points decide how far slices reach, as a part of their distance.
+/// Rounding allowance for slice limits that are computed from points, as a fraction of their
+/// distance.
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
-/// Least distance at which the split begins, as a part of that at which it ends.
+/// Least distance at which the split begins, as a fraction of the distance at which it ends.
 const MIN_BEGIN_OVER_END: f64 = 1.0 / (1 << 20) as f64;
-/// How far a slice reaches back into the one before it, as a multiple of how far that one's answers
-/// blend: the way along the camera's view may be longer than that over the map.
+/// Overlap of a slice with the one before it, as a multiple of that slice's blend width. The
+/// distance along the camera's view may be longer than that on the map.
 const OVERLAP: f64 = 2.0;
 
-/// What the fits of all slices share.
+/// Shared input of the fits of all slices.
 #[derive(Clone, Debug)]
 pub(super) struct CascadeInput<'a> {
     fit: Fit,
     cascades: Cascades,
     pub(super) input: FitInput<'a>,
     pub(super) frustum: CameraFrustum,
-    /// Along the sun's rays.
+    /// Direction of the sun's rays.
     direction: Vec3,
     /// The light's view for tight fits.
     pub(super) view_from_world: Mat4,
 }
 
 impl<'a> CascadeInput<'a> {
-    /// Returns the input for a valid view and directional light that shines along `direction`.
+    /// Returns the input for a valid view and a directional light with this direction.
     ///
     /// Errors if the fit doesn't follow the camera, or a number is out of its range.
     pub(super) fn new(
@@ -83,8 +85,8 @@ impl<'a> CascadeInput<'a> {
         };
         let input = FitInput::new(view);
         let frustum = CameraFrustum::new(view.camera);
-        // Slices lie one behind the other along the camera's view: turned so that this goes up the
-        // maps, boxes around them are smallest.
+        // Orient the maps so that the camera's view, along which the slices are lined up, runs up
+        // the maps. The boxes around the slices are then smallest.
         let view_from_world = parallel::view(&input, direction, frustum.forward())?;
         Ok(Self {
             fit: *fit,
@@ -96,7 +98,7 @@ impl<'a> CascadeInput<'a> {
         })
     }
 
-    /// Returns where the slices end.
+    /// Returns the ends of the slices.
     pub(super) fn ends(&self) -> SliceEnds {
         let count = self.cascades.count as usize;
         let split = match self.cascades.split {
@@ -108,7 +110,7 @@ impl<'a> CascadeInput<'a> {
         SliceEnds::of_found(&ends)
     }
 
-    /// Returns the ends by the formulas, which know the range alone.
+    /// Returns the ends by the formulas that depend only on the range.
     fn regular_ends(&self, count: usize) -> Vec<f64> {
         let all = self.range();
         let nearest = f64::from(self.cascades.nearest);
@@ -133,7 +135,7 @@ impl<'a> CascadeInput<'a> {
         (0..count).map(end_of).collect()
     }
 
-    /// Returns where what is to be cut begins and ends.
+    /// Returns the range of distances to be split.
     pub(super) fn range(&self) -> Slice {
         let near = self.frustum.near();
         if let Fit::Stable { range } | Fit::AroundCamera { range } = self.fit {
@@ -168,7 +170,7 @@ impl<'a> CascadeInput<'a> {
         }
     }
 
-    /// Returns a bound of the least of `sign` times the distance along the view in a box.
+    /// Returns a lower bound of `sign` times the distance along the view in a box.
     fn least_distance(&self, b: &Aabb, sign: f64) -> f64 {
         if b.is_empty() {
             return f64::INFINITY;
@@ -180,8 +182,8 @@ impl<'a> CascadeInput<'a> {
         least - least.abs() * ROUNDING
     }
 
-    /// Returns the size of the map of a slice, metres: what its texels' size is proportional to.
-    /// `receivers` is the box around its receivers, light's view.
+    /// Returns the side of a slice's map, metres; the size of its texels is proportional to it.
+    /// `receivers` is the box around its receivers, in the light's view.
     pub(super) fn side(&self, slice: Slice, receivers: &[DVec3; 2]) -> f64 {
         match self.fit {
             Fit::Stable { .. } | Fit::AroundCamera { .. } => {
@@ -203,7 +205,7 @@ impl<'a> CascadeInput<'a> {
         f64::from(self.cascades.nearest)
     }
 
-    /// Returns the light space of a slice; none if no shadow can fall in it.
+    /// Returns the light space of a slice; `None` if it can contain no shadow.
     fn space(&self, slice: Slice, size: u32, margin: f32) -> Result<Option<LightSpace>, Invalid> {
         if slice.begin >= slice.end {
             return Ok(None);
@@ -245,7 +247,7 @@ impl<'a> CascadeInput<'a> {
         parallel::tight_part(part, self.view_from_world, receivers, size, margin)
     }
 
-    /// Returns the light spaces of all slices. Parameters as [`Fit::light_space`].
+    /// Returns the light spaces of all slices; parameters as for [`Fit::light_space`].
     pub(super) fn spaces(&self, size: u32, margin: f32) -> Result<LightSpaces, RecipeError> {
         let pick = CascadePick {
             reach: margin,
@@ -273,8 +275,8 @@ impl<'a> CascadeInput<'a> {
         Ok(out)
     }
 
-    /// Returns how far along the camera's view the slice behind one with this space reaches back
-    /// into it, metres: so far that receivers whose answers blend lie in both.
+    /// Returns the overlap of the slice behind one with this space, metres along the camera's view.
+    /// It is large enough that receivers with blended results are in both slices.
     fn overlap(&self, space: Option<&LightSpace>, size: u32, margin: f32) -> f64 {
         let Some(space) = space.filter(|_| self.cascades.blend > 0.0) else {
             return 0.0;

@@ -1,8 +1,9 @@
-//! Culling to need: which casters can shadow what is seen, and where on the map.
+//! Culling of the casters that can't shadow a visible receiver, and the part of the map that the
+//! others cover.
 //!
-//! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map
-//! there. A caster matters if somewhere it lies before that: tested with its box, so that one too
-//! many may be kept, but never one too few.
+//! A coarse grid over the map stores, for each cell, the farthest receiver that looks up the map
+//! there. A caster matters if some part of it is before that receiver. The test uses the caster's
+//! box: it is conservative, and may keep too many casters, but never too few.
 
 use crate::{
     gbuffer::seen_points::SeenPoints,
@@ -20,38 +21,38 @@ use std::{
     ops::Range,
 };
 
-/// Cells along each side: finer ones tell more casters apart, but cost more to fill and to query.
+/// Cells along each side: finer ones separate more casters, but cost more to fill and to query.
 const CELLS: usize = 64;
-/// Tiles of seen points that are looked into one by one; beyond that, sorting all points into cells
-/// takes less time.
+/// Greatest number of tiles of visible points that are tested point by point; beyond that, sorting
+/// all points into cells is faster.
 const MAX_TILES_OPENED: usize = 512;
-/// Parts into which seen points are shared out among threads.
+/// Number of parts into which visible points are divided for threads.
 const PARTS: usize = 16;
-/// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for
-/// what lookups in 32 bits round.
+/// Texels added to the reach of kernels: one to the corner of the receiver's texel, one half for
+/// the rounding of 32-bit lookups.
 const OWN_TEXEL: f64 = 1.5;
-/// Greatest slope, clip depth a texel, at which taps are taken to follow the receiver's plane away
-/// from the light: that of the techniques' own biases.
+/// Greatest slope, clip depth per texel, up to which samples are assumed to follow the receiver's
+/// plane away from the light. It is the limit of the techniques' biases.
 const STEEPEST: f64 = 0.1;
 /// Least depth, as a fraction of the map's range, by which a bias may move a receiver away from the
 /// light.
 const DEEPEST_BIAS: f64 = 1.0 / 64.0;
 
-/// How far from a receiver lookups may find casters that change its answer.
+/// Distance from a receiver within which lookups may find casters that change the result.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// Sideways, map space.
+    /// Lateral distance, map space.
     pub(super) across: DVec2,
-    /// Behind the receiver, ranks.
+    /// Distance behind the receiver, ranks.
     pub(super) behind: f64,
 }
 
-/// What a lookup depends on beside the receiver.
+/// Parameters of a lookup other than the receiver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lookups {
-    /// Sides of a texel, map space; no smaller than the map's will be.
+    /// Sides of a texel, map space; no smaller than those of the final map.
     pub(super) texel: DVec2,
-    /// Texels that a kernel reaches beyond the receiver's own.
+    /// Reach of the kernel beyond the receiver's texel, texels.
     pub(super) margin: f64,
     /// Rounding of positions, map space.
     pub(super) rounding: f64,
@@ -60,9 +61,10 @@ pub(super) struct Lookups {
 }
 
 impl Lookups {
-    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank
-    /// `last`. A search for blockers goes as far as the light's extent lets a caster at the near
-    /// plane matter to the last receiver, which is linear in the ranks: `extent (last - first)`.
+    /// Returns the reach, given the rank `first` of the first caster and `last` of the last
+    /// receiver. A blocker search has the radius within which a caster at the near plane can shade
+    /// the last receiver, given the light's extent. It is linear in the ranks:
+    /// `extent (last - first)`.
     pub(super) fn reach(&self, light: &Light, first: f64, last: f64) -> Reach {
         let range = (last - first).max(0.0);
         let search = extent(light) * (1.0 + self.tangent) * range;
@@ -90,7 +92,7 @@ fn extent(light: &Light) -> f64 {
     }
 }
 
-/// Where something receives, map space: seen points, or boxes around runs of triangles.
+/// Receiving geometry in map space: visible points, or boxes around runs of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Receiving<'a> {
     seen: Option<SeenOnMap<'a>>,
@@ -98,7 +100,7 @@ pub(super) struct Receiving<'a> {
     bounds: MapBounds,
 }
 
-/// Those seen points that lie within `column`.
+/// The visible points within `column`.
 #[derive(Clone, Copy, Debug)]
 struct SeenOnMap<'a> {
     seen: &'a SeenPoints<'a>,
@@ -107,8 +109,8 @@ struct SeenOnMap<'a> {
 }
 
 impl<'a> Receiving<'a> {
-    /// Returns what may receive within `column`: those of the `seen` points that lie there; if they
-    /// aren't known, boxes around all receivers.
+    /// Returns the receiving geometry within `column`: the `seen` points there, or boxes around all
+    /// receivers if the points aren't known.
     pub(super) fn new(
         seen: Option<&'a SeenPoints<'_>>,
         geometry: &Geometry,
@@ -129,7 +131,7 @@ impl<'a> Receiving<'a> {
         }
     }
 
-    /// Returns boxes, cut by `column`, around all triangles that receive.
+    /// Returns boxes, clipped to `column`, around all receiving triangles.
     fn of_triangles(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Self {
         let mut boxes = Vec::new();
         let mut walk = geometry.box_tree().walk(geometry.receivers());
@@ -152,7 +154,7 @@ impl<'a> Receiving<'a> {
         }
     }
 
-    /// Returns what fills a box.
+    /// Returns receivers that fill a box.
     pub(super) fn within(b: MapBounds) -> Self {
         Self {
             seen: None,
@@ -161,15 +163,15 @@ impl<'a> Receiving<'a> {
         }
     }
 
-    /// Returns a box around all of it.
+    /// Returns a box around all receivers.
     pub(super) fn bounds(&self) -> MapBounds {
         self.bounds
     }
 }
 
 impl SeenOnMap<'_> {
-    /// Passes the tiles for which `is_wanted` is true of the boxes around them, one inside the
-    /// other, to `visit`, until that returns true. Returns whether it did.
+    /// Calls `visit` for the tiles whose enclosing boxes all satisfy `is_wanted`, until it returns
+    /// true. Returns whether it did.
     fn any_tile(
         &self,
         is_wanted: impl Fn(&MapBounds) -> bool,
@@ -197,7 +199,7 @@ impl SeenOnMap<'_> {
     }
 }
 
-/// Returns the least rank that any caster may have within `column`; none if there are no casters.
+/// Returns a lower bound of the ranks of casters within `column`; `None` if there are no casters.
 pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Option<f64> {
     let least_in = |b: &MapBounds| {
         if b.meets(column) {
@@ -214,42 +216,43 @@ pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &MapBoun
     first.is_finite().then_some(first)
 }
 
-/// Decides which casters matter to some receivers: the grid of the module's description.
+/// Test of casters against receivers, using the grid of the module documentation.
 #[derive(Clone, Debug)]
 pub(super) struct Need<'a> {
     space: MapSpace,
     geometry: &'a Geometry,
-    /// As [`Reach::behind`].
+    /// See [`Reach::behind`].
     behind: f64,
-    /// Where lookups may go; the grid divides it.
+    /// Area of possible lookups, divided by the grid.
     column: MapBounds,
-    /// Where casters count: the part of the column that the map shows.
+    /// Area in which casters count: the part of the column that the map covers.
     shown: MapBounds,
     /// Sides of a cell, map space.
     cell: DVec2,
-    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus
-    /// infinity without any. Where seen points are known, that of the boxes around tiles of them.
+    /// Greatest rank of the receivers whose lookups may reach each cell, row by row; minus infinity
+    /// without any. If visible points are known, the ranks are those of the boxes around their
+    /// tiles.
     last: Vec<f64>,
     seen: Option<SeenInCells<'a>>,
 }
 
-/// What tells the cells' seen points from the boxes around tiles of them. Most casters lie before
-/// some point of each tile or behind the whole tile, so that few tiles need to be looked into.
+/// Refinement from boxes around tiles to single visible points. Most casters are before some point
+/// of each tile or behind the whole tile, so few tiles need to be tested.
 #[derive(Clone, Debug)]
 struct SeenInCells<'a> {
     points: SeenOnMap<'a>,
-    /// As [`Need::last`], of one point a tile.
+    /// Like [`Need::last`], for one point per tile.
     certain: Vec<f64>,
-    /// How many cells across and up lookups reach.
+    /// Reach of lookups, in cells along each axis.
     reach: [usize; 2],
-    /// How many tiles were looked into.
+    /// Number of tiles tested so far.
     tiles_opened: Cell<usize>,
-    /// As [`Need::last`], of all points: found once too many tiles were looked into.
+    /// Like [`Need::last`], for all points. Computed once too many tiles were tested.
     exact: OnceCell<Vec<f64>>,
 }
 
 impl<'a> Need<'a> {
-    /// Returns none if nothing receives.
+    /// Returns `None` if there are no receivers.
     pub(super) fn new(
         space: MapSpace,
         geometry: &'a Geometry,
@@ -263,7 +266,7 @@ impl<'a> Need<'a> {
         let column = all.column(reach.across);
         let side = (column.max - column.min).truncate();
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
-        // Casts saturate: lookups may reach everywhere.
+        // Casts saturate: lookups may reach the whole grid.
         let cells_across = (reach.across / cell).ceil();
         let reach_in_cells = [cells_across.x as usize, cells_across.y as usize];
         let mut out = Self {
@@ -296,7 +299,7 @@ impl<'a> Need<'a> {
         Some(out)
     }
 
-    /// Returns the greatest ranks, in each cell, of one seen point a tile, and of the boxes around
+    /// Returns two grids of greatest ranks: of one visible point per tile, and of the boxes around
     /// tiles.
     fn last_of_tiles(&self, points: &SeenOnMap<'_>) -> [Vec<f64>; 2] {
         let mut certain = vec![f64::NEG_INFINITY; CELLS * CELLS];
@@ -317,8 +320,8 @@ impl<'a> Need<'a> {
         [certain, possible]
     }
 
-    /// Returns the same for a map that shows no more than `column`: lookups that leave it find
-    /// nothing, so casters beside it do not count.
+    /// Returns `self` for a map that covers only `column`: lookups outside it find nothing, so
+    /// casters outside don't count.
     pub(super) fn on_map(self, column: &MapBounds) -> Self {
         Self {
             shown: self.column.within(column),
@@ -334,7 +337,7 @@ impl<'a> Need<'a> {
         cells(&self.column, self.cell, b)
     }
 
-    /// Returns whether something with this box may matter.
+    /// Returns whether geometry with this box may matter.
     fn matters(&self, b: &MapBounds) -> bool {
         let is_before = |last: &[f64]| self.cells(b).any(|i| last[i] + self.behind >= b.min.z);
         if !b.meets(&self.shown) || !is_before(&self.last) {
@@ -350,7 +353,7 @@ impl<'a> Need<'a> {
         }
     }
 
-    /// Returns what the cells hold of all seen points.
+    /// Returns the grid of greatest ranks of all visible points.
     fn last_of_points(&self, seen: &SeenInCells<'_>) -> Vec<f64> {
         let points = &seen.points;
         let mut tiles: Vec<(Range<u32>, MapBounds)> = Vec::new();
@@ -370,7 +373,8 @@ impl<'a> Need<'a> {
                 if cells(&grid, cell, b).all(|i| last[i] >= b.max.z) {
                     continue;
                 }
-                // Not `for`: it would ask at each point whether the tile's row goes on.
+                // Use `for_each`: a `for` loop would check for the end of the tile's row at each
+                // point.
                 points.points_in(tile).for_each(|p| {
                     let i = cell_of(&grid, cell, p);
                     last[i] = last[i].max(p.z);
@@ -385,7 +389,7 @@ impl<'a> Need<'a> {
         widened(&last, seen.reach)
     }
 
-    /// Returns whether something with this box lies before a seen point whose lookups may go there.
+    /// Returns whether geometry with this box is before a visible point whose lookups may reach it.
     fn is_before_a_point(&self, b: &MapBounds, seen: &SeenInCells<'_>) -> bool {
         let [first_column, first_row] = self.column_and_row(b.min);
         let [last_column, last_row] = self.column_and_row(b.max);
@@ -409,9 +413,8 @@ impl<'a> Need<'a> {
         )
     }
 
-    /// Passes the casters of runs of which some may matter, in order, to `visit`, with a box around
-    /// each run. Passes over runs in boxes for which `is_known` is true, which must then be so of
-    /// what lies in them.
+    /// Calls `visit` in order for runs with casters that may matter, with a box around each run.
+    /// Skips boxes for which `is_known` is true; it must then be true of everything inside.
     fn visit_runs<T>(
         &self,
         state: &mut T,
@@ -434,7 +437,7 @@ impl<'a> Need<'a> {
         }
     }
 
-    /// Returns a box around those parts of casters that may matter; empty if there are none.
+    /// Returns a box around the parts of casters that may matter; empty if there are none.
     pub(super) fn around_casters(&self) -> MapBounds {
         let mut found = MapBounds::EMPTY;
         let adds_nothing =
@@ -449,8 +452,8 @@ impl<'a> Need<'a> {
         found
     }
 
-    /// Returns the least rank of those parts of casters that may matter; infinity if there are
-    /// none. It is that of [`Need::around_casters`], and takes less time.
+    /// Returns the least rank of the parts of casters that may matter; infinity if there are none.
+    /// Equals that of [`Need::around_casters`], but takes less time.
     pub(super) fn first_rank(&self) -> f64 {
         let least = Cell::new(f64::INFINITY);
         let bound = |b: &Aabb| {
@@ -472,11 +475,11 @@ impl<'a> Need<'a> {
         })
     }
 
-    /// Returns a box around the part of a caster that may matter; empty if there is none, or if
+    /// Returns a box around the part of a caster that may matter. Empty if there is none, or if
     /// `is_known` is true of the box around the caster.
     fn part_that_matters(&self, caster: u32, is_known: impl Fn(&MapBounds) -> bool) -> MapBounds {
         let corners = self.geometry.corners(caster);
-        // Most casters are known, which their box says before a polygon is made.
+        // Test the box before building a polygon: most casters are known.
         let whole = self.space.whole_triangle_bounds(&corners);
         if whole.is_some_and(|b| is_known(&b)) {
             return MapBounds::EMPTY;
@@ -494,7 +497,7 @@ impl<'a> Need<'a> {
         }
     }
 
-    /// Returns a box around the part of a caster that lies within `shown`, sideways.
+    /// Returns a box around the part of a caster that is laterally within `shown`.
     fn part(&self, polygon: &MapPolygon) -> MapBounds {
         let min = self.shown.min;
         let max = self.shown.max;
@@ -523,21 +526,21 @@ impl<'a> Need<'a> {
     }
 }
 
-/// Returns the column and the row of the cell on which a point falls, of a grid of cells with sides
+/// Returns the column and the row of the cell that contains a point, in a grid of cells with sides
 /// `cell` over `grid`.
 fn column_and_row(grid: &MapBounds, cell: DVec2, p: DVec3) -> [usize; 2] {
     let position = (p - grid.min).truncate() / cell;
-    // Casts saturate: what lies outside counts for the outermost cells.
+    // Casts saturate: points outside count for the outermost cells.
     [position.x, position.y].map(|along| (along as usize).min(CELLS - 1))
 }
 
-/// Returns the index of the cell on which a point falls; parameters as of [`column_and_row`].
+/// Returns the index of the cell that contains a point; parameters as for [`column_and_row`].
 fn cell_of(grid: &MapBounds, cell: DVec2, p: DVec3) -> usize {
     let [column, row] = column_and_row(grid, cell, p);
     row * CELLS + column
 }
 
-/// Returns the indices of the cells that a box covers; parameters as of [`column_and_row`].
+/// Returns the indices of the cells that a box covers; parameters as for [`column_and_row`].
 fn cells(grid: &MapBounds, cell: DVec2, b: &MapBounds) -> impl Iterator<Item = usize> + use<> {
     let [first_column, first_row] = column_and_row(grid, cell, b.min);
     let [last_column, last_row] = column_and_row(grid, cell, b.max);
@@ -546,12 +549,12 @@ fn cells(grid: &MapBounds, cell: DVec2, b: &MapBounds) -> impl Iterator<Item = u
     rows.flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
 }
 
-/// Returns whether a box lies, sideways, within the box `found` and no nearer to the light.
+/// Returns whether a box is laterally within the box `found`, and no nearer to the light.
 fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
     b.min.cmpge(found.min).all() && b.max.truncate().cmple(found.max.truncate()).all()
 }
 
-/// Returns for each cell the greatest value up to `reach` cells away across and up.
+/// Returns, for each cell, the greatest value up to `reach` cells away along each axis.
 fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
     let [columns, rows] = reach.map(|cells| cells.min(CELLS));
     let mut out = values.to_vec();
@@ -562,11 +565,11 @@ fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
     out
 }
 
-/// Puts into each cell the greatest value up to `by` cells away in one direction, in which the next
-/// cell is `stride` entries on.
+/// Replaces each cell by the greatest value up to `by` cells away in one direction, in which
+/// consecutive cells are `stride` entries apart.
 fn spread(values: &mut [f64], by: usize, stride: usize) {
     let mut reached = 0;
-    // Steps grow: what has spread by r each way leaves no gap after a step of up to r + 1 both
+    // Use growing steps: values spread by r each way leave no gap after a step of up to r + 1 both
     // ways.
     while reached < by {
         let step = (reached + 1).min(by - reached);

@@ -1,4 +1,4 @@
-//! What a camera sees, cut across its view.
+//! The view volume of a camera, divided into slices by depth.
 
 use crate::{
     geometry::{
@@ -9,30 +9,30 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3, Vec4};
 
-/// A face of a slice or of a box, cut by the six planes of the other: four corners and one more for
-/// each plane, with room for those that rounding adds.
+/// A face of a slice or of a box, clipped by the six planes of the other: four corners and one more
+/// for each plane. The other slots are for corners that rounding adds.
 type CutFace = Polygon<DVec3, 16>;
 
-/// A camera's pyramid (a box without perspective), from its near plane on.
+/// A camera's pyramid (a box without perspective), beginning at its near plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraFrustum {
     pub(super) world_from_view: DAffine3,
     view_from_world: DAffine3,
-    /// View space.
+    /// Corners of the near plane, view space.
     pub(super) near_corners: [DVec3; 4],
     perspective: bool,
     /// Distance of the far plane along the view; infinity if there is none.
     far: f64,
 }
 
-/// A part of what a camera sees, by distances along its view, metres.
+/// A range of distances along a camera's view, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slice {
     pub(crate) begin: f64,
     pub(crate) end: f64,
 }
 
-/// The slice of a camera's view in which points lie.
+/// A slice of a camera's view, for tests of world-space points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SliceOfView {
     view_from_world: DAffine3,
@@ -40,19 +40,19 @@ pub(crate) struct SliceOfView {
 }
 
 impl SliceOfView {
-    /// Returns whether a point (world space) lies in the slice.
+    /// Returns whether a point (world space) is in the slice.
     #[inline]
     pub(crate) fn holds(&self, p: Vec3) -> bool {
         let distance = distance_along(&self.view_from_world, p.as_dvec3());
         distance >= self.slice.begin && distance <= self.slice.end
     }
 
-    /// Returns whether all points of a box lie in the slice.
+    /// Returns whether all points of a box are in the slice.
     pub(crate) fn holds_all_of(&self, b: &Aabb) -> bool {
         b.corners().all(|corner| self.holds(corner))
     }
 
-    /// Returns whether no point of a box lies in the slice.
+    /// Returns whether no point of a box is in the slice.
     pub(crate) fn holds_none_of(&self, b: &Aabb) -> bool {
         let distances = b
             .corners()
@@ -67,7 +67,7 @@ impl SliceOfView {
     }
 }
 
-/// Returns the distance of a point of the world along a view, which looks along -z.
+/// Returns the distance of a world-space point along a view, which looks along -z.
 #[inline]
 fn distance_along(view_from_world: &DAffine3, p: DVec3) -> f64 {
     let m = &view_from_world.matrix3;
@@ -81,7 +81,8 @@ impl CameraFrustum {
         let camera = camera.standard();
         let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
         let far_plane = -view_from_clip.project_point3(DVec3::Z).z;
-        // A far plane at infinity comes out as infinite, or beyond it by what the inverse rounds.
+        // A far plane at infinity is computed as infinite, or negative due to the rounding of the
+        // inverse.
         let far = if far_plane.is_finite() && far_plane > 0.0 {
             far_plane
         } else {
@@ -98,8 +99,8 @@ impl CameraFrustum {
         }
     }
 
-    /// Returns the distance of the near plane along the view; that of its nearest corner, if it is
-    /// oblique.
+    /// Returns the distance of the near plane along the view; that of its nearest corner if the
+    /// plane is oblique.
     pub(super) fn near(&self) -> f64 {
         let distances = self.near_corners.map(|corner| -corner.z);
         distances.into_iter().fold(f64::INFINITY, f64::min)
@@ -114,13 +115,13 @@ impl CameraFrustum {
         self.perspective
     }
 
-    /// Returns a distance along the view, but not beyond the far plane.
+    /// Returns a distance along the view, limited to the far plane.
     pub(super) fn before_far(&self, distance: f64) -> f64 {
         distance.min(self.far)
     }
 
-    /// Returns the corners of the view at a distance along it, but not before the near plane; view
-    /// space.
+    /// Returns the corners of the view at a distance along it, at least that of the near plane;
+    /// view space.
     pub(super) fn corners_at(&self, distance: f64) -> [DVec3; 4] {
         self.near_corners.map(|near| {
             let distance = distance.max(-near.z);
@@ -132,7 +133,7 @@ impl CameraFrustum {
         })
     }
 
-    /// Returns what tells whether points lie in a slice.
+    /// Returns a test for points in a slice.
     pub(super) fn slice_of_view(&self, slice: Slice) -> SliceOfView {
         SliceOfView {
             view_from_world: self.view_from_world,
@@ -140,13 +141,13 @@ impl CameraFrustum {
         }
     }
 
-    /// Returns the distance of a point of the world along the view.
+    /// Returns the distance of a world-space point along the view.
     pub(super) fn distance(&self, p: DVec3) -> f64 {
         distance_along(&self.view_from_world, p)
     }
 
-    /// Returns the distances along the view at which what is seen of a box begins and ends; none if
-    /// nothing of it is seen.
+    /// Returns the range of distances along the view of the visible part of a box; `None` if it
+    /// isn't visible.
     pub(super) fn seen_part(&self, b: &Aabb) -> Option<Slice> {
         if b.is_empty() {
             return None;
@@ -169,8 +170,8 @@ impl CameraFrustum {
         (part.begin <= part.end).then_some(part)
     }
 
-    /// Returns the corners (world space) of what a slice of the view and a box have in common;
-    /// nothing if they don't meet.
+    /// Returns the corners (world space) of the intersection of a slice of the view and a box;
+    /// empty if they don't meet.
     pub(super) fn part_of_box(&self, slice: Slice, b: &Aabb) -> Vec<DVec3> {
         if b.is_empty() || slice.begin >= slice.end {
             return Vec::new();
@@ -187,7 +188,7 @@ impl CameraFrustum {
         });
         let slice = Hexahedron::new(slice_corners);
         let of_box = Hexahedron::new(box_corners);
-        // Each corner of what they share lies on a face of one of them.
+        // Each corner of the intersection is on a face of one of them.
         let mut out = slice.corners_within(&of_box);
         out.extend(of_box.corners_within(&slice));
         out
@@ -198,12 +199,12 @@ impl CameraFrustum {
     }
 }
 
-/// A convex body with six faces of four corners. Corner `i` lies at the greater x if bit 0 of `i`
-/// is set, y bit 1, z bit 2.
+/// A convex body with six faces of four corners. Corner `i` is at the greater x if bit 0 of `i` is
+/// set, y bit 1, z bit 2.
 struct Hexahedron {
     corners: [DVec3; 8],
-    /// Planes of the faces: points on the inner side have a product with the normal that is no less
-    /// than the distance.
+    /// Planes of the faces. For a point on the inner side, the product with the normal is at least
+    /// the distance.
     planes: [(DVec3, f64); 6],
 }
 
@@ -221,7 +222,7 @@ impl Hexahedron {
     fn new(corners: [DVec3; 8]) -> Self {
         let middle = corners.iter().sum::<DVec3>() / 8.0;
         let planes = Self::FACES.map(|[a, b, c, d]| {
-            // Both diagonals: a side may have no length.
+            // Use both diagonals: a side may have no length.
             let normal = (corners[c] - corners[a])
                 .cross(corners[d] - corners[b])
                 .normalize_or_zero();
@@ -235,7 +236,7 @@ impl Hexahedron {
         Self { corners, planes }
     }
 
-    /// Returns the corners of this body's faces, cut to what lies in another.
+    /// Returns the corners of this body's faces, clipped to another body.
     fn corners_within(&self, other: &Self) -> Vec<DVec3> {
         let mut out = Vec::new();
         for face in Self::FACES {
@@ -254,7 +255,7 @@ mod tests {
     use super::*;
     use glam::UVec2;
 
-    /// Looks along -z from the origin, 90 degrees each way.
+    /// Returns a view along -z from the origin, 90 degrees each way.
     fn frustum() -> CameraFrustum {
         let camera = Camera::perspective(
             Vec3::ZERO,

@@ -1,4 +1,4 @@
-//! A view, with what several steps of a fit ask of it.
+//! The input of a fit: a view, with values that several steps share.
 
 use crate::{
     gbuffer::seen_points::SeenPoints,
@@ -10,10 +10,10 @@ use crate::{
 use glam::{DVec3, Vec3};
 use std::sync::OnceLock;
 
-/// Radians beside the outermost caster, for rounding.
+/// Padding around the outermost caster, radians, for rounding.
 pub(super) const ANGLE_PADDING: f32 = 1e-3;
 
-/// A valid view, what is seen in it, and what was found out about it.
+/// A valid view, with its visible points and cached results.
 #[derive(Clone, Debug)]
 pub(super) struct FitInput<'a> {
     pub(super) view: View<'a>,
@@ -36,7 +36,7 @@ impl<'a> FitInput<'a> {
         }
     }
 
-    /// Returns the same input with other seen points.
+    /// Returns the same input with other visible points.
     pub(super) fn with_seen(&self, seen: SeenPoints<'a>) -> Self {
         Self {
             seen: Some(seen),
@@ -44,7 +44,7 @@ impl<'a> FitInput<'a> {
         }
     }
 
-    /// Returns the cone from the light at `eye` that holds all casters.
+    /// Returns the cone from the light at `eye` that contains all casters.
     pub(super) fn cone_around_casters(&self, eye: Vec3) -> Cone {
         let found = match self.view.fits {
             Some(memory) => memory.caster_cone(),
@@ -62,7 +62,7 @@ impl<'a> FitInput<'a> {
         }
         let casters = caster_points(self);
         let sum = self.sum_of_directions(eye);
-        // Where directions cancel out, the middle of the casters' box gives the axis.
+        // If the directions cancel out, use the centre of the casters' box as the axis.
         let axis = if sum.length() > 1e-9 {
             sum.normalize()
         } else {
@@ -88,8 +88,9 @@ impl<'a> FitInput<'a> {
             let corners = self.view.casters.corners();
             return corners.map(|p| direction(eye, p)).sum();
         };
-        // A vertex is used by six triangles or so, and its direction takes longer than the sum,
-        // whose order counts: in symmetric scenes what is left of it is what rounding left.
+        // Compute directions in parallel: each vertex is used by about six triangles, and its
+        // direction costs more than the sum. Add in a fixed order: in symmetric scenes the sum is
+        // only what rounding leaves.
         let positions = geometry.positions().par_iter();
         let directions: Vec<DVec3> = positions.map(|&p| direction(eye, p)).collect();
         geometry.box_tree().count(&geometry.casters());
@@ -103,10 +104,10 @@ fn direction(eye: Vec3, p: Vec3) -> DVec3 {
     (p - eye).as_dvec3().normalize_or_zero()
 }
 
-/// Returns a bound of the least cosine of the angle, at `eye`, between a unit axis and a point in a
+/// Returns a lower bound of the cosine of the angle, at `eye`, between a unit axis and a point in a
 /// box.
 fn least_cosine(b: &Aabb, eye: Vec3, axis: DVec3) -> f64 {
-    // More than directions from 32-bit differences round by.
+    // More than the rounding of directions from 32-bit differences.
     const ROUNDING: f64 = 1e-6;
     let half_diagonal = (b.max.as_dvec3() - b.min.as_dvec3()).length() * 0.5;
     let to_center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5 - eye.as_dvec3();

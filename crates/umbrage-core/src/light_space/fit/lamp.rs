@@ -1,4 +1,5 @@
-//! Tight fits of lights with a position: pyramids around what can shadow a seen receiver.
+//! Tight fits of lights with a position: pyramids around the casters that can shadow a visible
+//! receiver.
 
 use crate::{
     geometry::{Geometry, aabb::Aabb},
@@ -17,25 +18,25 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Widest half angle, degrees, of the cone that one perspective map may have to cover.
+/// Greatest half angle, degrees, of a cone for one perspective map.
 pub(super) const WIDEST_HALF_ANGLE: f32 = 75.0;
 /// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are
-/// distinct to within 2^-10 of their distance; a caster nearer than that (.6 mm from a lamp over 10
-/// m) is lost rather than everyone's precision.
+/// distinct to within 2^-10 of their distance. A caster nearer than that (0.6 mm from a light with
+/// a range of 10 m) is lost, to keep precision for the others.
 pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
-/// Room beside the outermost directions, as a fraction of their tangent, for rounding.
+/// Padding of the outermost directions, as a fraction of their tangent, for rounding.
 const TANGENT_SLACK: f64 = 1e-3;
-/// Half angle, radians, of the pyramid where no caster can shadow a receiver: any would do.
+/// Half angle, radians, of the arbitrary pyramid used if no caster can shadow a receiver.
 const DEFAULT_HALF_ANGLE: f64 = 0.5;
-/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the
-/// tangent on the axis: biases in texels and the search for blockers are exact for surfaces
-/// parallel to the map, and lamps are mostly set up straight above what they light.
+/// Greatest ratio of the tangents of a tilted and a straight pyramid at which the tilted one is
+/// used. Biases in texels and blocker searches are exact for surfaces parallel to the map, and most
+/// lights are straight above what they light.
 const MAX_TURNED_OVER_STRAIGHT: f64 = 0.5;
-/// Steps of the search for the axis that makes the widest angle least. Each turns the axis to the
-/// centre of what the last step saw.
+/// Steps of the search for the axis with the least angle. Each step turns the axis to the centre of
+/// the previous step's result.
 const MAX_AXIS_STEPS: usize = 4;
 
-/// A light with a position, amid known triangles.
+/// A light with a position, in a scene with known triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Lamp<'a> {
     input: &'a FitInput<'a>,
@@ -57,11 +58,11 @@ pub(super) struct SquarePyramid {
 }
 
 impl<'a> Lamp<'a> {
-    /// None where the triangles are not known.
+    /// Returns `None` if the triangles are not known.
     pub(super) fn new(input: &'a FitInput<'_>, eye: Vec3, size: u32, margin: f32) -> Option<Self> {
         let geometry = input.view.geometry?;
         let farthest = greatest_distance(eye, &receiver_points(input));
-        // Where nothing receives, any distance will do.
+        // If there are no receivers, any distance will do.
         let far = if farthest > 0.0 { 2.0 * farthest } else { 1.0 };
         Some(Self {
             input,
@@ -73,8 +74,8 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no
-    /// larger than the box around these receivers. Empty if nothing there can shadow anything.
+    /// Returns a box, in map space, around the casters that can shadow receivers within a pyramid.
+    /// Its lateral bounds are within the box around these receivers. Empty if no caster can.
     /// `tangent` is that of half the pyramid's angle.
     fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
@@ -97,8 +98,8 @@ impl<'a> Lamp<'a> {
             need.map(|need| need.on_map(&column))
         };
         let mut first = cull::first_rank(self.geometry, &space, &column).unwrap_or(last);
-        // As for parallel light: of a light with an extent, how far a search for blockers goes
-        // depends on the first caster that matters.
+        // As for parallel light: for an area light, the blocker search radius depends on the first
+        // caster that matters.
         if !self.input.view.light.is_ideal() {
             first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
         }
@@ -106,8 +107,8 @@ impl<'a> Lamp<'a> {
         found.within(&around)
     }
 
-    /// What lookups on a map over a pyramid depend on; `receivers` is the box around what receives
-    /// there.
+    /// Returns the lookup parameters of a map over a pyramid. `receivers` is the box around its
+    /// receivers.
     fn lookups(&self, space: &MapSpace, receivers: &MapBounds, tangent: f64) -> Lookups {
         let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
         let nearest = if receivers.is_empty() {
@@ -126,25 +127,25 @@ impl<'a> Lamp<'a> {
     }
 
     /// Returns the distance, metres along the view, of the first caster that matters within a
-    /// pyramid; none if there is none.
+    /// pyramid; `None` if there is none.
     pub(super) fn near(&self, view_from_world: &Mat4, tangent: f64) -> Option<f32> {
         first_distance(&self.needed(view_from_world, tangent))
     }
 
-    /// As [`Lamp::near`], for all faces of a cube.
+    /// Returns [`Lamp::near`] for all faces of a cube.
     pub(super) fn nears(&self, tangent: f64) -> Result<[Option<f32>; 6], Invalid> {
         Ok(self
             .faces(tangent)?
             .map(|(_, needed)| first_distance(&needed)))
     }
 
-    /// Returns the view of each face of a cube, and [`Lamp::needed`] there.
+    /// Returns the view of each face of a cube, and the result of [`Lamp::needed`] for it.
     fn faces(&self, tangent: f64) -> Result<[(Mat4, MapBounds); 6], Invalid> {
         Ok(cube_face_views(self.eye)?.map(|view| (view, self.needed(&view, tangent))))
     }
 
-    /// Returns the pyramid around all that matters within a given one: on its axis, or on another
-    /// axis if it is narrower there by [`MAX_TURNED_OVER_STRAIGHT`].
+    /// Returns the pyramid around all casters that matter within a given one. Keeps the axis unless
+    /// another one makes it narrower by [`MAX_TURNED_OVER_STRAIGHT`].
     pub(super) fn narrowed(&self, pyramid: SquarePyramid) -> Result<SquarePyramid, Invalid> {
         let view_from_world = look_along(self.eye, pyramid.axis, Vec3::Y)?;
         let needed = self.needed(&view_from_world, pyramid.tangent);
@@ -164,8 +165,8 @@ impl<'a> Lamp<'a> {
         }
     }
 
-    /// Returns the pyramid around all that matters in any direction; none if it would be too wide,
-    /// an arbitrary one if nothing matters.
+    /// Returns the pyramid around all casters that matter in any direction. `None` if it would be
+    /// too wide; an arbitrary pyramid if no caster matters.
     pub(super) fn aimed(&self) -> Result<Option<SquarePyramid>, Invalid> {
         let mut directions = Vec::new();
         for (face, needed) in self.faces(1.0)? {
@@ -184,11 +185,11 @@ impl<'a> Lamp<'a> {
         }
     }
 
-    /// Returns a narrow pyramid around directions (world space, any length); none if they don't all
-    /// lie in front of one plane through the light, or there are none.
+    /// Returns a narrow pyramid around directions (world space, any length). `None` if there are
+    /// none, or if they are not all in front of one plane through the light.
     ///
-    /// The search starts at the mean direction and then repeats: look along the axis, put a box
-    /// around the directions on the plane at distance 1, and turn the axis to the box's centre.
+    /// The search starts at the mean direction. Each step looks along the axis, computes the box
+    /// around the directions on the plane at distance 1, and turns the axis to the box's centre.
     fn around(&self, directions: &[DVec3]) -> Result<Option<SquarePyramid>, Invalid> {
         let mut axis = directions.iter().map(|d| d.normalize()).sum::<DVec3>();
         let mut best: Option<SquarePyramid> = None;
@@ -202,7 +203,7 @@ impl<'a> Lamp<'a> {
                 .iter()
                 .map(|&d| view_from_world.transform_vector3(d))
                 .collect();
-            // Directions across the axis or behind it have no tangent.
+            // Directions perpendicular to the axis or behind it have no tangent.
             if in_view.is_empty() || in_view.iter().any(|d| -d.z < 1e-6 * d.length()) {
                 break;
             }
@@ -224,7 +225,7 @@ impl<'a> Lamp<'a> {
 
 /// Returns the greatest distance from `eye` to one of some points, metres; 0 without any.
 fn greatest_distance(eye: Vec3, points: &Points<'_>) -> f64 {
-    // More than sums of squares round by, as a part of them.
+    // More than the relative rounding of sums of squares.
     const ROUNDING: f64 = 1e-12;
     let eye = eye.as_dvec3();
     let bound = |b: &Aabb| {
@@ -237,20 +238,20 @@ fn greatest_distance(eye: Vec3, points: &Points<'_>) -> f64 {
     (-points.least(bound, value)).max(0.0).sqrt()
 }
 
-/// Returns the tangent of half the angle of the square pyramid, around the view's axis, that holds
-/// a box in map space.
+/// Returns the tangent of half the angle of the square pyramid, around the view's axis, that
+/// contains a box in map space.
 fn greatest_tangent(b: &MapBounds) -> f64 {
     b.min.abs().max(b.max.abs()).truncate().max_element()
 }
 
 /// Returns the distance, metres along the view, just before the first caster in a box in map space;
-/// none if the box is empty.
+/// `None` if the box is empty.
 fn first_distance(needed: &MapBounds) -> Option<f32> {
     // The rank is minus one over the distance.
     (!needed.is_empty()).then(|| (-(1.0 - TANGENT_SLACK) / needed.min.z) as f32)
 }
 
-/// Returns the directions, world space, of the four corners of a box on a map; none if it is empty.
+/// Returns the directions, world space, of the four corners of a box on a map; empty if the box is.
 fn corners(view_from_world: &Mat4, b: &MapBounds) -> Vec<DVec3> {
     if b.is_empty() {
         return Vec::new();

@@ -1,9 +1,9 @@
-//! Where things fall on a map that has no size yet.
+//! Positions on a map whose size is not yet known.
 //!
-//! **Map space**: x and y are metres in the light's view, or with perspective tangents (metres
-//! across over metres along); z, the *rank*, grows away from the light: metres along the view, or
-//! with perspective minus one over them. Triangles stay triangles, and clip depth is linear in the
-//! rank, with perspective as without.
+//! **Map space**: x and y are metres in the light's view; with perspective, they are tangents
+//! (metres across over metres along). z is the *rank*, which grows away from the light. It is
+//! metres along the view; with perspective, minus one over them. Triangles stay triangles, and clip
+//! depth is linear in the rank, with perspective or without.
 
 use crate::{
     geometry::{
@@ -14,8 +14,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
-/// A polygon in view or map space. Triangles are cut by the near plane and by the four sides of a
-/// map, so that it has at most eight corners.
+/// A polygon in view or map space. Triangles are clipped by the near plane and by the four sides of
+/// a map, so they have at most eight corners.
 pub(super) type MapPolygon = Polygon<DVec3, 8>;
 
 /// Returns the part of a polygon where `normal . p >= distance`.
@@ -23,12 +23,12 @@ pub(super) fn clip(polygon: &MapPolygon, normal: DVec3, distance: f64) -> MapPol
     polygon.clip(|p| normal.dot(p) - distance, edge_crossing)
 }
 
-/// The way from the world to a map.
+/// The transform from world space to map space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapSpace {
     pub(super) view_from_world: DAffine3,
-    /// With perspective, what is nearer than this (metres along the view) is not looked at; none
-    /// without.
+    /// With perspective, the distance (metres along the view) below which geometry is ignored;
+    /// `None` without perspective.
     pub(super) nearest: Option<f64>,
 }
 
@@ -62,14 +62,14 @@ impl MapBounds {
         !self.min.cmple(self.max).all()
     }
 
-    /// Whether both share a place on the map, whatever their ranks.
+    /// Returns whether both overlap laterally, for any ranks.
     pub(super) fn meets(&self, other: &Self) -> bool {
         let self_begins = self.min.truncate().cmple(other.max.truncate()).all();
         let other_begins = other.min.truncate().cmple(self.max.truncate()).all();
         self_begins && other_begins
     }
 
-    /// The same with all ranks, and `by` more to each side.
+    /// Returns the column of the bounds: all ranks, and grown laterally by `by`.
     pub(super) fn column(&self, by: DVec2) -> Self {
         Self {
             min: (self.min.truncate() - by).extend(f64::NEG_INFINITY),
@@ -77,7 +77,7 @@ impl MapBounds {
         }
     }
 
-    /// What is left of this beside the other: the common part sideways, this one's ranks.
+    /// Intersects the lateral bounds with `other`; keeps the range of ranks.
     pub(super) fn within(&self, other: &Self) -> Self {
         Self {
             min: self.min.max(other.min.with_z(self.min.z)),
@@ -87,7 +87,7 @@ impl MapBounds {
 }
 
 impl MapSpace {
-    /// Returns the map space of a light space that is fitted already.
+    /// Returns the map space of a fitted light space.
     #[cfg(feature = "testing")]
     pub(super) fn of(space: &crate::light_space::LightSpace) -> Self {
         let projection = space.clip_from_view;
@@ -99,7 +99,7 @@ impl MapSpace {
         }
     }
 
-    /// A distance along the view as a rank.
+    /// Converts a distance along the view to a rank.
     pub(super) fn rank(&self, distance: f64) -> f64 {
         if self.nearest.is_some() {
             -1.0 / distance
@@ -108,7 +108,7 @@ impl MapSpace {
         }
     }
 
-    /// A rank as a distance along the view.
+    /// Converts a rank to a distance along the view.
     pub(super) fn distance(&self, rank: f64) -> f64 {
         if self.nearest.is_some() {
             -1.0 / rank
@@ -117,7 +117,7 @@ impl MapSpace {
         }
     }
 
-    /// A point of the light's view; with perspective it must lie before the light.
+    /// Projects a point of the light's view; with perspective it must be in front of the light.
     fn project(&self, p: DVec3) -> DVec3 {
         if self.nearest.is_some() {
             DVec3::new(p.x / -p.z, p.y / -p.z, 1.0 / p.z)
@@ -126,15 +126,15 @@ impl MapSpace {
         }
     }
 
-    /// Returns a point of the world in map space; none if it falls beside the column, or with
-    /// perspective is too near or behind the light.
+    /// Converts a world-space point to map space. `None` if it is outside the column, or with
+    /// perspective too near or behind the light.
     #[inline]
     pub(super) fn point_within(&self, p: Vec3, column: &MapBounds) -> Option<DVec3> {
         let p = self.view_from_world.transform_point3(p.as_dvec3());
         if self.nearest.is_some_and(|nearest| -p.z < nearest) {
             return None;
         }
-        // `x / along` is compared without dividing: most points fall beside most of a cube's faces.
+        // Compare `x / along` without dividing: most points are outside most faces of a cube.
         let along = if self.nearest.is_some() { -p.z } else { 1.0 };
         let inside = p.x >= column.min.x * along
             && p.x <= column.max.x * along
@@ -143,8 +143,8 @@ impl MapSpace {
         inside.then(|| self.project(p))
     }
 
-    /// Returns the box around a triangle of the world, as around the corners of
-    /// [`MapSpace::triangle`]; none with perspective, where a part of it is too near.
+    /// Returns the box around a world-space triangle, as around the corners of
+    /// [`MapSpace::triangle`]. `None` with perspective if a part of the triangle is too near.
     pub(super) fn whole_triangle_bounds(&self, corners: &[Vec3; 3]) -> Option<MapBounds> {
         let in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
         let is_cut = self
@@ -153,7 +153,7 @@ impl MapSpace {
         (!is_cut).then(|| MapBounds::around(in_view.map(|p| self.project(p))))
     }
 
-    /// Returns a triangle of the world in map space; with perspective, the part of it that is not
+    /// Converts a world-space triangle to map space; with perspective, the part of it that is not
     /// too near.
     pub(super) fn triangle(&self, corners: [Vec3; 3]) -> MapPolygon {
         let corners_in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
@@ -167,7 +167,7 @@ impl MapSpace {
         far_enough.map(|p| self.project(p))
     }
 
-    /// Returns the box in map space around a box of the world; with perspective, around the part of
+    /// Returns the box in map space around a world-space box; with perspective, around the part of
     /// it that is not too near. Empty if no part is left.
     pub(super) fn block(&self, b: &Aabb) -> MapBounds {
         if b.is_empty() {
@@ -176,9 +176,9 @@ impl MapSpace {
         self.bounds_of(&ViewBox::new(&self.view_from_world, b))
     }
 
-    /// Returns a box in map space that holds, after rounding too, all that [`MapSpace::block`],
-    /// [`MapSpace::triangle`] and [`MapSpace::point_within`] make of what lies in a box of the
-    /// world. Empty if they make nothing of it.
+    /// Returns a box in map space around everything in a world-space box, with a margin for
+    /// rounding. It contains the results of [`MapSpace::block`], [`MapSpace::triangle`] and
+    /// [`MapSpace::point_within`] for all of the box's contents. Empty if there are no results.
     pub(super) fn group(&self, b: &Aabb) -> MapBounds {
         if b.is_empty() {
             return MapBounds::EMPTY;
@@ -186,8 +186,8 @@ impl MapSpace {
         self.bounds_of(&ViewBox::padded(&self.view_from_world, b))
     }
 
-    /// Returns the box in map space around a box of the view, or the part of it that is not too
-    /// near.
+    /// Returns the box in map space around a box of the view, or around the part of it that is not
+    /// too near.
     fn bounds_of(&self, in_view: &ViewBox) -> MapBounds {
         let min = in_view.min();
         let max = in_view.max();
@@ -197,7 +197,7 @@ impl MapSpace {
                 max: max.with_z(-min.z),
             };
         };
-        // Distances along the view, which looks along -z.
+        // Compute distances along the view, which looks along -z.
         let near = (-max.z).max(nearest);
         let far = -min.z;
         if far < nearest {
@@ -218,8 +218,8 @@ impl MapSpace {
     }
 }
 
-/// Returns the least of `across / distance` over distances from `near` to `far`: a negative
-/// coordinate is farthest out where it is nearest.
+/// Returns the least of `across / distance` over distances from `near` to `far`. For a negative
+/// coordinate it is at `near`.
 fn least_tangent(across: f64, near: f64, far: f64) -> f64 {
     if across < 0.0 {
         across / near

@@ -1,4 +1,4 @@
-//! A memory of the fits of one view.
+//! Cache of the fits of one view.
 
 use crate::{
     gbuffer::{receivers::Receivers, seen_points::SeenPoints},
@@ -12,21 +12,21 @@ use crate::{
 use glam::Vec3;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// The light spaces that were found for one view, so that techniques with the same fit, layout,
-/// size and margin share the search. A program that tries many settings on one view gives it to
-/// that view: [`View::with_fits`](crate::View::with_fits).
+/// Cache of the light spaces of one view. Techniques with the same fit, layout, size and margin
+/// share the search. Use one cache when evaluating many settings for the same view, see
+/// [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
     found: Mutex<Vec<FoundFit>>,
     /// The tree over the points of the view's receivers.
     seen: OnceLock<Arc<BoxTree>>,
-    /// The cone from the light that holds all casters.
+    /// The cone from the light that contains all casters.
     caster_cone: OnceLock<Cone>,
 }
 
 type FoundFit = (FitKey, Result<LightSpaces, RecipeError>);
 
-/// What light spaces depend on beside the view.
+/// Parameters of light spaces other than the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FitKey {
     pub(super) fit: Fit,
@@ -45,8 +45,8 @@ pub(super) struct Cone {
 }
 
 impl FitMemory {
-    /// Returns what was found for `key` before, else what `find` returns, which it remembers.
-    /// Errors are remembered, too.
+    /// Returns the cached result for `key`, or calls `find` and caches its result. Errors are
+    /// cached, too.
     pub(super) fn recall(
         &self,
         key: FitKey,
@@ -55,13 +55,14 @@ impl FitMemory {
         if let Some((_, known)) = self.lock().iter().find(|(before, _)| *before == key) {
             return known.clone();
         }
-        // The lock is free meanwhile: two threads may find the same, which costs time alone.
+        // The lock is free meanwhile: two threads may compute the same result, which only costs
+        // time.
         let new = find();
         self.lock().push((key, new.clone()));
         new
     }
 
-    /// Returns the points of the view's receivers, with boxes that are made once.
+    /// Returns the points of the view's receivers, with boxes that are built once.
     pub(super) fn seen_points<'a>(&self, receivers: &'a Receivers) -> SeenPoints<'a> {
         let tree = self
             .seen
@@ -69,19 +70,18 @@ impl FitMemory {
         SeenPoints::with_tree(receivers, Arc::clone(tree))
     }
 
-    /// Returns where the cone from the light that holds all casters is kept.
+    /// Returns the cache of the cone from the light that contains all casters.
     pub(super) fn caster_cone(&self) -> &OnceLock<Cone> {
         &self.caster_cone
     }
 
-    /// Returns whether the view's receivers are known to be valid.
+    /// Returns whether the view's receivers were already validated.
     pub(crate) fn knows_receivers(&self) -> bool {
         self.seen.get().is_some()
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<FoundFit>> {
-        // Entries are pushed whole, so a thread that panicked while it held the lock has left no
-        // broken one.
+        // Entries are pushed whole, so a panic in another thread leaves no partial entry.
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,18 +1,18 @@
-//! Fitting light spaces: where a shadow map's texels go.
+//! Fits of light spaces: the area that a shadow map covers.
 //!
-//! [`Fit::Tight`] goes around the casters that can shadow seen receivers (`cull.rs`: a grid of 64 x
-//! 64 over the map), [`Fit::Stable`] around a sphere in steps of whole texels,
-//! [`Fit::AroundCamera`] likewise around the camera, [`Fit::Whole`] around everything, and
-//! [`Fit::Manual`] where the caller says. Clip depth is linear in what `map_space.rs` calls a
-//! point's rank: its depth for parallel light, minus one over that for lamps. So both kinds share
-//! the code.
+//! [`Fit::Tight`] covers the casters that can shadow visible receivers (`cull.rs`: a grid of 64 x
+//! 64 over the map). [`Fit::Stable`] covers a sphere and moves by whole texels,
+//! [`Fit::AroundCamera`] does so around the camera. [`Fit::Whole`] covers everything, and
+//! [`Fit::Manual`] is set by the caller. Clip depth is linear in the rank defined in
+//! `map_space.rs`: the depth for parallel light, minus one over it for lights with a position. Both
+//! kinds therefore share the code.
 //!
-//! Fits are searches for extremes, and go by boxes. `BoxTree` has one around every 64 triangles,
-//! around every 8 boxes, and so on, once a geometry; `SeenPoints` is the same over tiles of 8 x 8
-//! seen points, once a view. `BoxTree::least` opens boxes in the order of their bounds until no
-//! other can hold less. Bounds have room for what arithmetic rounds (`ViewBox::padded`), so results
-//! have the bits of a search through all points. Whoever tries many settings on one view gives it a
-//! [`FitMemory`].
+//! Fits search for extremes, using boxes. `BoxTree` has a box around every 64 triangles, around
+//! every 8 boxes, and so on, once per geometry. `SeenPoints` is the same over tiles of 8 x 8
+//! visible points, once per view. `BoxTree::least` visits boxes in the order of their bounds until
+//! no other box can contain a smaller value. Bounds include a margin for rounding
+//! (`ViewBox::padded`), so results are bit-equal to a search through all points. Use one
+//! [`FitMemory`] when evaluating many settings for the same view.
 
 mod cascades;
 mod cull;
@@ -54,7 +54,7 @@ use crate::{
 use glam::Vec3;
 
 impl Fit {
-    /// A few words for tables; empty for the tight fit.
+    /// Returns a short description for tables; empty for the tight fit.
     pub fn label(&self) -> String {
         match self {
             Self::Tight => String::new(),
@@ -65,12 +65,12 @@ impl Fit {
         }
     }
 
-    /// One light space for the view. `size` is the map's side in texels; `margin` is how far, in
-    /// texels, a kernel reaches beyond the texel that a receiver falls on.
+    /// Returns one light space for the view. `size` is the side of the map in texels; `margin` is
+    /// the reach of a kernel, in texels, beyond the texel that contains the receiver.
     ///
     /// # Errors
-    /// Errors with `Unsupported` if what matters surrounds the light, so that no single map can see
-    /// it all; with `Invalid` for bad input.
+    /// Errors with `Unsupported` if the geometry that matters surrounds the light, so that one map
+    /// can't cover it. Errors with `Invalid` for bad input.
     pub fn light_space(
         &self,
         view: &View<'_>,
@@ -110,8 +110,8 @@ impl Fit {
         })
     }
 
-    /// Errors if a number is not finite. What depends on the light is checked when its light space
-    /// is made.
+    /// Errors if a number is not finite. Values that depend on the light are checked when its light
+    /// space is computed.
     fn validate(&self) -> Result<(), Invalid> {
         let Self::Manual { eye, extents } = self else {
             return Ok(());
@@ -138,8 +138,7 @@ impl Fit {
         Ok(())
     }
 
-    /// Returns the view without the seen receivers for fits that stand still while the camera
-    /// moves.
+    /// Returns the view without the visible receivers, for fits that don't depend on them.
     fn without_what_it_ignores<'a>(&self, view: &View<'a>) -> View<'a> {
         match self {
             Self::Tight | Self::Manual { .. } => *view,
@@ -150,12 +149,12 @@ impl Fit {
         }
     }
 
-    /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
+    /// Returns the light spaces of a layout; parameters as for [`Fit::light_space`].
     ///
     /// # Errors
-    /// Errors if [`Fit::light_space`] does; with `Unsupported` for a cube around a light without a
-    /// position, and for cascades of a light with one; and with `Invalid` for cascades whose
-    /// numbers are out of range, or whose fit doesn't follow the camera.
+    /// Errors if [`Fit::light_space`] does. Errors with `Unsupported` for a cube around a
+    /// directional light, and for cascades of a light with a position. Errors with `Invalid` for
+    /// cascades with numbers out of range, or with a fit that doesn't follow the camera.
     pub fn light_spaces(
         &self,
         layout: Layout,
@@ -175,7 +174,7 @@ impl Fit {
         memory.recall(key, || self.find(layout, view, size, margin))
     }
 
-    /// As [`Fit::light_spaces`], without the view's memory of earlier fits.
+    /// Computes [`Fit::light_spaces`] without the view's cache.
     fn find(
         &self,
         layout: Layout,
@@ -208,7 +207,7 @@ impl Fit {
         let input = &FitInput::new(self.without_what_it_ignores(view));
         match (layout, view.light.position()) {
             (Layout::Cube, None) => Err(RecipeError::unsupported(
-                "a directional light has no place to put a cube around",
+                "a directional light has no position for a cube",
             )),
             (Layout::Cube, Some(eye)) => perspective::cube(self, input, eye, size, margin),
             (Layout::Auto, Some(eye)) => self.one_or_cube(input, eye, size, margin),
@@ -229,7 +228,7 @@ impl Fit {
         if cascades.count > 1 {
             return input.spaces(size, margin);
         }
-        // One slice holds all.
+        // One slice covers everything.
         self.one(
             &FitInput::new(self.without_what_it_ignores(view)),
             size,
@@ -244,15 +243,15 @@ impl Fit {
     ) -> Result<CascadeInput<'a>, RecipeError> {
         let Light::Directional { direction, .. } = *view.light else {
             return Err(RecipeError::unsupported(format!(
-                "cascades are for directional light, and a {} light's map goes around the light: use `Layout::Auto`",
+                "cascades require a directional light, and this is a {} light: use `Layout::Auto`",
                 view.light.kind()
             )));
         };
         Ok(CascadeInput::new(self, cascades, view, direction)?)
     }
 
-    /// Returns where the slices of cascades end, for programs that hold them over many frames: see
-    /// [`SliceEnds::held`].
+    /// Returns the ends of the slices of cascades, for programs that keep them stable over many
+    /// frames, see [`SliceEnds::held`].
     ///
     /// # Errors
     /// Errors if [`Fit::light_spaces`] with [`Layout::Cascades`] does.
@@ -275,7 +274,7 @@ impl Fit {
         Ok(LightSpaces::with_all_casters(vec![space]))
     }
 
-    /// Returns one space where one suffices (see [`Layout::Auto`]), else a cube's six.
+    /// Returns one space if it suffices (see [`Layout::Auto`]), otherwise a cube's six.
     fn one_or_cube(
         &self,
         input: &FitInput<'_>,
@@ -291,7 +290,7 @@ impl Fit {
         if perspective::suffices(&one.spaces[0], input, eye, size, margin) {
             return Ok(one);
         }
-        // A kernel may be too wide for a cube's faces.
+        // Fall back to one map: a kernel may be too wide for the faces of a cube.
         cube().or(Ok(one))
     }
 }

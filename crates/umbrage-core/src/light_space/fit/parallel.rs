@@ -1,4 +1,4 @@
-//! Tight fits of parallel light: boxes.
+//! Tight fits of parallel light, which are boxes.
 
 use crate::{
     geometry::{Geometry, aabb::Aabb},
@@ -20,9 +20,9 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Returns the light space that goes, sideways, around what both casts and receives, and in depth
-/// from the first caster to the last receiver. With `cull`, only those casters count that can
-/// shadow a receiver.
+/// Returns the light space whose lateral bounds are the intersection of casters and receivers. In
+/// depth it begins at the first caster and ends at the last receiver. With `cull`, only casters
+/// that can shadow a receiver count.
 pub(super) fn tight(
     input: &FitInput<'_>,
     direction: Vec3,
@@ -39,12 +39,12 @@ pub(super) fn tight(
         None => bounds_in(&view_from_world, &caster_points(input)),
     };
     let mut b = casters.intersection(&receivers);
-    // View z falls away from the light: from the first caster (greatest z) to the last receiver
+    // View z decreases away from the light: from the first caster (greatest z) to the last receiver
     // (least z).
     b.min.z = receivers.min.z;
     b.max.z = casters.max.z;
     if b.is_empty() {
-        // Nothing can fall on anything: any space will do.
+        // Nothing can be shadowed: any space will do.
         b = Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),
@@ -53,9 +53,9 @@ pub(super) fn tight(
     show(view_from_world, &with_border(&b, size, margin))
 }
 
-/// Returns the light's view for tight fits, turned so that `up` (world space) is up.
+/// Returns the light's view for tight fits, oriented so that `up` (world space) is up.
 pub(super) fn view(input: &FitInput<'_>, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {
-    // An eye amid the casters keeps numbers small when the scene is far from the origin.
+    // Place the eye among the casters, to keep numbers small if the scene is far from the origin.
     let eye = if input.view.casters.is_empty() {
         Vec3::ZERO
     } else {
@@ -64,12 +64,12 @@ pub(super) fn view(input: &FitInput<'_>, direction: Vec3, up: Vec3) -> Result<Ma
     look_along(eye, direction, up)
 }
 
-/// Returns the light space for some of all receivers: those in the box `receivers` of the light's
-/// view, and, where seen points are known, those of `input`. None if nothing can fall on them.
+/// Returns the light space for a part of the receivers: those in the box `receivers` of the light's
+/// view and, if visible points are known, those of `input`. `None` if no shadow can fall on them.
 ///
-/// Other receivers may be looked up on the map, too, wherever all that a kernel reaches lies on it:
-/// so in depth it runs from the first of all casters that show on it, and sideways it goes around
-/// all that a kernel may find a caster from.
+/// Other receivers may also be looked up on the map, if everything within the kernel's reach is on
+/// it. So in depth the map begins at the first caster visible on it. Laterally it includes all
+/// positions at which a kernel may find a caster.
 pub(super) fn tight_part(
     input: &FitInput<'_>,
     view_from_world: Mat4,
@@ -91,8 +91,7 @@ pub(super) fn tight_part(
     if b.is_empty() {
         return Ok(None);
     }
-    // A kernel finds casters from as far as it reaches, and one more texel for where they lie in
-    // theirs.
+    // A kernel finds casters within its reach, plus one texel for their position within a texel.
     let texel = b.extent() / inner(size, margin);
     let reach = texel * (margin + 2.0);
     let reached = Aabb {
@@ -118,7 +117,7 @@ pub(super) fn tight_part(
     show(view_from_world, &shown).map(Some)
 }
 
-/// Returns a space in which nothing of the scene lies: for maps that nothing is looked up in.
+/// Returns a space that contains no part of the scene, for maps that are never looked up.
 pub(super) fn nowhere(input: &FitInput<'_>, view_from_world: Mat4) -> Result<LightSpace, Invalid> {
     let casters = bounds_in(&view_from_world, &caster_points(input));
     let receivers = bounds_in(&view_from_world, &receiver_points(input));
@@ -132,9 +131,9 @@ pub(super) fn nowhere(input: &FitInput<'_>, view_from_world: Mat4) -> Result<Lig
     show(view_from_world, &shown)
 }
 
-/// Returns a box of the light's view with room for kernels at the outermost receivers.
+/// Returns a box of the light's view with a border for kernels at the outermost receivers.
 fn with_border(b: &Aabb, size: u32, margin: f32) -> Aabb {
-    // The box takes the inner texels, so that `margin` and one more texel are left on each side.
+    // The box covers the inner texels, so that `margin` and one more texel are left on each side.
     let texel = b.extent() / inner(size, margin);
     let grow = (texel * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
     Aabb {
@@ -143,7 +142,7 @@ fn with_border(b: &Aabb, size: u32, margin: f32) -> Aabb {
     }
 }
 
-/// Returns the light space that shows a box of the light's view.
+/// Returns the light space that covers a box of the light's view.
 fn show(view_from_world: Mat4, b: &Aabb) -> Result<LightSpace, Invalid> {
     let extents = Extents {
         left: b.min.x,
@@ -159,7 +158,7 @@ fn show(view_from_world: Mat4, b: &Aabb) -> Result<LightSpace, Invalid> {
     })
 }
 
-/// Returns a box of a light's view with other depths: from `last` (the least z) to `first`.
+/// Returns a box of a light's view with another depth range: from `last` (the least z) to `first`.
 fn with_depths(b: &Aabb, last: f32, first: f32) -> Aabb {
     Aabb {
         min: b.min.with_z(last),
@@ -167,14 +166,14 @@ fn with_depths(b: &Aabb, last: f32, first: f32) -> Aabb {
     }
 }
 
-/// Returns how many texels of a map's side are left for receivers: all but the kernel's reach and
-/// one texel on each side.
+/// Returns the number of texels along a map's side that are left for receivers: all but the
+/// kernel's reach and one texel on each side.
 pub(super) fn inner(size: u32, margin: f32) -> f32 {
     (size as f32 - 2.0 * margin - 2.0).max(1.0)
 }
 
-/// Returns the box, in the light's view, around casters that can shadow a receiver; `receivers` is
-/// the box around these.
+/// Returns the box, in the light's view, around the casters that can shadow a receiver. `receivers`
+/// is the box around the receivers.
 fn needed_casters(
     input: &FitInput<'_>,
     geometry: &Geometry,
@@ -194,7 +193,7 @@ fn needed_casters(
     };
     let all = casters_on(&space, geometry);
     let receiving = Receiving::new(input.seen.as_ref(), geometry, &space, &column);
-    // The fit covers no more than either box, so its texels are no greater than these sides' ones.
+    // The fit is within both boxes, so its texels are no larger than those of the smaller sides.
     let greatest_side = (all.max - all.min)
         .min(column.max - column.min)
         .max(DVec3::ZERO)
@@ -210,8 +209,8 @@ fn needed_casters(
         Need::new(space, geometry, &receiving, &reach)
     };
     let mut first = all.min.z;
-    // Of a light with an extent, how far a search for blockers goes depends on the first caster
-    // that matters, which may be farther than the first of all.
+    // For an area light, the blocker search radius depends on the first caster that matters, which
+    // may be farther than the first caster.
     if !input.view.light.is_ideal() {
         first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
     }

@@ -22,7 +22,8 @@ use crate::{
 use glam::{Mat4, Vec3};
 use std::ops::Range;
 
-/// Returns the light space of a single map: one square pyramid. Parameters as [`Fit::light_space`].
+/// Returns the light space of a single map: one square pyramid. Parameters as for
+/// [`Fit::light_space`].
 ///
 /// Errors if it would be wider than [`WIDEST_HALF_ANGLE`] allows.
 pub(super) fn single(
@@ -63,8 +64,8 @@ pub(super) fn single(
     })
 }
 
-/// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they
-/// start in.
+/// Returns the six faces of a cube. Each is slightly wider than 90 degrees, so that kernels stay
+/// within the face of their receiver.
 pub(super) fn cube(
     fit: &Fit,
     input: &FitInput<'_>,
@@ -72,8 +73,8 @@ pub(super) fn cube(
     size: u32,
     margin: f32,
 ) -> Result<LightSpaces, RecipeError> {
-    // A face of half angle a, widened by the kernel's reach, gets the tangent
-    // `tan(a) size / inner`: with a = 45 degrees it must be at most that of the widest half angle.
+    // A face of half angle a, widened by the kernel's reach, has the tangent `tan(a) size / inner`.
+    // With a = 45 degrees it must be at most that of the greatest half angle.
     let widest_tangent = WIDEST_HALF_ANGLE.to_radians().tan();
     let inner = size as f32 - 2.0 * margin - 2.0;
     if inner < size as f32 / widest_tangent && margin > 0.0 {
@@ -121,8 +122,8 @@ pub(super) fn cube(
     Ok(out)
 }
 
-/// Whether one map may take a cube's place: if it is for a spot, if its texels are no larger than a
-/// cube's, or if it could hold all casters.
+/// Returns whether one map may replace a cube: for a spot light, if its texels are no larger than a
+/// cube's, or if it could contain all casters.
 pub(super) fn suffices(
     one: &LightSpace,
     input: &FitInput<'_>,
@@ -136,17 +137,17 @@ pub(super) fn suffices(
         || input.cone_around_casters(eye).half_angle.to_degrees() <= WIDEST_HALF_ANGLE
 }
 
-/// Returns a half angle (radians) made wider by the kernel's reach, so that the outermost
-/// receivers' taps stay on the map.
+/// Returns a half angle (radians) widened by the kernel's reach, so that samples around the
+/// outermost receivers stay on the map.
 fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
     let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
-    // A kernel as wide as the map would open the angle without end.
+    // Limit the angle: a kernel as wide as the map would widen it without bound.
     tangent
         .atan()
         .min(WIDEST_HALF_ANGLE.to_radians().max(half_angle))
 }
 
-/// Returns a spot's own cone; none for other lights.
+/// Returns the cone of a spot light; `None` for other lights.
 fn spot_cone(light: &Light) -> Option<Cone> {
     match *light {
         Light::Spot {
@@ -162,8 +163,8 @@ fn spot_cone(light: &Light) -> Option<Cone> {
     }
 }
 
-/// Returns the cone of what one map has to show: a spot's own, else one around casters; narrower
-/// where a lamp knows what matters.
+/// Returns the cone that one map must cover: that of a spot light, or the one around all casters.
+/// It is narrowed to the casters that matter if `lamp` is given.
 fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone, RecipeError> {
     let own_cone = spot_cone(input.view.light);
     let widest = own_cone.unwrap_or_else(|| input.cone_around_casters(eye));
@@ -179,7 +180,8 @@ fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone
             half_angle: padded_half_angle(&narrowed).min(widest.half_angle),
         });
     }
-    // A spot's cone is as wide as its light; of other lamps, less than all casters may matter.
+    // Use the cone of a spot light as it is. For others, the casters that matter may fit in one
+    // map.
     if own_cone.is_none()
         && let Some(pyramid) = lamp.aimed()?
     {
@@ -191,12 +193,12 @@ fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone
     Ok(widest)
 }
 
-/// Returns a pyramid's half angle, radians, with room for rounding.
+/// Returns a pyramid's half angle, radians, with padding for rounding.
 fn padded_half_angle(pyramid: &SquarePyramid) -> f32 {
     pyramid.tangent.atan() as f32 + ANGLE_PADDING
 }
 
-/// Whether something casts and something seen receives within a cube's face.
+/// Returns whether a cube's face contains both casters and visible receivers.
 fn is_needed(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
     let Some(g) = input.view.geometry else {
         return true;
@@ -211,7 +213,7 @@ fn is_needed(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) -> b
     }
 }
 
-/// Returns whether a part of one of the triangles with these ids lies in the pyramid.
+/// Returns whether a part of one of the triangles with these ids is in the pyramid.
 fn meets_any(pyramid: &ViewPyramid, geometry: &Geometry, ids: Range<u32>) -> bool {
     depth_range_of(pyramid, geometry, ids).is_some()
 }
@@ -223,22 +225,22 @@ fn pyramid(view_from_world: &Mat4, half_angle: f32) -> ViewPyramid {
     }
 }
 
-/// Distances along the view to the nearest caster of all and beyond the farthest receiver.
+/// Returns the distance of the nearest caster along the view, and one beyond the farthest receiver.
 fn whole_range(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) -> [f32; 2] {
     let near = match input.view.geometry {
         Some(g) => {
             let pyramid = pyramid(view_from_world, half_angle);
             depth_range_of(&pyramid, g, g.casters()).map(|[near, _]| near)
         }
-        // Of a box, nothing is known but its nearest corner.
+        // For a box, only the nearest corner is known.
         None => Some(-bounds_in(view_from_world, &caster_points(input)).max.z * 0.999)
             .filter(|near| near.is_finite()),
     };
     range(near, far_plane(input, view_from_world))
 }
 
-/// The far plane: at twice the distance of the farthest receiver along the view. Perspective depth
-/// hardly depends on it, and rounding cannot push receivers beyond it.
+/// Returns the far plane: twice the distance of the farthest receiver along the view. This barely
+/// affects perspective depth, and rounding cannot move receivers beyond it.
 fn far_plane(input: &FitInput<'_>, view_from_world: &Mat4) -> f32 {
     let receivers = bounds_in(view_from_world, &receiver_points(input));
     let far = if receivers.is_empty() {
@@ -253,8 +255,8 @@ fn far_plane(input: &FitInput<'_>, view_from_world: &Mat4) -> f32 {
     }
 }
 
-/// Returns near and far planes; the near one at most halfway to the far one, and there if nothing
-/// is near.
+/// Returns near and far planes. The near plane is at most halfway to the far plane, and is exactly
+/// there if `near` is `None`.
 fn range(near: Option<f32>, far: f32) -> [f32; 2] {
     [
         near.unwrap_or(far * 0.5)

@@ -1,4 +1,4 @@
-//! What a fit goes around.
+//! Points that a fit has to contain.
 
 use crate::{
     gbuffer::seen_points::SeenPoints,
@@ -14,20 +14,20 @@ use crate::{
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 use std::ops::Range;
 
-/// Points of the world, with boxes around them where they are many.
+/// World-space points, with boxes around them if they are many.
 #[derive(Clone, Debug)]
 pub(super) enum Points<'a> {
     /// The corners of a box.
     Corners(Aabb),
     /// The corners of a range of triangles.
     Triangles(&'a Geometry, Range<u32>),
-    /// What a camera sees.
+    /// The visible points of a camera.
     Seen(&'a SeenPoints<'a>),
 }
 
 impl Points<'_> {
-    /// Returns the least `value` of all points; infinity without any. No point in a box may have
-    /// less than the `bound` of the box, which is that of rounded values, too.
+    /// Returns the least `value` of all points; infinity without any. `bound` must be a lower bound
+    /// for all points in a box, after rounding, too.
     pub(super) fn least(&self, bound: impl Fn(&Aabb) -> f64, value: impl Fn(Vec3) -> f64) -> f64 {
         match self {
             Self::Corners(b) => least_of(b.corners(), value),
@@ -66,7 +66,7 @@ pub(super) fn caster_points<'a>(input: &FitInput<'a>) -> Points<'a> {
     }
 }
 
-/// What is seen if it is known, else all that may receive, else the casters themselves.
+/// Returns the visible points if known, otherwise all receivers, otherwise the casters.
 pub(super) fn receiver_points<'a>(input: &'a FitInput<'_>) -> Points<'a> {
     match (&input.seen, input.view.geometry) {
         (Some(seen), _) => Points::Seen(seen),
@@ -75,11 +75,11 @@ pub(super) fn receiver_points<'a>(input: &'a FitInput<'_>) -> Points<'a> {
     }
 }
 
-/// Returns the box around points in view space, grown so that the rounding of later lookups cannot
-/// put a point outside.
+/// Returns the box around points in view space, padded so that the rounding of later lookups cannot
+/// move a point outside.
 pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
     let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
-    // Of the coordinate along an axis, the least times `sign`, rounded to 32 bits.
+    // Find the least coordinate along an axis, times `sign`, rounded to 32 bits.
     let least = |axis: usize, sign: f64| {
         let bound = |b: &Aabb| {
             let in_view = ViewBox::padded(&view_from_world, b);
@@ -98,8 +98,8 @@ pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
     padded(around, reach(&points.bounds()))
 }
 
-/// A view-space box, grown by 2^-16 of its reach, and by 8 units in the last place of the world
-/// coordinates (up to `world`) that lookups start from.
+/// Returns a view-space box, grown by 2^-16 of its reach, and by 8 units in the last place of the
+/// world coordinates (up to `world`) from which lookups start.
 pub(super) fn padded(b: Aabb, world: f32) -> Aabb {
     let pad = rounding(&b, world);
     Aabb {
@@ -108,7 +108,7 @@ pub(super) fn padded(b: Aabb, world: f32) -> Aabb {
     }
 }
 
-/// How far rounding may move a point in view space, metres.
+/// Returns the greatest displacement of a point in view space by rounding, metres.
 pub(super) fn rounding(b: &Aabb, world: f32) -> f32 {
     let reach = b.min.abs().max(b.max.abs()).max_element();
     if reach.is_finite() {
@@ -118,12 +118,12 @@ pub(super) fn rounding(b: &Aabb, world: f32) -> f32 {
     }
 }
 
-/// Returns the greatest coordinate of the casters.
+/// Returns the greatest absolute coordinate of the casters.
 pub(super) fn caster_reach(input: &FitInput<'_>) -> f32 {
     reach(&input.view.casters)
 }
 
-/// Returns the greatest coordinate, without its sign, of the points in a box; 0 for an empty one.
+/// Returns the greatest absolute coordinate of the points in a box; 0 for an empty one.
 fn reach(b: &Aabb) -> f32 {
     if b.is_empty() {
         0.0
@@ -132,7 +132,7 @@ fn reach(b: &Aabb) -> f32 {
     }
 }
 
-/// A box around all casters on a map; loose.
+/// Returns a loose box around all casters on a map.
 pub(super) fn casters_on(space: &MapSpace, geometry: &Geometry) -> MapBounds {
     let casters = geometry.casters();
     let runs = geometry.box_tree();
@@ -142,7 +142,7 @@ pub(super) fn casters_on(space: &MapSpace, geometry: &Geometry) -> MapBounds {
     )
 }
 
-/// Returns the box, in map space, around those points of an image that lie within a column.
+/// Returns the box, in map space, around the points of an image within a column.
 pub(super) fn seen_on(space: &MapSpace, seen: &SeenPoints<'_>, column: &MapBounds) -> MapBounds {
     let group = |b: &Aabb| {
         let group = space.group(b);
@@ -162,9 +162,9 @@ pub(super) fn seen_on(space: &MapSpace, seen: &SeenPoints<'_>, column: &MapBound
     })
 }
 
-/// Returns the box around the boxes of all runs: `group` returns a box around all that a box of the
-/// world may hold, and `search(bound, value)` the least `value` of the runs' boxes, by the `least`
-/// of their tree.
+/// Returns the box around the boxes of all runs. `group` returns a box around the contents of a
+/// world-space box. `search(bound, value)` returns the least `value` of the runs' boxes, using the
+/// `least` of their tree.
 fn least_bounds(
     group: impl Fn(&Aabb) -> MapBounds,
     search: impl Fn(&dyn Fn(&Aabb) -> f64, &dyn Fn(&MapBounds) -> f64) -> f64,

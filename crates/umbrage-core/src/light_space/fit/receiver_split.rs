@@ -1,11 +1,10 @@
-//! Cuts of the camera's view that follow what is seen: see
-//! [`Split::Receivers`](crate::Split::Receivers).
+//! Slice ends that follow the visible receivers, see [`Split::Receivers`](crate::Split::Receivers).
 //!
-//! Seen receivers are sorted into bins by their distance along the view. A slice of some of the
-//! bins has a map around their receivers, whose texels are as large as its side says; on the
-//! picture a texel is the larger the nearer the receiver. So a slice costs its side times the sum
-//! over its receivers of one over their distance, and the cheapest cuts are found by dynamic
-//! programming over the bins (Bellman 1954).
+//! Visible receivers are sorted into bins by their distance along the view. The map of a slice
+//! covers the receivers of its bins. The side of the map determines the size of its texels, which
+//! is larger in the image the nearer the receiver is. The cost of a slice is its side times the sum
+//! of one over the distances of its receivers. Dynamic programming over the bins finds the cheapest
+//! cuts (Bellman 1954).
 
 use crate::{
     light_space::fit::{cascades::CascadeInput, frustum::Slice},
@@ -13,18 +12,18 @@ use crate::{
 };
 use glam::{DAffine3, DVec3};
 
-/// Bins in which a distance doubles. Ends are those of bins, so that small moves of the camera
-/// mostly leave them where they are.
+/// Number of bins per doubling of the distance. Ends are those of bins, so that small moves of the
+/// camera rarely change them.
 const BINS_PER_OCTAVE: f64 = 8.0;
-/// Most bins: more doublings than coordinates of 32 bits can tell apart.
+/// Greatest number of bins: more doublings than the range of 32-bit coordinates.
 const MAX_BINS: i64 = 1024;
 
-/// The seen receivers within some distances.
+/// The visible receivers in a range of distances.
 #[derive(Clone, Copy, Debug)]
 struct Bin {
-    /// The sum, over those that face the light, of a pixel's share of a metre.
+    /// Sum of a pixel's share of a metre over the receivers that face the light.
     pixels_per_metre: f64,
-    /// Least and greatest coordinates, light's view.
+    /// Least and greatest coordinates, in the light's view.
     around: [DVec3; 2],
 }
 
@@ -45,14 +44,14 @@ impl Bin {
     }
 }
 
-/// Bins in a row, the first at the index `first`.
+/// Consecutive bins, the first at the index `first`.
 struct Bins {
     first: i64,
     bins: Vec<Bin>,
 }
 
-/// Returns where `count` slices end, metres along the camera's view; none if receivers aren't
-/// known, or none is seen.
+/// Returns the ends of `count` slices, metres along the camera's view. `None` if receivers aren't
+/// known, or none is visible.
 pub(super) fn ends(input: &CascadeInput<'_>, count: usize) -> Option<Vec<f64>> {
     let bins = bins(input)?;
     // A stable fit ends at its range.
@@ -66,7 +65,7 @@ pub(super) fn ends(input: &CascadeInput<'_>, count: usize) -> Option<Vec<f64>> {
     Some(cuts.into_iter().map(end_of).collect())
 }
 
-/// Returns the index of the bin of a distance, which is positive.
+/// Returns the index of the bin of a positive distance.
 fn bin_of(distance: f64) -> i64 {
     (distance.log2() * BINS_PER_OCTAVE).floor() as i64
 }
@@ -76,7 +75,7 @@ fn distance_of(bin: i64) -> f64 {
     (bin as f64 / BINS_PER_OCTAVE).exp2()
 }
 
-/// Returns the seen receivers in bins; none if there are none.
+/// Returns the bins of the visible receivers; `None` if there are none.
 fn bins(input: &CascadeInput<'_>) -> Option<Bins> {
     let receivers = input.input.view.receivers?;
     let range = input.range();
@@ -87,7 +86,7 @@ fn bins(input: &CascadeInput<'_>) -> Option<Bins> {
     if range.end <= 0.0 {
         return None;
     }
-    // What is nearer than the nearest distance shares its bin.
+    // Receivers nearer than the nearest distance share its bin.
     let first = bin_of(range.begin.max(nearest).min(range.end));
     let last = bin_of(range.end).clamp(first, first + MAX_BINS - 1);
     let mut bins = vec![Bin::EMPTY; (last - first + 1) as usize];
@@ -121,7 +120,7 @@ fn bins(input: &CascadeInput<'_>) -> Option<Bins> {
 /// Returns the last bin of each of `count` slices.
 fn cheapest_cuts(input: &CascadeInput<'_>, bins: &Bins, count: usize) -> Vec<usize> {
     let n = bins.bins.len();
-    // `cost[a][b]`: that of a slice from bin `a` to bin `b`.
+    // `cost[a][b]` is the cost of a slice from bin `a` to bin `b`.
     let mut cost = vec![vec![0.0_f64; n]; n];
     for (a, cost) in cost.iter_mut().enumerate() {
         let mut all = Bin::EMPTY;
@@ -140,8 +139,8 @@ fn cheapest_cuts(input: &CascadeInput<'_>, bins: &Bins, count: usize) -> Vec<usi
             }
         }
     }
-    // `least[b]`: the least cost of the bins up to `b` in the slices so far; `from[slice][b]`:
-    // where the last of them begins.
+    // `least[b]` is the least cost of the bins up to `b` with the slices so far; `from[slice][b]`
+    // is the first bin of the last of them.
     let mut least = cost[0].clone();
     let mut from = vec![vec![0; n]];
     for _ in 1..count {

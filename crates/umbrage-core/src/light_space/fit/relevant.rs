@@ -1,4 +1,4 @@
-//! Which casters matter on maps that are fitted already.
+//! Selection of the casters that matter on fitted maps.
 
 use crate::{
     gbuffer::seen_points::SeenPoints,
@@ -15,18 +15,18 @@ use crate::{
 };
 use glam::DVec3;
 
-/// Ids of the casters that can change the answer of a lookup: for each receiver that is seen (each
-/// triangle that receives, where that is unknown), what lies before it within reach. The others may
-/// be left out of the maps that lie in `spaces` without changing any answer. It is what
-/// [`Fit::Tight`](super::Fit::Tight) goes around.
+/// Returns the ids of the casters that can change the result of a lookup: those that are before a
+/// visible receiver, within reach. If visible receivers are unknown, all receiving triangles count.
+/// The other casters may be omitted from the maps in `spaces` without changing any result.
+/// [`Fit::Tight`](super::Fit::Tight) covers these casters.
 ///
-/// `size` is the maps' side in texels; `margin` is how far, in texels, a kernel reaches beyond the
-/// texel that a receiver falls on; searches for blockers, as wide as the light's extent asks for,
-/// come on top. Biases may move receivers away from the light by 1/64 of the map's depth range, and
-/// along their plane by a tenth a texel; casters' depths are taken as they are, so polygon offsets
-/// must not be negative.
+/// `size` is the side of the maps in texels. `margin` is the reach of a kernel, in texels, beyond
+/// the texel that contains the receiver; the radius of blocker searches is added to it. Biases may
+/// move receivers away from the light by 1/64 of the map's depth range, and along their plane by a
+/// tenth of the range per texel. Polygon offsets must not be negative, as the casters' depths are
+/// used without them.
 ///
-/// In order, each once; empty where the view has no triangles.
+/// The ids are rising and unique; empty if the view has no triangles.
 pub fn relevant_casters(view: &View<'_>, spaces: &LightSpaces, size: u32, margin: f32) -> Vec<u32> {
     let Some(geometry) = view.geometry else {
         return Vec::new();
@@ -71,7 +71,7 @@ fn on_map(
     Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters())
 }
 
-/// What a map covers, in map space.
+/// Returns the bounds of a map, in map space.
 fn column(space: &LightSpace, map: &MapSpace) -> MapBounds {
     let view_from_clip = space.clip_from_view.as_dmat4().inverse();
     let corner = |x: f64, y: f64, depth: f64| {

@@ -1,15 +1,15 @@
-//! Stable fits of parallel light: a map that a moving camera moves by whole texels.
+//! Stable fits of parallel light: a map that moves with the camera by whole texels.
 //!
 //! Three things make shadows shimmer while a camera moves: texels that change size, texels that
-//! turn, and texels that slide over the world. So the map goes around a sphere, which is as large
-//! however it turns; its axes hang on the light alone; and it moves in steps of a texel (Valient
-//! 2008, "Stable rendering of cascaded shadow maps").
+//! turn, and texels that slide over the world. So the map covers a sphere, whose size doesn't
+//! depend on the camera's orientation. Its axes depend only on the light. It moves in steps of a
+//! texel (Valient 2008, "Stable rendering of cascaded shadow maps").
 //!
-//! Steps are whole texels in the 32-bit matrix, not only before it is rounded: the view turns about
-//! the world's origin, so that its linear part never changes, and translations are whole numbers of
-//! texels in clip space, which 32-bit floats hold exactly if the map's side is a power of two and
-//! no more than 2^24 texels lie between it and the origin. A point's sum of products is then the
-//! same in every frame, and its place within a texel stays.
+//! Steps are whole texels in the 32-bit matrix, not only before rounding. The view turns about the
+//! world's origin, so that its linear part never changes. Translations are whole numbers of texels
+//! in clip space. 32-bit floats represent these exactly if the map's side is a power of two and at
+//! most 2^24 texels separate it from the origin. A point's sum of products is then the same in
+//! every frame, and its position within a texel stays.
 
 use crate::{
     geometry::aabb::Aabb,
@@ -28,31 +28,31 @@ use crate::{
 };
 use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 
-/// Steps in which the near plane moves, as a fraction of the sphere's radius.
+/// Step of the near plane, as a fraction of the sphere's radius.
 const DEPTH_STEP: f64 = 0.25;
-/// Steps in which the radius of a slice's sphere doubles.
+/// Number of steps per doubling of the radius of a slice's sphere.
 const RADIUS_STEPS_PER_OCTAVE: f64 = 8.0;
-/// Texels beside the sphere for the outermost receivers' own.
+/// Texels around the sphere for the outermost receivers' own texels.
 const BORDER_TEXELS: f64 = 1.0;
-/// Steps of a map's side in which a map around the camera moves.
+/// Number of steps per side for a map around the camera.
 const CAMERA_STEPS_PER_SIDE: u32 = 32;
-/// Steps of the radius to which the camera's place is rounded: a camera's matrix holds it only as
-/// well as 32-bit floats turn it.
+/// Steps per radius to which the camera's position is rounded: 32-bit rounding in a camera's
+/// rotation disturbs the position in its matrix.
 const CAMERA_STEPS_PER_RADIUS: f64 = 4096.0;
-/// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
+/// Least radius, as a fraction of the coordinates: the resolution of 32-bit positions.
 const MIN_RADIUS_OVER_COORDINATE: f64 = 1.0 / 1_048_576.0;
 
-/// Where the sphere has its centre.
+/// Centre of the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SphereCenter {
-    /// In the middle of what is seen, so that it is smallest.
+    /// The centre of the visible volume: the smallest sphere.
     Seen,
-    /// At the camera, so that it stays where it is while the camera turns.
+    /// The camera: the sphere doesn't move while the camera turns.
     Camera,
 }
 
 impl SphereCenter {
-    /// Returns where the sphere of a stable fit has its centre.
+    /// Returns the centre of the sphere of a stable fit.
     pub(super) fn of_fit(fit: &Fit) -> Self {
         match fit {
             Fit::AroundCamera { .. } => Self::Camera,
@@ -60,7 +60,7 @@ impl SphereCenter {
         }
     }
 
-    /// Returns the whole number of texels in steps of which a map moves.
+    /// Returns the step of the map's position, a whole number of texels.
     fn step(self, size: u32) -> f64 {
         match self {
             Self::Seen => 1.0,
@@ -75,7 +75,7 @@ struct Sphere {
     radius: f64,
 }
 
-/// Returns the light space around what the camera may see up to `range` metres along its view.
+/// Returns the light space around the camera's view up to `range` metres along it.
 ///
 /// Errors if `range` is not positive, or the result is not finite.
 pub(super) fn parallel(
@@ -94,7 +94,7 @@ pub(super) fn parallel(
     around_sphere(view, direction, sphere, center.step(size), size, margin)
 }
 
-/// Returns the light space around what the camera may see in a slice of its view.
+/// Returns the light space around a slice of the camera's view.
 ///
 /// Errors if the result is not finite.
 pub(super) fn slice(
@@ -111,13 +111,13 @@ pub(super) fn slice(
     around_sphere(view, direction, sphere, center.step(size), size, margin)
 }
 
-/// Returns the radius, metres, of the sphere around a slice of what a camera sees.
+/// Returns the radius, metres, of the sphere around a slice of a camera's view.
 pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> f64 {
     slice_sphere(frustum, slice, center).radius
 }
 
-/// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so
-/// texels seldom change size while a field of view does, or the slices' ends.
+/// Returns the sphere around a slice of a camera's view, its radius rounded up to a step. Texels
+/// then rarely change size when the field of view or the slices' ends do.
 fn slice_sphere(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> Sphere {
     let near_corners = frustum.corners_at(slice.begin);
     let far_corners = frustum.corners_at(slice.end);
@@ -125,7 +125,7 @@ fn slice_sphere(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> 
     let steps = (sphere.radius.log2() * RADIUS_STEPS_PER_OCTAVE).ceil();
     let radius = (steps / RADIUS_STEPS_PER_OCTAVE).exp2();
     Sphere {
-        // Not below, by what the two functions round.
+        // Guard against the rounding of the two functions.
         radius: radius.max(sphere.radius),
         ..sphere
     }
@@ -141,11 +141,11 @@ fn around_sphere(
     margin: f32,
 ) -> Result<LightSpace, Invalid> {
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
-    // A step takes the map half of it away from the sphere; one texel is left where that is less.
+    // Allow for half a step of displacement from the sphere, but at least one texel.
     let beside = f64::from(margin) + BORDER_TEXELS + (0.5 * step).max(1.0);
     let inner = (f64::from(size) - 2.0 * beside).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
-    // Casters count wherever a step may take the map.
+    // Casters count at all positions of the map within a step.
     let column_half_side = if step > 1.0 {
         half_side * (1.0 + step / f64::from(size))
     } else {
@@ -158,7 +158,7 @@ fn around_sphere(
         view_from_world,
         clip_from_view: Mat4::from_diagonal(Vec4::new(scale_xy, scale_xy, scale_z, 1.0)),
     };
-    // The sphere's centre in clip space, rounded to whole steps, moves to the middle of the map.
+    // Move the sphere's centre in clip space, rounded to whole steps, to the centre of the map.
     let center = unmoved
         .clip_from_world()
         .as_dmat4()
@@ -179,8 +179,8 @@ fn around_sphere(
     })
 }
 
-/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in
-/// steps, so that clip depths (and with them biases) seldom change: the near plane by quarters of
+/// Returns the near plane's distance and the depth of the space behind it, metres. Both change in
+/// steps, so that clip depths (and with them biases) rarely change: the near plane by quarters of
 /// the radius, the depth by factors of two. `half_side` is that of the column in which casters
 /// count, metres.
 fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f64) -> [f64; 2] {
@@ -219,8 +219,8 @@ pub(super) fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds
     need.map_or(f64::INFINITY, |need| need.first_rank())
 }
 
-/// Returns the smallest of the spheres around what the camera may see (`seen`), what casts, and
-/// what receives; not so small that 32-bit positions in it could not be told apart.
+/// Returns the smallest of the spheres around the camera's view (`seen`), the casters, and the
+/// receivers. Its radius is at least the resolution of 32-bit positions in it.
 fn smallest(view: &View<'_>, seen: Sphere) -> Sphere {
     let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
     let boxes = [Some(view.casters), receivers]
@@ -250,8 +250,8 @@ fn around(b: &Aabb) -> Sphere {
     }
 }
 
-/// Returns the sphere, world space, around what a camera sees between two rectangles across its
-/// view (view space). The radius depends on the projection alone.
+/// Returns the sphere, world space, around a camera's view between two rectangles across it (view
+/// space). The radius depends only on the projection.
 fn around_view(
     frustum: &CameraFrustum,
     near_corners: &[DVec3; 4],
@@ -277,31 +277,30 @@ fn around_view(
     }
 }
 
-/// Returns a sphere around another one, its centre at a place that stays the same whatever 32-bit
-/// floats rounded.
+/// Returns a sphere around another one, with a rounded centre that doesn't depend on 32-bit
+/// rounding.
 fn at_rounded_place(sphere: Sphere) -> Sphere {
-    // A power of two, so that places like 0 or 3.5 lie in the middle between the bounds of
-    // rounding.
+    // Use a power of two, so that coordinates like 0 or 3.5 are midway between rounding boundaries.
     let step = (sphere.radius / CAMERA_STEPS_PER_RADIUS)
         .log2()
         .floor()
         .exp2();
     Sphere {
         center: (sphere.center / step).round() * step,
-        // The centre moves by less than a step: by half of it along each axis.
+        // The centre moves by less than a step: by half a step along each axis.
         radius: sphere.radius + step,
     }
 }
 
-/// Returns the point on the line between the middles of two rectangles across a view that is as far
-/// from the corners of both as can be.
+/// Returns the point on the line between the centres of two rectangles across a view that minimizes
+/// the greatest distance to their corners.
 fn center_of_view(near_corners: &[DVec3; 4], far_corners: &[DVec3; 4]) -> DVec3 {
     let near_middle = middle(near_corners);
     let far_middle = middle(far_corners);
     let near_radius_squared = radius_squared(near_corners, near_middle);
     let far_radius_squared = radius_squared(far_corners, far_middle);
-    // With l the distance of the middles and s the centre's share of it, the corners are equally
-    // far from the centre where near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
+    // With l the distance of the centres and s the position along it, the corners are equally far
+    // from the point where near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
     let length_squared = near_middle
         .distance_squared(far_middle)
         .max(f64::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! Fits by themselves; snapshots of their matrices are among the suite's.
+//! Unit tests of fits; snapshots of their matrices are in the test suite.
 
 use super::*;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 };
 use glam::{Affine3A, UVec2};
 
-/// A floor of 20 m through (0, 0, 0) and a small quad `h` above it.
+/// Returns a floor of 20 m through (0, 0, 0) and a small quad `h` above it.
 fn floor_and_quad(h: f32) -> Geometry {
     let corner = |x, z| Vec3::new(x, 0.0, z);
     let corners = vec![
@@ -58,7 +58,7 @@ fn space(light: &Light, geometry: &Geometry) -> LightSpace {
         .unwrap()
 }
 
-/// The floor reaches behind the lamp's plane, but not into its cone above the ground.
+/// The floor crosses the light's plane, but is outside its cone above the ground.
 #[test]
 fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
     let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.6, -0.8, 0.0));
@@ -68,9 +68,9 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
     assert!(near > 3.5 && near < 4.2, "{near}");
 }
 
-/// A ceiling just below a lamp with an extent lies beside its map. Lookups near the map's edge
-/// would search there for blockers, but a map cannot show them: so they do not pull its near plane
-/// up to the lamp.
+/// A ceiling just below an area light is outside its map. Lookups near the map's edge would search
+/// there for blockers, but a map cannot contain them, so they must not move its near plane to the
+/// light.
 #[test]
 fn casters_beside_the_map_cost_no_precision() {
     let position = Vec3::new(0.0, 5.0, 0.0);
@@ -114,8 +114,8 @@ fn casters_beside_the_map_cost_no_precision() {
     assert_eq!(near(&[floor, table, left, right]), bare);
 }
 
-/// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far
-/// plane.
+/// No receiver is moved beyond the far plane, for every tilt of the light and with a caster close
+/// to it.
 #[test]
 fn rounding_keeps_receivers_before_the_far_plane() {
     for i in 0..50 {
@@ -135,8 +135,8 @@ fn rounding_keeps_receivers_before_the_far_plane() {
     }
 }
 
-/// What is remembered is what would be found anew; and it is remembered, or another scene would not
-/// get the first one's fit.
+/// A cached fit equals a recomputed one. A scene with the same cache gets the first scene's fit,
+/// which shows that the cache is used.
 #[test]
 fn a_memory_gives_what_was_found() {
     let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.28, -0.96, 0.0));
@@ -170,7 +170,7 @@ fn a_memory_gives_what_was_found() {
         assert_ne!(
             fit(&high, None, size, layout),
             anew,
-            "the scenes are not told apart"
+            "the scenes have the same fit"
         );
         assert_eq!(fit(&high, Some(&memory), size, layout), anew);
         found.push(anew);

@@ -9,16 +9,16 @@ use super::{
 };
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-/// How help spells the program's invocation. [`parse`] replaces it by the program's own.
+/// The program's invocation in help texts. [`parse`] replaces it by that of the program.
 const INVOCATION: &str = "cargo xtask";
 
 /// Measures shadow techniques: speed, and error against ray-traced truth.
 #[derive(Debug, Parser)]
 #[command(disable_help_subcommand = true)]
 #[command(after_help = "Examples:
-  cargo xtask compare                   every built-in scene, technique and backend: table and report
-  cargo xtask stability --quick         where each technique fails: a matrix with pictures
-  cargo xtask plan cubes --max-time 2   the best shadows for that scene within two milliseconds")]
+  cargo xtask compare                   built-in scenes, all techniques and backends: table, report
+  cargo xtask stability --quick         where each technique fails: a matrix with images
+  cargo xtask plan cubes --max-time 2   most accurate shadows of a scene within two milliseconds")]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -28,26 +28,25 @@ struct Cli {
 pub(crate) enum Command {
     /// Measure techniques on scenes: speed, and error against ray-traced truth
     Compare(CompareArguments),
-    /// Play the catalogue of failures: where each technique passes, degrades or fails
+    /// Run the failure tests: where each technique passes, degrades or fails
     Stability(StabilityArguments),
-    /// Find the least that a scene needs: the cheapest technique and setting within an error, time
-    /// or memory
+    /// Plan the cheapest technique and setting within bounds of error, time or memory
     Plan(PlanArguments),
-    /// Write which technique to use by light, size, motion and budget, from what was measured
+    /// Write recommendations by light, size, motion and budget, from measured results
     Which(WhichArguments),
-    /// Compare the default bias with the best that could be tuned by hand
+    /// Compare the default bias with the best manually tuned one
     Bias(BiasArguments),
-    /// Join the reports of a comparison's shards
+    /// Join the reports of the shards of a comparison
     Merge(MergeArguments),
-    /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
+    /// Time the CPU backend, the wgpu backend and ray tracing against reference programs
     Bench(BenchArguments),
-    /// Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes
+    /// Measure a graphics card: its rounding, agreement with the CPU, and frame times
     Card(CardArguments),
-    /// Print the shader text of a technique, as it is pasted into a shader
+    /// Print the shader text of a technique, to paste into a shader
     Wgsl(WgslArguments),
 }
 
-/// Returns what the command line asks for. Ends the process after `--help` (0) and wrong usage (2).
+/// Parses the command line. Ends the process after `--help` (0) and wrong usage (2).
 pub(crate) fn parse(invocation: &'static str) -> Command {
     let matches = command(invocation).get_matches();
     match Cli::from_arg_matches(&matches) {
@@ -56,7 +55,7 @@ pub(crate) fn parse(invocation: &'static str) -> Command {
     }
 }
 
-/// Returns the description of the command line, with examples that start with `invocation`.
+/// Returns the command line's description, with examples that start with `invocation`.
 fn command(invocation: &'static str) -> clap::Command {
     let whole = Cli::command().name(invocation).bin_name(invocation);
     let whole = with_own_examples(whole, invocation);
@@ -67,8 +66,7 @@ fn command(invocation: &'static str) -> clap::Command {
     whole.mut_subcommand("card", without_pack)
 }
 
-/// Returns `card` without `--pack` in its help, which builds programs of umbrage's repository
-/// alone.
+/// Hides `--pack` in the help of `card`, since it only works in umbrage's repository.
 fn without_pack(card: clap::Command) -> clap::Command {
     let examples = card.get_after_help().map(ToString::to_string);
     let examples = examples.unwrap_or_default();
@@ -88,8 +86,8 @@ fn with_own_examples(command: clap::Command, invocation: &str) -> clap::Command 
 mod tests {
     use super::{INVOCATION, command};
 
-    /// Every command's help, as `--help` prints it to a terminal of 100 columns. `cargo xtask`
-    /// prints these files as long as the program isn't built.
+    /// The help of every command, as `--help` prints it to a terminal of 100 columns. `cargo xtask`
+    /// prints these files until the program is built.
     #[test]
     fn help() {
         let mut whole = command(INVOCATION).term_width(100);
@@ -116,11 +114,14 @@ mod tests {
             let help = subcommand.clone().render_long_help().to_string();
             let example = format!("Examples:\n  umbrage {}", subcommand.get_name());
             assert!(help.contains(&example), "{help}");
-            assert!(!help.contains("--pack"), "of the repository alone: {help}");
+            assert!(
+                !help.contains("--pack"),
+                "works in the repository only: {help}"
+            );
         }
     }
 
-    /// What wrong usage says.
+    /// Errors after wrong usage.
     #[test]
     fn usage_errors() {
         let wrong: [&[&str]; 21] = [

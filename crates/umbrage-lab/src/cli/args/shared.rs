@@ -1,12 +1,12 @@
-//! Arguments that several commands have.
+//! Arguments of several commands.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum BackendName {
     /// The CPU, and wgpu if there is a graphics adapter
     Available,
-    /// The CPU alone
+    /// CPU only
     Cpu,
-    /// wgpu alone; fails without a graphics adapter
+    /// wgpu only; fails without a graphics adapter
     Wgpu,
     /// Both; fails without a graphics adapter
     Both,
@@ -32,8 +32,8 @@ pub(crate) struct Shard {
 }
 
 impl Shard {
-    /// Whether the scene in this place, from 0, belongs to it. Neighbours in the list are alike and
-    /// cost alike, so they go to different shards.
+    /// Reports whether the scene with this index, from 0, belongs to the shard. Neighbours in the
+    /// list have similar costs, so they go to different shards.
     pub(crate) fn takes(self, index: usize) -> bool {
         index % self.n == self.k - 1
     }
@@ -50,7 +50,7 @@ pub(crate) fn parse_shard(text: &str) -> Result<Shard, String> {
     match parts {
         Some(shard) if (1..=shard.n).contains(&shard.k) => Ok(shard),
         Some(_) => Err("K must be 1 to N".to_owned()),
-        None => Err("write the shard and their number like 2/8".to_owned()),
+        None => Err("write the shard and the number of shards like 2/8".to_owned()),
     }
 }
 

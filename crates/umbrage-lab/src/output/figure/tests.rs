@@ -1,4 +1,4 @@
-//! Charts are whole, safe whatever the names, and leave out what no axis can show.
+//! Charts are complete, escape all names, and omit values that an axis can't show.
 
 use super::*;
 
@@ -34,9 +34,9 @@ fn svg_is_whole_and_escapes_names() {
     );
     assert!(
         !svg.contains("NaN") && !svg.contains("inf"),
-        "what no axis can show is left out"
+        "values that no axis can show are omitted"
     );
-    assert!(!svg.contains("href"), "it asks for nothing from elsewhere");
+    assert!(!svg.contains("href"), "it is self-contained");
     assert_eq!(svg, figure().svg(), "the same each time");
 }
 
@@ -53,7 +53,7 @@ fn png_is_a_picture_of_twice_the_size() {
         .pixels()
         .filter(|p| p.0[2] > 180 && p.0[0] < 120)
         .count();
-    assert!(blue > 50, "the markers are there: {blue} pixels");
+    assert!(blue > 50, "the markers are drawn: {blue} pixels");
 }
 
 #[test]

@@ -33,14 +33,14 @@ function marker(technique, backend, x, y, radius) {
   return svgEl("path", { d: SHAPES[name], fill: colorOf(technique, backend), transform: `translate(${x} ${y}) scale(${radius})${name === "Cross" ? " rotate(45)" : ""}` });
 }
 
-// How far from a point the pointer finds it, in units of the drawing.
+// Greatest distance at which the pointer finds a point, in units of the drawing.
 const REACH = 24;
 const MARGIN = { left: 58, right: 16, top: 12, bottom: 44 };
 const LETTER = 6.1;
-// Charts in narrower places are scaled down.
+// Charts in narrower containers are scaled down.
 const MIN_WIDTH = 540;
 
-// Ticks at 1, 2 and 5, or at each decade where there are many.
+// Returns ticks at 1, 2 and 5, or at each decade over wide ranges.
 function ticksBetween(least, greatest) {
   const digits = Math.log10(greatest / least) < 2.2 ? [1, 2, 5] : [1];
   const out = [];
@@ -49,7 +49,7 @@ function ticksBetween(least, greatest) {
 }
 const tickText = (v) => (v >= 1e5 || v < 1e-4 ? v.toExponential(0) : String(Number(v.toPrecision(1))));
 
-// An axis from one place to another that holds all values, with a little room at both ends.
+// Returns a logarithmic axis between two positions that contains all values, with a margin at both ends.
 function axisOf(values, room, from, to) {
   const least = Math.min(...values);
   const greatest = Math.max(...values);
@@ -58,7 +58,7 @@ function axisOf(values, room, from, to) {
   return { ends, at: (v) => from + (Math.log(v / ends[0]) / Math.log(ends[1] / ends[0])) * (to - from) };
 }
 
-// Places of the points, and both axes. Exact points lie on a line of their own below the others.
+// Places the points, and returns both axes. Exact points are on their own line below the others.
 function layoutOf(points, spec) {
   const isExact = (p) => p.y < spec.exact;
   const inexact = points.filter((p) => !isExact(p)).map((p) => p.y);
@@ -110,8 +110,8 @@ function drawPoints(svg, points) {
   }
 }
 
-// Labels beside the points that are named, those of fronts above all, where they cover neither each other nor a front's points. What finds no place is
-// left to the pointer.
+// Labels the named points, those of fronts first, where labels cover neither each other nor a front's points. Labels without a free position are only
+// in tooltips.
 function drawLabels(svg, points, spec) {
   const isNamed = points.filter((p) => p.front || p.named);
   const taken = isNamed.map((p) => ({ x: p.px - 7, y: p.py - 7, width: 14, height: 14 }));
@@ -120,7 +120,7 @@ function drawLabels(svg, points, spec) {
   for (const p of isNamed.sort((a, b) => b.front - a.front)) {
     const label = `${p.technique} ${firstSettings(p.settings)}`.trim();
     const width = label.length * LETTER + 4;
-    // Places around a point where its label may begin, the best ones first.
+    // Candidate positions of the label around the point, the best ones first.
     const places = [9, 20, 34, 50].flatMap((away) => [
       [away - 1, -8 - away * 0.8], [away, -6], [-width / 2, -12 - away], [-away - width, -6], [away, 2 + (away - 9)], [-width / 2, away], [-away - width, away - 9],
     ]);
@@ -131,7 +131,7 @@ function drawLabels(svg, points, spec) {
   }
 }
 
-// The shapes below a chart: a click hides and shows a technique, a double click shows it alone.
+// Returns the legend below a chart: a click hides or shows a technique, a double click shows only it.
 function legendOf(points, muted, update) {
   const names = [...new Set(points.map((p) => p.technique))];
   const entry = (name) => {
@@ -145,15 +145,15 @@ function legendOf(points, muted, update) {
   return el("div", { class: "shapes" }, names.map(entry), backends.length > 1 ? words : []);
 }
 
-// A chart of what `spec.points()` gives, drawn anew when the clock or its width changes. Under the pointer a point tells what it is and shows its
-// picture; a click leads to its row.
+// Draws a chart of `spec.points()`, and redraws it when the clock or its width changes. The point under the pointer shows a tooltip and its image; a
+// click leads to its row.
 function chartOf(node, spec) {
   const muted = new Set();
   let drawnAt = 0;
   const draw = () => {
     drawnAt = node.clientWidth;
     if (!drawnAt) return;
-    // As wide as its place, so that letters keep their size.
+    // Use the container's width, so that letters keep their size.
     const width = Math.max(MIN_WIDTH, drawnAt - 24);
     const drawn = { ...spec, right: width - MARGIN.right, bottom: spec.height - MARGIN.bottom, xWords: spec.xWords() };
     const points = spec.points().filter((p) => p.x > 0 && p.y !== null);
@@ -181,7 +181,7 @@ function addPointer(svg, points, muted, onclick) {
     const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
     const distance = (p) => Math.hypot(p.px - at.x, p.py - at.y);
     const near = points.filter((p) => !muted.has(p.technique) && distance(p) < REACH);
-    // Of two points in one place the one on a front is drawn above the other.
+    // Of two points in one position, prefer the one on a front, which is drawn on top.
     return near.reduce((best, p) => (best && distance(best) - (best.front ? 3 : 0) < distance(p) ? best : p), null);
   };
   const light = (point, event) => {

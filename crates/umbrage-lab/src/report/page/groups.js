@@ -1,5 +1,5 @@
 "use strict";
-// The first screen: for each kind of light what to use, as words, pictures and a chart.
+// The first screen: recommendations for each kind of light, as words, images and a chart.
 
 const LIGHTS = { hard: ["Hard shadows", "lights without extent"], soft: ["Soft shadows", "lights with extent"] };
 
@@ -13,15 +13,15 @@ function header() {
   byId("notices").append(...data.notices.map((n) => paragraph("notice", n)), ...data.faults.map((f) => paragraph("notice fault", f)));
 }
 
-// The sentence of a backend, and what fails of the settings that it names.
+// Returns the recommendation for a backend, and the failures of the settings that it names.
 function adviceOf(group) {
   const verdicts = group.advised.map((place) => group.settings[place].shown).filter((row) => row && verdictOf(row));
   const links = verdicts.flatMap((row, i) => [i ? "; " : "", el("b", {}, row.technique), " ", verdictWords(row, 0)]);
   return el("li", {}, el("span", { class: `badge ${group.backend}` }, group.backend),
-    el("span", {}, group.advice || "nothing that was compared is better than no shadow.", links.length ? el("span", { class: "quiet verdicts" }, links) : null));
+    el("span", {}, group.advice || "no compared setting is better than no shadow.", links.length ? el("span", { class: "quiet verdicts" }, links) : null));
 }
 
-// Truth and a few settings of the front, each above its error.
+// Returns truth and a few settings of the front, each mask above its error.
 function strip(group) {
   const scene = scenes[group.scene];
   const rows = group.strip.map((place) => group.settings[place].shown).filter(Boolean);
@@ -30,7 +30,7 @@ function strip(group) {
 }
 
 function stripColumn(row) {
-  if (row.stem === null) return el("div", {}, paragraph("quiet", `${named(row)}: no picture`));
+  if (row.stem === null) return el("div", {}, paragraph("quiet", `${named(row)}: no image`));
   const title = `${row.scene.name} · ${named(row)}`;
   const caption = button({ class: "plain", title: row.settings, onclick: () => showRow(row) }, el("b", {}, row.technique), ` ${firstSettings(row.settings)}`);
   const time = row.frame === null ? `cost ${ms(row.frame_cost)}` : ms(row.frame);
@@ -43,7 +43,7 @@ function groupLines(group, { technique, settings, error, time, range, cost, serv
   return [
     `${technique} on ${group.backend}`, settings, error < 0.001 ? "exact" : `${digits(100 * error)} % of the error of no shadow`,
     time !== null && `${digits(time)} times the time of a hard map (runs: ${range.map(digits).join(" – ")})`,
-    `${digits(cost)} times its counted cost`, `serves ${served} of ${group.scenes} scenes`,
+    `${digits(cost)} times its counted cost`, `supports ${served} of ${group.scenes} scenes`,
     shown && shown.rmse !== null && `on ${shown.scene.name}: RMSE ${rmseWords(shown.rmse)}, ${ms(shown.frame)}`,
   ].filter(Boolean);
 }
@@ -52,7 +52,7 @@ function groupChart(node, current) {
   const point = (group, setting, place) => ({
     x: clock === "time" ? setting.time : setting.cost, y: setting.error, technique: setting.technique, settings: setting.settings, backend: group.backend,
     front: setting.front[clock === "time" ? 0 : 1], row: setting.shown, lines: () => groupLines(group, setting),
-    // Those in the pictures are named, too.
+    // Label the settings in the images, too.
     named: group.strip.includes(place),
   });
   return chartOf(node, {
@@ -64,7 +64,7 @@ function groupChart(node, current) {
   });
 }
 
-// Buttons of which one is on.
+// Returns buttons of which one is on.
 function choice(label, names, first, change) {
   const buttons = names.map(([value, words]) => button({ class: value === first ? "on" : "", onclick: (e) => {
     buttons.forEach((b) => b.classList.toggle("on", b === e.target));
@@ -73,7 +73,7 @@ function choice(label, names, first, change) {
   return el("div", { class: "switch", role: "group", "aria-label": label }, buttons);
 }
 
-// One kind of light: sentences of all backends, then pictures and a chart of one of them.
+// Returns one kind of light: recommendations for all backends, then images and a chart of one of them.
 function lightColumn(groups) {
   const { light } = groups[0];
   let current = groups[0];
@@ -98,20 +98,20 @@ function firstScreen() {
   for (const group of data.groups) for (const setting of group.settings) setting.shown = setting.row === null ? null : scenes[group.scene].rows[setting.row];
   const lights = [...new Set(data.groups.map((g) => g.light))];
   const columns = lights.map((light) => lightColumn(data.groups.filter((g) => g.light === light)));
-  // Time as measured, or cost as counted: one switch for all charts.
+  // Add one switch for all charts, between measured time and counted cost.
   const clocks = data.clock !== "time" ? null : choice("what the charts show", [["time", "measured time"], ["cost", "counted cost"]], clock, (value) => {
     clock = value;
     clockListeners.forEach((listener) => listener());
   });
-  return el("div", {}, el("div", { class: "chartbar" }, el("h2", {}, "What to use"), clocks),
-    paragraph("quiet wide", "The setting from which on a doubled time no longer halves the error, beside a cheaper and an exact one where there are any. Error relative to drawing no shadow, time relative to a hard map of middle size on the same backend. In the charts down and left is better: settings that no other beats in both are joined and named. Point at one for its picture; click for its row."),
+  return el("div", {}, el("div", { class: "chartbar" }, el("h2", {}, "Recommendations"), clocks),
+    paragraph("quiet wide", "The setting beyond which twice the time no longer halves the error, with a cheaper and an exact one if available. Errors are relative to drawing no shadow, times to a hard map of middle size on the same backend. In the charts down and left is better: the settings of the Pareto front are joined and named. Hover for the image; click for the row."),
     verdictSource(),
     el("div", { class: "lights" }, columns));
 }
 
-// How far counted costs may be trusted: their rank correlation with times, over scenes and backends.
+// Returns the rank correlation of counted costs with times, over scenes and backends.
 function costRankTile() {
-  // Small checks count in no mean, where there are frames of real size.
+  // Exclude small checks if there are frames of real size.
   const content = scenes.filter((s) => s.section === "content");
   const all = (content.length ? content : scenes).flatMap((s) => s.cost_ranks.map((r) => ({ place: `${s.name} on ${r.backend}`, correlation: r.correlation })));
   if (!all.length) return [];
@@ -135,7 +135,7 @@ function tiles() {
   ];
   const all = [
     [plural(scenes.length, "scene"), `${plural(measured.length, "row")} measured, ${rows.length - measured.length} not supported`], ...agreement,
-    [`${held} of ${count}`, "negative controls hold: without casters masks show what is left of the light", held === count ? "good" : "bad"], ...costRankTile(),
+    [`${held} of ${count}`, "negative controls hold: without casters masks show only the receivers' own horizon", held === count ? "good" : "bad"], ...costRankTile(),
   ];
   return el("div", { class: "tiles" }, all.map(([value, caption, state]) => el("div", { class: "tile" }, el("b", { class: state }, value), el("span", {}, caption))));
 }

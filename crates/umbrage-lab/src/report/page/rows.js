@@ -1,7 +1,7 @@
 "use strict";
 // The table of all rows, and the matrix of all settings by scenes.
 
-// Rows shown at first: more would take long to lay out.
+// Number of rows shown at first: more would take long to lay out.
 const ROWS_AT_ONCE = 100;
 
 const text = (name, value) => ({ name, value, show: value, isText: true });
@@ -11,7 +11,7 @@ function failedCell(row) {
   const v = verdictOf(row);
   return v ? verdictLink(row, `${v.failed.length} of ${v.measured}${row.is_own_verdict ? "" : "*"}`, null, {}) : "";
 }
-const FRAME = { name: "frame ms", value: frameOf, show: (row) => short(frameOf(row)), title: "what a frame takes" };
+const FRAME = { name: "frame ms", value: frameOf, show: (row) => short(frameOf(row)), title: "time of a frame" };
 const RMSE = { name: "RMSE", value: (row) => row.rmse, show: (row) => rmseWords(row.rmse), title: "root of the mean square error of visibility, 0 to 1" };
 const COLUMNS = [
   text("scene", (row) => row.scene.name),
@@ -22,14 +22,14 @@ const COLUMNS = [
   text("backend", (row) => row.backend),
   RMSE,
   { name: "rows failed", value: (row) => failedShare(verdictOf(row)), show: failedCell, title: "rows of the stability catalogue that the setting fails, of those that measure it" },
-  column("±", "rmse_error", (v) => (v ? number(v, 4) : ""), "standard error of the RMSE, where only a sample of the pixels is judged"),
+  column("±", "rmse_error", (v) => (v ? number(v, 4) : ""), "standard error of the RMSE, if only a sample of the pixels is measured"),
   FRAME,
   column("recipe ms", "recipe", short, "making the recipe, on the CPU"),
   column("cast ms", "cast", short, "drawing maps"),
-  column("lookup ms", "lookup", short, "asking for each pixel"),
-  column("once ms", "scene_once", short, "once a scene: hierarchies and the like"),
-  column("MB", "bytes", (v) => (v / 1e6).toFixed(1), "memory held"),
-  ...CAUSES.map((name) => column(name, `cause_${name}`, (v) => (v < 5e-5 ? "" : v.toFixed(4)), `part of the mean error that comes from this: ${name}`)),
+  column("lookup ms", "lookup", short, "lookup at each pixel"),
+  column("once ms", "scene_once", short, "once per scene: acceleration structures and the like"),
+  column("MB", "bytes", (v) => (v / 1e6).toFixed(1), "memory used"),
+  ...CAUSES.map((name) => column(name, `cause_${name}`, (v) => (v < 5e-5 ? "" : v.toFixed(4)), `part of the mean error caused by: ${name}`)),
 ];
 
 function isWanted(row, wanted) {
@@ -40,7 +40,7 @@ function isWanted(row, wanted) {
     && hasWords(`${name} ${row.technique} ${row.settings} ${row.backend}`, wanted.text);
 }
 
-// Rows without a figure come last, whichever way the others are sorted.
+// Sorts rows; those without a figure come last in both directions.
 function sorted(rows, by, isDown) {
   const sign = isDown ? -1 : 1;
   const compare = (a, b) => (by.isText ? a.localeCompare(b, "en", { numeric: true }) : a - b);
@@ -56,7 +56,7 @@ function line(row) {
 }
 
 function flatTable() {
-  // Of equal rows the quicker come first.
+  // Among equal rows the faster come first.
   const all = sorted(scenes.flatMap((s) => s.rows), FRAME, false);
   const state = { text: "", light: "all", backend: "all", section: "all", ms: 0, column: RMSE, isDown: false, count: ROWS_AT_ONCE };
   const count = el("span");
@@ -80,7 +80,7 @@ function flatTable() {
   clockListeners.push(fill);
   fill();
   return el("section", { class: "panel", id: "rows" }, el("h2", {}, "All rows"),
-    paragraph("quiet", "Click on a column to sort, on a row for its pictures. Faint: not supported, or the same as another row. The five causes add up to the mean error. A star: the rows failed are those of the technique with the same bias and another kernel."),
+    paragraph("quiet", "Click a column to sort, a row for its images. Faint: unsupported, or equal to another row. The five causes add up to the mean error. Star: the failed rows are those of the technique with the same bias and another kernel."),
     bar, shown, more);
 }
 
@@ -104,7 +104,7 @@ function matrixTable() {
   const columns = scenes.map((scene) => {
     const rows = scene.rows.filter((r) => r.backend === backend);
     const errors = rows.filter((r) => r.technique !== "traced" && r.rmse !== null).map((r) => r.rmse);
-    // Where all are equally good there is no best.
+    // If all are equal, no row is marked as the best.
     const best = Math.min(...errors) < Math.max(...errors) ? Math.min(...errors) : -1;
     return { scene, best, rows: new Map(rows.map((r) => [named(r), r])) };
   });
@@ -112,11 +112,11 @@ function matrixTable() {
   const head = [el("th", {}), columns.map(({ scene: s }) => el("th", {}, el("a", { href: `#scene-${s.index}` }, s.name)))];
   const lines = [...settings].map(([name, key]) => el("tr", {}, el("th", {}, el("b", {}, key.technique), ` ${key.settings}`), columns.map(({ rows, best }) => matrixCell(rows.get(name), best))));
   return el("div", {},
-    paragraph("quiet", `RMSE of visibility against truth on ${backend}, 0 to 1; the stronger the colour, the worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, or nothing to compare.`),
+    paragraph("quiet", `RMSE of visibility against truth on ${backend}, 0 to 1; the stronger the colour, the worse. Framed: the least error on that scene, except for ray tracing. Dash: unsupported, or nothing to compare.`),
     table("matrix", head.flat(), lines));
 }
 
-// Settings by scenes; made when it is opened, as it may be large.
+// The matrix of settings by scenes; built when it is opened, as it may be large.
 function matrix() {
   const box = el("details", { class: "panel" }, el("summary", {}, "Matrix of settings by scenes"));
   const fill = () => { if (box.open) box.replaceChildren(box.firstElementChild, matrixTable()); };

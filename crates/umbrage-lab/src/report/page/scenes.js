@@ -1,7 +1,7 @@
 "use strict";
-// Each scene: its chart, its truth, and its rows with their pictures.
+// Each scene: its chart, its truth, and its rows with their images.
 
-// A row's figures as [name, value, mark]; those without a value are left out.
+// Returns a row's figures as [name, value, mark], without those that have no value.
 function termsOf(row) {
   const pixels = (v) => v && `${v} px`;
   const or = (v, words) => (v === null ? null : words(v));
@@ -10,27 +10,27 @@ function termsOf(row) {
   return [
     ["RMSE", rmseWords(row.rmse) + (row.rmse_error ? ` ± ${number(row.rmse_error, 4)}` : "")],
     ["mean error", or(row.mean, (v) => number(v, 4))], ["false shadow", or(row.false_shadow, percent)], ["false light", or(row.false_light, percent)],
-    ["left out: other triangles than truth", pixels(row.other_triangles)],
-    ...times, ["once a scene", or(row.scene_once, ms)],
+    ["excluded: other triangles than truth", pixels(row.other_triangles)],
+    ...times, ["once per scene", or(row.scene_once, ms)],
     [plural(row.runs || 0, "run"), or(row.runs, () => `${short(row.total_least)} – ${ms(row.total_greatest)}`)],
-    ["over the yardstick", or(row.yardsticks, (v) => `× ${number(v, 3)}`)],
-    ["no steady yardstick", row.at_unknown_clock && "times at the device's clock of that moment"],
+    ["relative to the yardstick", or(row.yardsticks, (v) => `× ${number(v, 3)}`)],
+    ["no steady yardstick", row.at_unknown_clock && "times are at an unknown clock of the device"],
     ["counted cost", ms(row.frame_cost)], ["memory", bytes(row.bytes)],
     ["texels never looked up", or(row.unused, (v) => `${v.toFixed(0)} %`)],
-    // Of the pixels that face the light, nine in ten: the rest graze it, and no map is fine enough for them.
-    ["texels a pixel, 9 in 10", or(row.texels, (v) => `≥ ${number(v, 2)}`)],
-    ["side for 1 texel a pixel", or(row.side, (v) => v.toLocaleString("en"))],
+    // Nine in ten of the pixels that face the light: the others graze it, and no map is fine enough for them.
+    ["texels per pixel, 9 in 10", or(row.texels, (v) => `≥ ${number(v, 2)}`)],
+    ["side for 1 texel per pixel", or(row.side, (v) => v.toLocaleString("en"))],
     ["against CPU", or(row.differing, () => against), row.violations ? "bad" : "good"],
     ["changed by its sub-pixel grid", pixels(row.by_grid)], ["excused by rounding", pixels(row.undecided)], ["other triangles", pixels(row.elsewhere)],
   ].filter(([, value]) => value);
 }
 
 function shotsOf(row) {
-  if (row.stem === null) return paragraph("quiet", "No pictures were kept of this row.");
+  if (row.stem === null) return paragraph("quiet", "No images of this row were kept.");
   const title = `${row.scene.name} · ${named(row)} · ${row.backend}`;
   return el("div", { class: "shots" }, rowShot(row, "", "mask", title), rowShot(row, ".error", "error", title), truthShot(row.scene),
     row.has_color ? rowShot(row, ".color", "colours", title) : null,
-    row.has_lookups ? rowShot(row, ".lookups", "the map's lookups", `${title} · dark: never looked up; blue to white: by how many pixels`) : null);
+    row.has_lookups ? rowShot(row, ".lookups", "the map's lookups", `${title} · dark: never looked up; blue to white: number of pixels`) : null);
 }
 
 function causeLine(row) {
@@ -48,7 +48,7 @@ function card(row) {
   const verdict = verdictWords(row, 12);
   const terms = termsOf(row).map(([name, value, mark]) => el("div", {}, el("dt", {}, name), el("dd", { class: mark }, value)));
   return el("article", { class: "panel row", id }, head,
-    el("div", {}, shotsOf(row), causeLine(row), verdict && paragraph("quiet", "Stability: ", verdict), row.same_as && paragraph("quiet", `Plays the same as ${row.same_as}.`)),
+    el("div", {}, shotsOf(row), causeLine(row), verdict && paragraph("quiet", "Stability: ", verdict), row.same_as && paragraph("quiet", `Same recipe as ${row.same_as}.`)),
     el("dl", {}, terms));
 }
 
@@ -68,7 +68,7 @@ function rowList(scene) {
   const fill = () => {
     const shown = scene.rows.filter(isWanted).sort((a, b) => (key(a) === key(b) ? a.place - b.place : key(a) - key(b)));
     list.replaceChildren(...shown.map(card));
-    more.textContent = state.all ? "Show the Pareto fronts alone" : `Show all ${scene.rows.length} rows`;
+    more.textContent = state.all ? "Show only the Pareto fronts" : `Show all ${scene.rows.length} rows`;
   };
   fill();
   clockListeners.push(fill);
@@ -87,11 +87,11 @@ function rowList(scene) {
 function sceneFacts(scene) {
   const t = scene.truth;
   const count = (v) => v.toLocaleString("en");
-  const samples = t.largest_error > 0 ? `${plural(t.samples, "ray")} a receiver, standard error ${number(t.mean_error, 5)} (at most ${number(t.largest_error, 4)})` : "one ray a receiver";
+  const samples = t.largest_error > 0 ? `${plural(t.samples, "ray")} per receiver, standard error ${number(t.mean_error, 5)} (at most ${number(t.largest_error, 4)})` : "one ray per receiver";
   const ranks = scene.cost_ranks.map((r) => `${number(r.correlation, 2)} on ${r.backend}`).join(", ");
   return [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"),
     `truth: ${samples}${t.seconds === null ? "" : `, ${t.seconds.toFixed(1)} s`}`,
-    `${count(t.counted)} pixels count; left out: ${count(t.ambiguous)} ambiguous, ${count(t.unlit)} facing away${t.unsampled ? `, ${count(t.unsampled)} outside the sample` : ""}`,
+    `${count(t.counted)} pixels count; excluded: ${count(t.ambiguous)} ambiguous, ${count(t.unlit)} facing away${t.unsampled ? `, ${count(t.unsampled)} outside the sample` : ""}`,
     ranks && `rank correlation of counted costs with times: ${ranks}`].filter(Boolean);
 }
 
@@ -101,7 +101,7 @@ function sceneChart(node, scene, show) {
   chartOf(node, {
     height: 460, exact: EXACT, reference: scene.rmse_of_none || null,
     points: () => scene.rows.filter(isDrawn).map(point),
-    xWords: () => (clock === "time" ? `time of a frame, ms (${scene.motion})` : "counted cost of a frame, ms by the price list"),
+    xWords: () => (clock === "time" ? `time of a frame, ms (${scene.motion})` : "counted cost of a frame by the price list, ms"),
     yWords: "RMSE of visibility",
     onclick: show,
   });
@@ -127,7 +127,7 @@ function sceneSection(scene) {
     section.style.minHeight = "";
     rows = fillScene(section, scene);
   };
-  // Charts and pictures are made when they come near the window: a report may have thousands.
+  // Charts and images are built when they come near the window: a report may have thousands.
   const observer = new IntersectionObserver((entries) => { if (entries.some((e) => e.isIntersecting)) fill(); }, { rootMargin: "900px" });
   observer.observe(section);
   scene.show = (row) => { fill(); rows.show(row); };

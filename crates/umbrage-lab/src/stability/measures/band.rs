@@ -1,30 +1,30 @@
-//! Errors in a narrow part of the picture, where one kind of failure shows and a share of the whole
-//! picture would hide it.
+//! Errors in a narrow part of the image, where one kind of failure shows. A share of the whole
+//! image would hide it.
 
 use super::open::share;
 use glam::Vec3;
 use umbrage_core::{Light, metrics::ERROR_THRESHOLD};
 
-/// A narrow part of what is seen.
+/// A narrow part of the visible geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Band {
-    /// Along the lines in which walls meet.
+    /// Surroundings of the lines in which walls meet.
     Creases {
         /// The ends of each line, world space, metres.
         lines: &'static [[Vec3; 2]],
         /// Greatest distance from a line, metres.
         reach: f32,
     },
-    /// Along the rim of a spot's cone: where the tangent of the angle to its axis is at least this
-    /// share of the outer one's.
+    /// The rim of a spot's cone: where the tangent of the angle to its axis is at least this share
+    /// of the outer angle's tangent.
     ConeRim {
-        /// 0..=1.
+        /// Share of the outer angle's tangent, 0..=1.
         share: f32,
     },
 }
 
 impl Band {
-    /// Whether a point lies in the band, under this light.
+    /// Reports whether a point is in the band, under this light.
     pub fn holds(&self, light: &Light, position: Vec3) -> bool {
         match *self {
             Self::Creases { lines, reach } => lines
@@ -115,7 +115,7 @@ mod tests {
             position: Vec3::Y,
             radius: 0.0,
         };
-        assert!(!band.holds(&bulb, Vec3::X), "a bulb has no rim");
+        assert!(!band.holds(&bulb, Vec3::X), "a point light has no rim");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-/// A pair of neighbouring pixels, by the place of the second from the first.
+/// A pair of neighbouring pixels, by the offset of the second from the first.
 struct Neighbour {
     right: usize,
     down: usize,
@@ -13,15 +13,17 @@ const NEIGHBOURS: [Neighbour; 2] = [
     Neighbour { right: 0, down: 1 },
 ];
 
-/// Returns by how much more the answers of two neighbouring pixels differ than in truth where two
-/// cascades answer for them, beyond what they do right beside: percent, in the mean over all such
-/// neighbours; 0 where they don't, none if there are none.
+/// Returns the excess contrast at seams between cascades, percent; `None` without a seam.
 ///
-/// Edges cross seams as they cross all of the picture, and every map has them in the wrong place by
-/// part of a texel: what a seam costs is only what the pairs one pixel to either side of it don't.
+/// A pair of neighbouring pixels has the contrast of the mask minus that of truth, at least 0. The
+/// excess is the mean over pairs across a seam minus the mean over the pairs next to them, at least
+/// 0.
 ///
-/// `layers` holds the cascade of each pixel of a picture of this size, `counts` says which pixels
-/// count.
+/// Edges cross seams as they cross the rest of the image, and every map displaces them by part of a
+/// texel. So only the excess over the pairs one pixel to either side is due to the seam.
+///
+/// `layers` holds the cascade of each pixel of an image of this size; `counts` returns whether a
+/// pixel counts.
 pub fn excess(
     size: UVec2,
     mask: &[f32],
@@ -34,7 +36,7 @@ pub fn excess(
     let mut beside = Mean::default();
     for step in &NEIGHBOURS {
         let offset = step.down * width + step.right;
-        // Rows of four pixels across the seam, which lies between the middle ones.
+        // Visit rows of four pixels across the seam, which is between the middle ones.
         for y in step.down..(size.y as usize).saturating_sub(2 * step.down) {
             for x in step.right..width.saturating_sub(2 * step.right) {
                 let second = y * width + x;
@@ -59,7 +61,7 @@ pub fn excess(
     Some(100.0 * (at_seam - at_sides).max(0.0))
 }
 
-/// Returns by how much more the answers of two pixels differ than in truth, 0..=1.
+/// Returns the contrast of two pixels in the mask minus that in truth, 0..=1.
 fn jump(mask: &[f32], truth: &[f32], a: usize, b: usize) -> f64 {
     let answered = f64::from((mask[a] - mask[b]).abs());
     let true_one = f64::from((truth[a] - truth[b]).abs());
@@ -89,7 +91,7 @@ mod tests {
 
     const SIZE: UVec2 = UVec2::new(8, 3);
 
-    /// The cascades of a picture whose left half is the first one's.
+    /// Returns the cascades of an image whose left half belongs to the first one.
     fn halves() -> Vec<u32> {
         (0..24).map(|i| u32::from(i % 8 >= 4)).collect()
     }
@@ -105,10 +107,10 @@ mod tests {
         let excess_of =
             |mask: &[f32], truth: &[f32]| excess(SIZE, mask, truth, &halves(), |_| true);
         assert_eq!(excess_of(&darker, &lit), Some(25.0));
-        // In truth there is such a step.
+        // Truth has the same step.
         assert_eq!(excess_of(&darker, &darker), Some(0.0));
         assert_eq!(excess_of(&lit, &darker), Some(0.0));
-        // Steps beside the seam as large as at it.
+        // Steps next to the seam are as large as at it.
         let stripes = of_columns([1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
         assert_eq!(excess_of(&stripes, &lit), Some(0.0));
     }

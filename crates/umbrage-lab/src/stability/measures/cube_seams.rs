@@ -3,9 +3,11 @@
 use super::open::share;
 use glam::Vec3;
 
-/// Whether a direction from the light passes within `texels` texels of a seam, on a cube whose
-/// faces have sides of `size` texels. It meets the face of its greatest coordinate a; the next
-/// greatest, b, lies at b / a of the half side there.
+/// Reports whether a direction from the light passes within `texels` texels of a seam, on a cube
+/// whose faces have sides of `size` texels.
+///
+/// The direction meets the face of its greatest coordinate a. The next greatest, b, is at b / a of
+/// the half side there.
 pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
     let mut lengths = from_light.abs().to_array();
     lengths.sort_by(f32::total_cmp);
@@ -15,8 +17,8 @@ pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
     greatest > 0.0 && (1.0 - second / greatest) * half_side <= texels
 }
 
-/// Returns the percentage of the marked pixels on which mask and truth are on different sides of a
-/// half.
+/// Returns the percentage of the marked pixels on which mask and truth are on different sides of
+/// 0.5.
 pub fn wrong_within(mask: &[f32], truth: &[f32], marked: impl Fn(usize) -> bool) -> f64 {
     share(
         (0..mask.len())

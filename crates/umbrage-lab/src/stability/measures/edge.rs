@@ -3,9 +3,10 @@
 use glam::UVec2;
 use umbrage_core::metrics::{Pixel, edges};
 
-/// Returns the mean displacement of shadow edges, pixels: the area on which mask and truth are on
-/// different sides of a half, over the length of truth's edges (half the count of the pixels along
-/// both sides of them). 0 without edges and errors.
+/// Returns the mean displacement of shadow edges, pixels; 0 without edges and errors.
+///
+/// It is the area on which mask and truth are on different sides of 0.5, over the length of truth's
+/// edges. That length is half the number of pixels along both sides of them.
 pub fn displacement(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> f64 {
     let sharp: Vec<f32> = truth
         .iter()

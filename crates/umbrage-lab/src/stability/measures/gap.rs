@@ -1,11 +1,11 @@
-//! Peter-panning: how far a shadow starts from where its caster touches the ground.
+//! Peter-panning: the distance from a caster's contact with the ground to the start of its shadow.
 
 use super::open::share;
 use glam::Vec3;
 use std::collections::BTreeSet;
 use umbrage_core::{Receivers, metrics::ERROR_THRESHOLD};
 
-/// Where a caster stands on the floor: a segment, and the direction in which its shadow falls.
+/// Contact of a caster with the floor: a segment, and the direction in which its shadow falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// One end, world space, metres.
@@ -16,15 +16,16 @@ pub struct Contact {
     pub along: Vec3,
 }
 
-/// Strips that a contact is cut into along its length.
+/// Number of strips that a contact is divided into along its length.
 const STRIPS: usize = 16;
 
-/// Pixels show the floor if their height differs from the contact's by less than this share of the
-/// contact's length.
+/// Greatest height difference between floor pixels and the contact, as a share of the contact's
+/// length.
 const LEVEL: f32 = 1e-4;
 
 impl Contact {
-    /// Returns where a pixel lies if it shows the floor behind the contact; none elsewhere.
+    /// Returns a pixel's position relative to the contact; `None` unless it shows the floor behind
+    /// it.
     fn pixel_behind(&self, receivers: &Receivers, index: usize) -> Option<PixelBehind> {
         let position = receivers.position(index);
         let segment = self.to - self.from;
@@ -53,8 +54,8 @@ impl Contact {
     }
 
     /// Returns the gap, metres: the distance on the floor from the contact to the first dark pixel
-    /// (below half), the mean over 16 strips along the contact, less the same of truth. Where a
-    /// strip has no dark pixel, the gap is as long as the true shadow there.
+    /// (below 0.5) minus truth's, in the mean over 16 strips along the contact. In a strip without
+    /// a dark pixel the gap is as long as the true shadow.
     pub fn gap(
         &self,
         mask: &[f32],
@@ -94,8 +95,8 @@ impl Contact {
         share(dark.map(|pixel| mask[pixel.index] - truth[pixel.index] > ERROR_THRESHOLD))
     }
 
-    /// Returns the mean distance of neighbouring pixel rows on the floor within `reach` metres of
-    /// the contact, metres: the smallest gap that shows.
+    /// Returns the mean spacing of pixel rows on the floor within `reach` metres of the contact,
+    /// metres: the smallest visible gap.
     pub fn pixel(&self, receivers: &Receivers, reach: f32, counts: impl Fn(usize) -> bool) -> f64 {
         let width = receivers.size.x as usize;
         let near = self
@@ -109,13 +110,13 @@ impl Contact {
 /// A pixel that shows the floor behind a contact.
 struct PixelBehind {
     index: usize,
-    /// The strip that it lies in, from [`Contact::from`] on.
+    /// Index of the pixel's strip, counted from [`Contact::from`].
     strip: usize,
-    /// From the contact, metres.
+    /// Distance from the contact, metres.
     distance: f32,
 }
 
-/// Where the shadow of one strip starts and ends: distances from the contact, metres.
+/// Start and end of one strip's shadow: distances from the contact, metres.
 #[derive(Clone, Copy)]
 struct StripShadow {
     /// The first dark pixel of the mask; [`f32::MAX`] without one.
@@ -140,8 +141,8 @@ impl StripShadow {
     }
 }
 
-/// Returns the percentage of the truly dark floor pixels within `reach` metres of any of the
-/// places, at the place's height, that the mask lights by more than [`ERROR_THRESHOLD`].
+/// Returns the percentage of truly dark floor pixels that the mask lights by more than
+/// [`ERROR_THRESHOLD`], within `reach` metres of any of the places and at its height.
 pub fn leak_around(
     places: &[Vec3],
     reach: f32,
@@ -167,8 +168,8 @@ mod tests {
     use super::*;
     use glam::UVec2;
 
-    /// A plate of a metre along x, seen on 160 rows of ground of 1 cm each behind it; its shadow is
-    /// .5 m long.
+    /// Returns a contact of 1 m along x with 160 rows of ground of 1 cm each behind it, and truth
+    /// with a shadow that is .5 m long.
     fn stage() -> (Contact, Receivers, Vec<f32>) {
         let contact = Contact {
             from: Vec3::ZERO,

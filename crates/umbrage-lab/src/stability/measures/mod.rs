@@ -1,5 +1,4 @@
-//! The measures: pure functions of a mask, truth and places, each defined where it stands and tried
-//! on known input.
+//! Measures as pure functions of a mask, truth and places, each tested on known input.
 
 pub mod band;
 pub mod cascade_seams;

@@ -1,7 +1,7 @@
 //! Errors away from shadow edges: acne, leaks, and acne by distance.
 //!
-//! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Pixels
-//! that far away are *open*: [`CaseTruth::open`](crate::stability::CaseTruth).
+//! Every map is wrong near a shadow's edge; beyond the reach of kernels nothing may be wrong.
+//! Pixels that far away are *open*: see [`CaseTruth::open`](crate::stability::CaseTruth).
 
 use umbrage_core::metrics::ERROR_THRESHOLD;
 
@@ -25,10 +25,12 @@ pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Returns the lost shadow: of the pixels that count and are dark in truth (below half), the
-/// percentage that the mask has lit (above half), those beside edges included. A kernel that blurs
-/// an edge evenly leaves its half where it is, and so loses nothing; what moves, shrinks or drops a
-/// shadow does. Exactly half is on neither side: four taps give it on both sides of an edge.
+/// Returns the lost shadow: the percentage of the counted pixels dark in truth (below 0.5) that the
+/// mask lights (above 0.5), including those along edges.
+///
+/// A kernel that blurs an edge evenly leaves its midpoint in place, and so loses nothing. Moving,
+/// shrinking or dropping a shadow loses some. Exactly 0.5 is on neither side: four taps give it on
+/// both sides of an edge.
 pub fn lost_shadow(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
     let dark = (0..mask.len()).filter(|&i| counts(i) && truth[i] < 0.5);
     share(dark.map(|i| mask[i] > 0.5))
@@ -44,11 +46,11 @@ pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Bins that pixels are sorted into by distance.
+/// Number of bins that pixels are sorted into by distance.
 pub const BINS: usize = 5;
 
-/// Returns the [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as
-/// many open lit pixels, near first.
+/// Returns the [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), near first.
+/// All bins have the same number of open lit pixels.
 pub fn acne_by_distance(
     mask: &[f32],
     truth: &[f32],
@@ -111,7 +113,7 @@ mod tests {
         assert_eq!(lost([1.0, 1.0, 1.0, 0.0, 0.0, 1.0]), third);
         assert_eq!(lost([0.9, 0.6, 0.5, 0.1, 0.0, 0.0]), 0.0);
         assert_eq!(lost([1.0; 6]), 100.0);
-        // Acne is no lost shadow.
+        // Acne is not lost shadow.
         assert_eq!(lost([0.0; 6]), 0.0);
     }
 

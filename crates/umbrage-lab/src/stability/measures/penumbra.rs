@@ -1,13 +1,13 @@
 //! Errors within penumbrae, and errors of their widths.
 //!
-//! Over a penumbra that runs linearly from 0 to 1 over a width w, the integral of v (1 - v) across
-//! it is w / 6; so the sum of v (1 - v) over pixels, each weighted alike in mask and truth, tells
-//! the ratio of widths without finding an edge. Dithering with n equal taps takes 1/n off the sum.
+//! Over a penumbra that rises linearly from 0 to 1 over a width w, the integral of v (1 - v) is
+//! w / 6. Pixels have equal weights in mask and truth, so their sums of v (1 - v) have the ratio of
+//! the widths, without edge detection. Dithering with n equal taps takes 1/n off the sum.
 
 use glam::Vec3;
 use umbrage_core::{Receivers, metrics::is_penumbra};
 
-/// Returns the RMSE over the pixels that truth has in penumbra; 0 without any.
+/// Returns the RMSE over the pixels in truth's penumbrae; 0 without any.
 pub fn rmse(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
     root_mean(mask.len(), truth, counts, |i| {
         (f64::from(mask[i]) - f64::from(truth[i])).powi(2)
@@ -22,8 +22,7 @@ pub fn ray_noise(truth: &[f32], rays: u32, counts: impl Fn(usize) -> bool) -> f6
     })
 }
 
-/// Returns the square root of the mean of `square` over the pixels that count and that truth has in
-/// penumbra.
+/// Returns the square root of the mean of `square` over the counted pixels in truth's penumbrae.
 fn root_mean(
     len: usize,
     truth: &[f32],
@@ -37,8 +36,8 @@ fn root_mean(
     (sum / in_penumbra.len().max(1) as f64).sqrt()
 }
 
-/// Points on the floor by which the shadows of several casters are told apart: of each shadow some,
-/// world space, metres.
+/// Points on the floor in the shadow of each caster, world space, metres. They assign pixels to
+/// shadows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadowPlaces(pub Vec<Vec<Vec3>>);
 
@@ -53,9 +52,11 @@ impl ShadowPlaces {
         places.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 
-    /// Returns for each shadow its penumbra's width over truth's, 1 if right: pixels on the floor
-    /// (at the lowest place's height, within `level` metres) belong to the nearest place. None
-    /// where truth has no penumbra.
+    /// Returns the ratio of each shadow's penumbra width to truth's; `None` if truth has no
+    /// penumbra.
+    ///
+    /// Pixels on the floor (at the lowest place's height, within `level` metres) belong to the
+    /// nearest place.
     pub fn widths(
         &self,
         mask: &[f32],
@@ -80,7 +81,7 @@ impl ShadowPlaces {
             let Some(shadow) = self.nearest(p) else {
                 continue;
             };
-            // The sum of v (1 - v) is in proportion to the width: see the module.
+            // The sum of v (1 - v) is proportional to the width: see the module.
             mask_sums[shadow] += f64::from(mask[i] * (1.0 - mask[i]));
             truth_sums[shadow] += f64::from(truth[i] * (1.0 - truth[i]));
         }
@@ -97,7 +98,7 @@ mod tests {
     use super::*;
     use glam::UVec2;
 
-    /// Two edges along x, at 100 and at 300 of 400 pixels, with these widths.
+    /// Returns two edges along x, at 100 and at 300 of 400 pixels, with these widths.
     fn two_edges(widths: [f32; 2]) -> Vec<f32> {
         let ramp = |x: f32, w: f32| (0.5 + x / w).clamp(0.0, 1.0);
         (0..400)

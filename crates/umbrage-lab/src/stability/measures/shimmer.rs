@@ -1,30 +1,33 @@
-//! Shimmer: changes from frame to frame that should not be there, and changes that are missing.
+//! Shimmer: changes from frame to frame that truth lacks, and true changes that are missing.
 
 use std::collections::BTreeMap;
 
 /// Returns the mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points,
-/// 0..=1. Each frame holds the visibility of the same world-locked points.
+/// 0..=1. Each frame holds the visibility of the same world-space points.
 pub fn change(frames: &[Vec<f32>], marked: &[bool]) -> f64 {
     mean(&steps(frames, marked))
 }
 
-/// Returns the shimmer beyond truth's own: a method's mean change less truth's, -1..=1; negative
-/// where the method hides true changes.
+/// Returns the shimmer: a method's mean change minus truth's, -1..=1. It is negative if the method
+/// hides true changes.
 pub fn shimmer(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 {
     change(frames, marked) - change(truth, marked)
 }
 
-/// Side of the blocks of pixels in which [`change_error`] compares changes: wide beside the steps
-/// of texels and the noise of edges, which cancel within a block, and small beside the picture, so
-/// that crawl here can't make up for rest there.
+/// Side of the blocks of pixels in which [`change_error`] compares changes. Steps of texels and the
+/// noise of edges cancel within a block. Crawl in one block can't offset missing movement in
+/// another.
 pub const BLOCK: usize = 16;
 
-/// Returns how far a method's change is from truth's, 0..=2. In each block of [`BLOCK`] x [`BLOCK`]
-/// pixels the increases of visibility from a frame to the next are added up, and so are the
-/// decreases, for the method and for truth. The result is the sum of the absolute differences of
-/// these sums, divided by the number of marked points, the mean over all pairs of frames. A shadow
-/// that stands still while truth's moves is as wrong as one that crawls, and one that runs
-/// backwards is wrong twice. Points are the pixels of a picture `width` wide, rows from the top.
+/// Returns the difference between a method's change and truth's, 0..=2.
+///
+/// In each block of [`BLOCK`] x [`BLOCK`] pixels it sums the increases of visibility from one frame
+/// to the next, and separately the decreases, for the method and for truth. The result is the sum
+/// of the absolute differences of these sums, divided by the number of marked points, in the mean
+/// over all pairs of frames.
+///
+/// A shadow that stands still while truth's moves is as wrong as one that crawls. One that moves
+/// backwards is wrong twice. Points are the pixels of an image `width` wide, rows from the top.
 pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], width: usize) -> f64 {
     let blocks = blocks(marked, width);
     let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
@@ -41,7 +44,7 @@ pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], wi
     mean(&errors)
 }
 
-/// The marked points of each block that has some.
+/// Returns the marked points of each block that has some.
 fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
     let width = width.max(1);
     let mut blocks = BTreeMap::<[usize; 2], Vec<usize>>::new();
@@ -56,12 +59,12 @@ fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
     blocks.into_values().collect()
 }
 
-/// The change of visibility from one frame to the next, summed over the points of a block.
+/// Change of visibility from one frame to the next, summed over the points of a block.
 #[derive(Clone, Copy, Debug)]
 struct BlockChange {
-    /// The sum over the points that brighten.
+    /// Sum over the points that brighten.
     brightened: f64,
-    /// The sum over the points that darken, as a positive number.
+    /// Sum over the points that darken, as a positive number.
     darkened: f64,
 }
 
@@ -84,7 +87,8 @@ impl BlockChange {
     }
 }
 
-/// The mean of |V_t - V_(t-1)| over all marked points, for each pair of neighbouring frames.
+/// Returns the mean of |V_t - V_(t-1)| over all marked points, for each pair of neighbouring
+/// frames.
 fn steps(frames: &[Vec<f32>], marked: &[bool]) -> Vec<f64> {
     let points: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
     let mut steps = Vec::new();
@@ -121,7 +125,7 @@ mod tests {
         assert!((shimmer(&crawling, &still, &all) - 1.0 / 3.0).abs() < 1e-12);
         assert_eq!(shimmer(&crawling, &crawling, &all), 0.0);
         assert!(shimmer(&still, &crawling, &all) < 0.0);
-        // Only marked points count, and none is no shimmer.
+        // Only marked points count, and no marked point means no shimmer.
         assert_eq!(shimmer(&crawling, &still, &[true, false, true]), 0.0);
         assert_eq!(change(&crawling, &[false; 3]), 0.0);
     }
@@ -134,8 +138,8 @@ mod tests {
         assert_eq!(change_error(&moving, &moving, &all, 2), 0.0);
         assert_eq!(change_error(&still, &moving, &all, 2), 0.25);
         assert_eq!(change_error(&moving, &still, &all, 2), 0.25);
-        // A jump doesn't make up for a rest: each frame is wrong, though the changes of all frames
-        // add up to the same.
+        // A jump doesn't offset a rest: each frame is wrong, although the changes of all frames
+        // have the same sum.
         let jumping = vec![vec![0.0, 1.0], vec![0.0, 1.0], vec![0.5, 0.5]];
         assert_eq!(change(&jumping, &all), change(&moving, &all));
         assert_eq!(change_error(&jumping, &moving, &all, 2), 0.25);
@@ -143,10 +147,10 @@ mod tests {
         assert_eq!(change_error(&still, &moving, &[false; 2], 2), 0.0);
     }
 
-    /// Side of the pictures below, pixels: two blocks.
+    /// Side of the images below, pixels: two blocks.
     const SIDE: usize = 2 * BLOCK;
 
-    /// Returns a picture of half light in which two pixels, each as (x, y, visibility), differ.
+    /// Returns an image of visibility 0.5 with two other pixels, each as (x, y, visibility).
     fn picture(set: [(usize, usize, f32); 2]) -> Vec<f32> {
         let mut out = vec![0.5; SIDE * SIDE];
         for (x, y, visibility) in set {
@@ -164,8 +168,8 @@ mod tests {
     #[test]
     fn crawl_in_one_place_does_not_pay_for_rest_in_another() {
         let far = SIDE - 1;
-        // Truth darkens the pixel in the first block; the mask changes one in the block beside it,
-        // below it, or both.
+        // Truth darkens the pixel in the first block. The mask changes one in the block to its
+        // right, below it, or both.
         for (x, y) in [(far, 0), (0, far), (far, far)] {
             let lit_then_dark = [
                 picture([(0, 0, 1.0), (x, y, 0.0)]),
@@ -184,8 +188,8 @@ mod tests {
         }
     }
 
-    /// Within a block a pixel more or less of an edge is noise, but a change in the other direction
-    /// is not.
+    /// Within a block, an edge pixel more or less is noise, but a change in the other direction is
+    /// not.
     #[test]
     fn changes_within_a_block_make_up_for_each_other_in_one_direction_alone() {
         let far = SIDE - 1;

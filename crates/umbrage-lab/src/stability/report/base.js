@@ -6,17 +6,17 @@ const withUnit = (v, unit) => `${number(v)}${unit ? ` ${unit}` : ""}`;
 const signs = { pass: "✓", not_measured: "·", degraded: "~", fails: "✗", none: "–", fault: "!" };
 const key = (cell) => `${cell.technique} (${cell.settings})`;
 
-// The fit is the line's, not the column's.
+// The fit is printed once per line, not in each column.
 for (const result of stability.cases) {
   if (result.fit) for (const cell of result.cells) cell.settings = cell.settings.replace(`, ${result.fit}`, "");
 }
 
-// Columns: every setting of any case, each once, techniques together; settings of single cases come last.
+// Columns: each setting of any case once, grouped by technique; settings of single cases come last.
 const columns = [...new Map(stability.cases.flatMap((c) => c.cells).map((cell) => [key(cell), cell])).values()];
 const techniques = [...new Set(columns.map((c) => c.technique))];
 const isExtra = (column) => !data.verdicts.some((v) => key(v) === key(column));
 columns.sort((a, b) => isExtra(a) - isExtra(b) || techniques.indexOf(a.technique) - techniques.indexOf(b.technique));
-// All maps have one side, which the page says once.
+// All maps have the same side, which the page states once.
 const shortSettings = (settings) => settings.split(", ").filter((word) => word !== String(stability.map_size)).join(", ").replace("bias: ", "");
 
 function state(cell) {
@@ -27,7 +27,7 @@ function state(cell) {
 function says(result, cell) {
   const o = cell.outcome;
   if (o.fault) return o.fault.what;
-  if (o.unsupported) return `not made for it: ${o.unsupported.reason}`;
+  if (o.unsupported) return `unsupported: ${o.unsupported.reason}`;
   return o.measured.judgements.map((judgement, k) => judged(result.criteria[k], judgement)).join("; ");
 }
 

@@ -1,7 +1,7 @@
 "use strict";
-// The matrix with its filter, and what is told of a cell.
+// The matrix with its filter, and the details of a cell.
 
-// What is shown: a technique, a row's number, a motion, a verdict ("all": any), and words that a row must have.
+// Current filter: a technique, a row's number, a motion, a verdict ("all": any), and words that a row must contain.
 const wanted = { technique: "all", row: "all", motion: "all", verdict: "all", text: "" };
 const MOTIONS = { still: (motion) => motion === "still", moving: (motion) => motion !== "still" };
 const telling = [...stability.cases.entries()].filter(([, result]) => !result.is_sanity);
@@ -22,7 +22,7 @@ function detail(result, cell, picture, button) {
   if (button) button.classList.add("chosen");
   const moving = result.motion !== "still";
   const caption = moving
-    ? "The first frames' masks at points that stay, then where they change: orange."
+    ? "The first frames' masks at fixed points, then their changes in orange."
     : "Truth, mask, error: blue is false shadow, orange is false light.";
   const agreement = cell.disagreeing === null ? null
     : paragraph("soft", cell.disagreeing ? `Backends differ on ${cell.disagreeing} decided pixels.` : "Backends agree.");
@@ -31,9 +31,9 @@ function detail(result, cell, picture, button) {
   const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, el("i", { class: `cell ${state(cell)}` }, signs[state(cell)]), ` ${says(result, cell)}`),
-    image, image ? paragraph("soft", caption) : paragraph("soft", "No picture: it passes, is not measured, or has none to show."),
+    image, image ? paragraph("soft", caption) : paragraph("soft", "No image: the cell passes, is not measured, or has no mask."),
     paragraph("soft", `Settings: ${cell.settings}${result.fit ? `, ${result.fit}` : ""}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${ideal}.`),
-    paragraph("soft", `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
+    paragraph("soft", `Failure: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
     agreement,
   ];
   const box = byId("detail");
@@ -61,7 +61,7 @@ function headOf(shown) {
 }
 
 function lineOf([k, result], isFirst, shown) {
-  const yet = result.not_yet ? ` · ${result.not_yet}: no such technique yet` : "";
+  const yet = result.not_yet ? ` · ${result.not_yet}: not implemented yet` : "";
   const limits = result.criteria.map((c) => `${c.measure} ≤ ${withUnit(c.limits.pass, c.unit)}`).join(", ");
   return el("tr", { class: isFirst ? "first" : null, id: isFirst ? `row-${result.row}` : null },
     el("th", { class: "case", title: `${result.title}: ${result.weakness}${yet}. ${limits}` },
@@ -81,20 +81,20 @@ function drawMatrix() {
 
 function filterBar() {
   const rows = new Map(telling.map(([, result]) => [String(result.row), `${result.row} ${result.title}`]));
-  const verdicts = [["all", "any"], ["fails", "fails"], ["degraded", "degraded"], ["not_measured", "not measured"], ["pass", "passes"], ["none", "not made for it"]];
+  const verdicts = [["all", "any"], ["fails", "fails"], ["degraded", "degraded"], ["not_measured", "not measured"], ["pass", "passes"], ["none", "unsupported"]];
   const filters = controls(wanted, drawMatrix, [
     ["find", "text", { type: "search", placeholder: "row, case, weakness, measure", size: 26 }], ["technique", "technique", ["all", ...techniques]],
     ["row", "row", ["all", ...rows]], ["motion", "motion", [["all", "any"], "still", "moving"]], ["verdict", "verdict", verdicts]]);
   byId("filter").append(...filters, el("button", { type: "button", onclick: () => show({}) }, "all"), el("span", { id: "told" }));
 }
 
-// Shows these alone, and the matrix.
+// Sets the filter to these values alone, and redraws the matrix.
 function show(only) {
   Object.assign(wanted, { technique: "all", row: "all", motion: "all", verdict: "all", text: "" }, only);
   drawMatrix();
 }
 
-// An address may end with a filter: `#technique=pcf&verdict=fails`.
+// Applies a filter at the end of the address: `#technique=pcf&verdict=fails`.
 function fromAddress() {
   const given = [...new URLSearchParams(location.hash.slice(1))].filter(([name]) => name in wanted);
   if (!given.length) return;

@@ -1,4 +1,4 @@
-//! Writes the matrix as a page with pictures beside it, one picture of all, a table and data.
+//! Writes the matrix as a page with image files, one image of the matrix, a table and data.
 
 mod page;
 mod pictures;
@@ -17,10 +17,12 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html`, the cells' pictures in `pictures/`, `matrix.svg`, `matrix.csv`,
-/// `windows.csv`, `results.json`, and for each sweep an SVG and a CSV in `sweeps/`. The page works
-/// from a file; the folder is to be kept together. Returns the page's path. The figures' files hold
-/// nothing that changes from run to run: no dates, no times.
+/// Writes `index.html`, the cells' images in `pictures/`, `matrix.svg`, `matrix.csv`,
+/// `windows.csv`, `results.json`, and for each sweep an SVG and a CSV in `sweeps/`. Returns the
+/// page's path.
+///
+/// The page works from a file, and refers to the other files of the folder. Files with figures have
+/// no dates or times, so equal runs write equal files.
 ///
 /// # Errors
 /// Errors if the folder can't be written.
@@ -32,7 +34,7 @@ pub fn write(folder: &Path, results: &StabilityResults) -> Result<PathBuf, LabEr
     out.write("matrix.svg", svg::matrix(stability).as_bytes())?;
     out.write(results::FILE, &json(results)?)?;
     pictures::write(&out, stability, &results.pictures)?;
-    // All at once, so that sweeps of an older run don't stay.
+    // Replace the folder as a whole, so that sweeps of an older run are removed.
     let inner = out.unfinished(SWEEPS)?;
     for sweep in &results.sweeps {
         inner.write(&format!("{}.svg", sweep.name), sweep.svg().as_bytes())?;
@@ -43,10 +45,10 @@ pub fn write(folder: &Path, results: &StabilityResults) -> Result<PathBuf, LabEr
     Ok(folder.join("index.html"))
 }
 
-/// The folder of the sweeps' charts and tables, beside the page.
+/// Folder of the sweeps' charts and tables, next to the page.
 const SWEEPS: &str = "sweeps";
 
-/// Returns indented JSON, so that changes show line by line.
+/// Returns indented JSON, so that differences show line by line.
 fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
     serde_json::to_vec_pretty(data).map_err(|e| LabError::write("results.json", e))
 }
@@ -69,8 +71,8 @@ const HEADER: [&str; 15] = [
     "reason",
 ];
 
-/// Returns the matrix as CSV: a line for each cell and each of the case's criteria. `cell` is the
-/// cell's verdict, the worst of its criteria's.
+/// Returns the matrix as CSV: a line per cell and criterion of its case. `cell` is the cell's
+/// verdict, the worst of its criteria's.
 fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for case in &stability.cases {
@@ -108,7 +110,7 @@ fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     csv::of_lines("matrix.csv", &HEADER, lines)
 }
 
-/// Returns the windows of bias as CSV, a line for each: texels, empty where no amount passes.
+/// Returns the bias windows as CSV, a line each: texels, empty if no amount passes.
 fn windows(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for window in &stability.windows {

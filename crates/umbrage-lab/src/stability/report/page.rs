@@ -1,5 +1,5 @@
-//! The page: elements, a style sheet, scripts, and one block of data. Pictures and charts are files
-//! beside it.
+//! The page: elements, a style sheet, scripts, and one block of data. It refers to images and
+//! charts as files.
 
 use super::{SWEEPS, results::StabilityResults};
 use crate::{
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
-/// In the order in which they run: later ones use what earlier ones declare.
+/// Scripts in execution order: later ones use declarations of earlier ones.
 const SCRIPTS: [&str; 3] = [
     include_str!("base.js"),
     include_str!("matrix.js"),
@@ -23,15 +23,15 @@ const SCRIPTS: [&str; 3] = [
 struct Data<'a> {
     environment: &'a Environment,
     stability: &'a Stability,
-    /// For each case, for each cell, its picture's file or nothing.
+    /// Image file of each cell of each case, or nothing.
     pictures: &'a Vec<Vec<Option<String>>>,
     sweeps: Vec<Chart<'a>>,
     windows: Vec<Window<'a>>,
-    /// What the windows of bias say, in a sentence or two; none without windows.
+    /// Summary of the bias windows, one or two sentences; `None` without windows.
     headline: Option<String>,
-    /// What all rows say of each setting.
+    /// Verdicts over all rows for each setting.
     verdicts: Vec<SettingVerdicts>,
-    /// The sanity cases as one line; none if there are none.
+    /// One line about the sanity cases; `None` if there are none.
     sanity: Option<String>,
 }
 
@@ -41,7 +41,7 @@ struct Chart<'a> {
     file: String,
 }
 
-/// A window of bias with what is computed of it.
+/// A bias window and its label.
 #[derive(Serialize)]
 struct Window<'a> {
     #[serde(flatten)]
@@ -94,7 +94,7 @@ mod tests {
         assert!(!STYLE.contains("</style"));
     }
 
-    /// Every element that a script asks for by its name is in the body, or made by a script.
+    /// Every element that a script looks up by name is in the body, or made by a script.
     #[test]
     fn scripts_find_their_elements() {
         let all = SCRIPTS.concat();

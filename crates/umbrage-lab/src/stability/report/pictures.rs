@@ -1,4 +1,4 @@
-//! The cells' pictures as files beside the page.
+//! Image files of the cells, next to the page.
 
 use crate::{
     error::LabError,
@@ -6,15 +6,13 @@ use crate::{
     stability::cell::Stability,
 };
 
-/// The folder of the pictures, beside the page.
+/// Folder of the images, next to the page.
 pub(super) const FOLDER: &str = "pictures";
 
-/// For each case and each of its cells the file of its picture, relative to the page; none where
-/// there is no picture.
+/// Image file of each cell of each case, relative to the page; `None` without an image.
 pub(super) type PictureNames = Vec<Vec<Option<String>>>;
 
-/// Returns the names of all pictures: the case's, the technique's and the settings', each file
-/// once.
+/// Returns the names of all images: the case's, the technique's and the settings', each file once.
 pub(super) fn names(stability: &Stability) -> PictureNames {
     let mut taken: Vec<String> = Vec::new();
     let mut out = Vec::new();
@@ -41,7 +39,7 @@ pub(super) fn names(stability: &Stability) -> PictureNames {
     out
 }
 
-/// Writes all pictures under their names; those of an older run are removed.
+/// Writes all images under their names, and removes those of an older run.
 pub(super) fn write(
     folder: &Folder,
     stability: &Stability,

@@ -1,4 +1,4 @@
-//! The file of results: what other programs, and `compare`'s page, read.
+//! The file of results, which other programs and the page of `compare` read.
 
 use super::pictures::PictureNames;
 use crate::{
@@ -10,39 +10,38 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// Version of this data's format; grows with every change that programs which read it would notice.
+/// Version of this data's format. It grows with every change that affects programs that read it.
 pub const STABILITY_SCHEMA: u32 = 1;
 
-/// The file's name.
+/// Name of the file.
 pub(super) const FILE: &str = "results.json";
 
-/// All results of a run, written to `results.json` as they are.
+/// All results of a run, as written to `results.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct StabilityResults {
-    /// [`STABILITY_SCHEMA`] when it was written.
+    /// [`STABILITY_SCHEMA`] of the program that wrote it.
     pub schema: u32,
-    /// Where and with what it was made; undated, as it is the same whenever it is made.
+    /// Environment of the run; undated, so that equal runs write equal files.
     pub environment: Environment,
-    /// Hash of the program that played.
+    /// Hash of the program that ran.
     pub program: String,
-    /// The matrix and the windows of bias.
+    /// The matrix and the bias windows.
     #[serde(flatten)]
     pub stability: Stability,
-    /// The sweeps; empty if single rows or techniques were asked for.
+    /// The sweeps; empty if single rows or techniques were selected.
     pub sweeps: Vec<Sweep>,
-    /// For each case and each of its cells the file of its picture, relative to this one; none
-    /// where there is no picture.
+    /// Image file of each cell of each case, relative to this file; `None` without an image.
     pub pictures: PictureNames,
 }
 
-/// The schema alone: results of other versions have other fields.
+/// Only the schema: results of other versions have other fields.
 #[derive(Deserialize)]
 struct Version {
     schema: u32,
 }
 
 impl StabilityResults {
-    /// Returns results that this program has played on these backends.
+    /// Returns results of this program on these backends.
     pub fn new(stability: Stability, sweeps: Vec<Sweep>, backends: &Backends) -> Self {
         let undated = CompareOptions {
             runs: None,
@@ -61,7 +60,7 @@ impl StabilityResults {
     /// Reads a `results.json`, or the one in a folder that `stability` wrote.
     ///
     /// # Errors
-    /// Errors if it can't be read, is no such file, or has another schema than this program's.
+    /// Errors if it can't be read, is not such a file, or has another schema than this program's.
     pub fn read(path: &Path) -> Result<Self, Invalid> {
         let file = if path.is_dir() {
             path.join(FILE)
@@ -69,11 +68,11 @@ impl StabilityResults {
             path.to_owned()
         };
         let what = format!("stability results `{}`", file.display());
-        let help = "give the folder that `stability` wrote, or the results.json in it";
+        let help = "pass the folder that `stability` wrote, or the results.json in it";
         let refuse = |why: String| Invalid::new(what.clone(), why, help);
         let text = std::fs::read(&file).map_err(|e| refuse(format!("cannot be read: {e}")))?;
         let version: Version = serde_json::from_slice(&text).map_err(|_| {
-            refuse("holds no results of `stability` with a schema number".to_owned())
+            refuse("contains no results of `stability` with a schema number".to_owned())
         })?;
         if version.schema != STABILITY_SCHEMA {
             let why = format!(

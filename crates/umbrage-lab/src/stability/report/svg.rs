@@ -1,5 +1,5 @@
-//! The matrix as one picture for a README: a line for each case, a column for each setting, and
-//! signs that read without color.
+//! The matrix as one image for a README: a line per case, a column per setting, and signs that read
+//! without color.
 
 use crate::{
     output::html::escape,
@@ -10,27 +10,25 @@ use crate::{
 };
 use std::fmt::Write as _;
 
-/// Distance from the left side of a cell to that of the next, pixels; 2 of them are the gap between
-/// cells.
+/// Distance between the left sides of neighbouring cells, pixels; includes the gap.
 const CELL_WIDTH: usize = 26;
-/// Distance from the top of a line to that of the next, pixels; 2 of them are the gap between
-/// lines.
+/// Distance between the tops of neighbouring lines, pixels; includes the gap.
 const CELL_HEIGHT: usize = 19;
 /// Gap between cells, pixels.
 const CELL_GAP: usize = 2;
 /// Width left of the cells, for the names of cases, pixels.
 const LEFT: usize = 400;
-/// Width right of the cells, into which the last slanted column head reaches, pixels.
+/// Width right of the cells, for the last slanted column head, pixels.
 const RIGHT: usize = 90;
-/// Height above the cells, for the heads of columns, pixels.
+/// Height above the cells, for the column heads, pixels.
 const TOP: usize = 178;
 /// Height below the cells, for the legend, pixels.
 const BOTTOM: usize = 34;
 /// Distance from the top of a line to the baseline of its text, pixels.
 const BASELINE: usize = 14;
 
-/// What the signs mean ([`Cell::sign`]).
-const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   · not measured: could not fail   – not made for it; limits and figures: cargo xtask stability";
+/// Legend of the signs ([`Cell::sign`]).
+const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   · not measured: could not fail   – unsupported; limits and figures: cargo xtask stability";
 
 /// The colors of a cell, as CSS.
 struct CellColors {
@@ -38,7 +36,7 @@ struct CellColors {
     ink: &'static str,
 }
 
-/// Returns the colors of a cell. Blue to orange, as all kinds of color vision tell them apart
+/// Returns the colors of a cell: blue to orange, which all kinds of color vision distinguish
 /// (Okabe, Ito 2008).
 fn colors(cell: &Cell) -> CellColors {
     let (background, ink) = match cell.verdict() {
@@ -52,11 +50,11 @@ fn colors(cell: &Cell) -> CellColors {
     CellColors { background, ink }
 }
 
-/// Returns the whole picture; empty without cases.
+/// Returns the whole image; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
     let cases: Vec<&CaseResult> = stability.telling().collect();
-    // Some rows try more settings than others. The columns are the settings that all rows with the
-    // usual fit try; the page shows the rest.
+    // Some rows run more settings than others. Take the settings that all rows with the default fit
+    // run as columns; the page shows the rest.
     let usual = cases.iter().filter(|case| case.fit.is_empty());
     let least = usual.min_by_key(|case| case.cells.len());
     let Some(least) = least.or(cases.first()) else {
@@ -95,15 +93,15 @@ pub(super) fn matrix(stability: &Stability) -> String {
     out
 }
 
-/// Returns what a cell's column is called: the technique and its settings, but for the fit, which
-/// is the line's.
+/// Returns the name of a cell's column: the technique and its settings without the fit, which is
+/// the line's.
 fn column(case: &CaseResult, cell: &Cell) -> String {
     let settings = case.settings_without_fit(cell);
     format!("{} ({settings})", cell.technique)
 }
 
-/// Writes a column's head, slanted: the technique, and the end of its settings, in which those of
-/// one technique differ (the bias, or the rays).
+/// Writes a column's slanted head: the technique, and the end of its settings, which differs
+/// between the settings of one technique (the bias, or the rays).
 fn write_head(out: &mut String, cell: &Cell, column: usize) {
     let settings = cell.settings.rsplit("bias: ").next().unwrap_or_default();
     let head = format!("{}, {settings}", cell.technique);
@@ -150,7 +148,7 @@ fn write_line(
     }
 }
 
-/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the
+/// Writes a cell whose top left corner is at (`x`, `y`). Its tooltip lists the setting and the
 /// figures.
 fn write_cell(out: &mut String, cell: &Cell, criteria: &[CriterionResult], x: usize, y: usize) {
     let CellColors { background, ink } = colors(cell);

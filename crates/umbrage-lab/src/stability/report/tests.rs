@@ -9,8 +9,8 @@ use crate::{
     },
 };
 
-/// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case;
-/// names hold what markup and CSV stumble over.
+/// Returns a matrix of three cases: the second has one cell, which isn't measured; the last is a
+/// sanity case. Names contain characters with a meaning in markup and CSV.
 fn sample() -> Stability {
     let cell = |settings: &str, outcome| Cell {
         technique: "pcf".to_owned(),
@@ -58,7 +58,7 @@ fn sample() -> Stability {
     stable.cells = vec![cell(
         "7x7, stable fit to 8 m, bias: slope",
         CellOutcome::of(vec![
-            Judgement::not_measured("asked <once>"),
+            Judgement::not_measured("rendered <once>"),
             limits[1].judgement(2.0),
         ]),
     )];
@@ -85,7 +85,7 @@ fn sample() -> Stability {
     }
 }
 
-/// The sample as results of this program.
+/// Returns the sample as results of this program.
 fn results() -> StabilityResults {
     StabilityResults::new(sample(), vec![sweep()], &Backends::cpu())
 }
@@ -120,7 +120,7 @@ fn files(folder: &Path) -> Vec<String> {
 #[test]
 fn pictures_and_charts_are_files_beside_the_page() {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    // Those of an older run go.
+    // Files of an older run are removed.
     std::fs::create_dir(dir.path().join("pictures")).expect("writable");
     std::fs::write(dir.path().join("pictures/old.png"), b"old").expect("writable");
     let results = results();
@@ -149,7 +149,7 @@ fn pictures_and_charts_are_files_beside_the_page() {
     assert!(html.contains("sweeps/too-little.svg") && !html.contains("data:image"));
 }
 
-/// Settings that are the same as file names still have pictures of their own.
+/// Settings with equal file names still have separate image files.
 #[test]
 fn no_two_pictures_share_a_file() {
     let mut stability = sample();
@@ -170,7 +170,7 @@ fn results_of_other_versions_and_other_files_are_refused() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     write(dir.path(), &results()).expect("writable");
     let file = dir.path().join("results.json");
-    // A folder is as good as the file.
+    // The folder and the file are both accepted.
     for path in [dir.path(), &file] {
         let read = StabilityResults::read(path).expect("as written");
         assert_eq!(read.stability.cases.len(), 3);
@@ -212,7 +212,7 @@ fn the_documented_format_has_every_field() {
     let version = format!("**version {STABILITY_SCHEMA}** of `stability`");
     assert!(document.contains(&version), "{version}");
     let mut data = serde_json::to_value(results()).expect("plain data");
-    // Its fields are told where those of `compare` are.
+    // Its fields are documented with those of `compare`.
     data["environment"] = serde_json::Value::Null;
     let mut names = Vec::new();
     add_fields(&data, &mut names);
@@ -256,13 +256,13 @@ fn everything_is_written_and_reads_back() {
         "{svg}"
     );
     let csv = std::fs::read_to_string(dir.path().join("matrix.csv")).expect("there");
-    // A header, and by two criteria two cases of three cells and one of one.
+    // A header, and two lines for each of 3 + 1 + 3 cells.
     assert_eq!(csv.lines().count(), 15);
     let not_measured = &back.cases[1].cells[0];
     assert_eq!(not_measured.verdict(), Some(Verdict::NotMeasured));
     assert_eq!(not_measured.figure(), None);
     assert!(
-        csv.contains("not measured") && csv.contains("asked <once>"),
+        csv.contains("not measured") && csv.contains("rendered <once>"),
         "{csv}"
     );
     assert!(

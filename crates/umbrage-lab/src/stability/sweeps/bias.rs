@@ -1,8 +1,8 @@
-//! Bias from next to none to far too much: acne falls, and what the bias costs (a gap at contacts,
+//! Bias from almost none to far too much: acne falls, and the cost of the bias (a gap at contacts,
 //! or RMSE) grows.
 //!
-//! Both are drawn in units of their own limits, so that one chart holds them: up to 1 either
-//! passes. The best bias is the one at which the worse of the two is least.
+//! Both are drawn in one chart, in units of their own limits: each passes up to 1. The best bias
+//! minimises the worse of the two.
 
 use super::curve::{Curve, Sweep, not_played, play};
 use crate::{
@@ -24,24 +24,24 @@ use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap};
 /// A scene and a kind of bias.
 #[derive(Debug)]
 pub(super) struct Kind {
-    /// For file names.
+    /// Name for files.
     pub(super) name: &'static str,
     title: &'static str,
     /// Name of a built-in scene.
     scene: &'static str,
     /// Label of the x axis, with its unit.
     x: &'static str,
-    /// What too much bias does harm to: the curve beside acne.
+    /// Measure that too much bias worsens: the second curve.
     loss: Measure,
-    /// The first value, next to nothing.
+    /// First value, almost no bias.
     from: f32,
-    /// The last value, far too much.
+    /// Last value, far too much.
     to: f32,
-    /// Returns the bias of a value.
+    /// Converts a value to a bias.
     bias: fn(f32) -> Bias,
 }
 
-/// Values of a sweep, its ends included.
+/// Number of values of a sweep, including its ends.
 const STEPS: u32 = 25;
 
 fn constant(v: f32) -> Bias {
@@ -70,7 +70,7 @@ fn normal_offset(v: f32) -> Bias {
     }
 }
 
-/// A normal offset; the list below changes what is not that.
+/// Returns a sweep of the normal offset; the list below overrides its fields.
 const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> Kind {
     Kind {
         name,
@@ -136,7 +136,7 @@ pub(super) fn sweep(
         name: kind.name.to_owned(),
         title: kind.title.to_owned(),
         x: kind.x.to_owned(),
-        y: "times the limit that passes".to_owned(),
+        y: "multiple of the passing limit".to_owned(),
         curves,
         best,
         limit: Some(1.0),
@@ -147,7 +147,7 @@ pub(super) fn sweep(
     })
 }
 
-/// Returns the curve of a measure, in units of the limit up to which it passes.
+/// Returns the curve of a measure, in units of its passing limit.
 fn curve(
     measure: Measure,
     values: &[f32],
@@ -170,14 +170,13 @@ fn limit(pass: f64, unit: &str) -> String {
     format!("{pass:.3} {unit}").trim_end().to_owned()
 }
 
-/// Returns value `i` of [`STEPS`] from `from` to `to`, each greater than the one before by the same
-/// factor.
+/// Returns value `i` of [`STEPS`] from `from` to `to`, in geometric steps.
 fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
     let t = i as f32 / (STEPS - 1) as f32;
     from * (to / from).powf(t)
 }
 
-/// Plays hard shadows with each value's bias.
+/// Renders hard shadows with each value's bias.
 fn masks(
     kind: &Kind,
     values: &[f32],
@@ -193,8 +192,7 @@ fn masks(
             ..ShadowMap::default()
         };
         let played = play(case_truth, &Hard {}.on(map), backends, i, values.len());
-        // Without a mask there is no figure. Leaving the point out would hide that the setting has
-        // no mask.
+        // Return an error without a mask: omitting the point would hide that the setting has none.
         played.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
             not_played(case_truth, &Hard {}.on(map), &why)
         })
@@ -202,7 +200,7 @@ fn masks(
     played.into_iter().collect()
 }
 
-/// Returns the x at which the highest of the curves is lowest; the least such x.
+/// Returns the x at which the greatest of the curves is least; the smallest such x.
 fn best(curves: &[Curve]) -> Option<f64> {
     let points = curves.first()?.points.len();
     let best = (0..points).min_by(|&a, &b| highest(curves, a).total_cmp(&highest(curves, b)))?;
@@ -224,7 +222,7 @@ mod tests {
     use umbrage_core::{Backend, BackendError, Invalid, Recipe, Shadows, View};
     use umbrage_cpu::Cpu;
 
-    /// Plays the first sweep on these backends.
+    /// Runs the first sweep on these backends.
     fn on(playing: Vec<Box<dyn Backend + Send>>) -> Result<Sweep, LabError> {
         sweep(
             &ALL[0],
@@ -269,7 +267,7 @@ mod tests {
 
     #[test]
     fn ends_and_middle_play_on_every_backend() {
-        // The last of three renderings is faulty: noticed. A fourth never comes.
+        // A fault in the last of three renderings is noticed. There is no fourth one.
         let faulty_third = beside_faulty(3);
         assert_eq!(faulty_third.disagreeing, Some(1));
         assert!(faulty_third.fault().is_some());
@@ -278,7 +276,7 @@ mod tests {
         assert_eq!(faulty_fourth.fault(), None);
     }
 
-    /// Plays a sweep on the CPU beside a backend whose `k`-th rendering has one pixel wrong.
+    /// Runs a sweep on the CPU and on a backend whose `k`-th rendering has one wrong pixel.
     fn beside_faulty(k: usize) -> Sweep {
         let mut played = 0;
         let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
@@ -290,7 +288,7 @@ mod tests {
         on(vec![Box::new(Cpu::new()), Box::new(faulty)]).expect("valid")
     }
 
-    /// A setting that can't be played has no figure, least of all a perfect one.
+    /// A setting that can't be rendered has no figure, least of all a perfect one.
     #[test]
     fn a_bias_that_is_not_served_is_an_error() {
         struct Refuses;
@@ -306,7 +304,7 @@ mod tests {
             }
         }
         let why = on(vec![Box::new(Refuses)])
-            .expect_err("nothing is served")
+            .expect_err("nothing is supported")
             .to_string();
         assert!(
             why.contains("thin-plate") && why.contains("hard") && why.contains("too large"),

@@ -3,14 +3,14 @@
 use super::curve::Sweep;
 use crate::output::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
-/// Returns the least y that is drawn: a hundredth of the limit, or a thousandth without one.
-/// Smaller values are drawn there, as 0 has no place on a logarithmic axis.
+/// Returns the least y of the chart: a hundredth of the limit, or a thousandth without one. Smaller
+/// values are drawn there, as a logarithmic axis has no 0.
 fn floor(sweep: &Sweep) -> f64 {
     sweep.limit.map_or(1e-3, |limit| 0.01 * limit)
 }
 
 impl Sweep {
-    /// Returns the chart as an SVG that needs no other file.
+    /// Returns the chart as a self-contained SVG.
     pub fn svg(&self) -> String {
         figure(self).svg()
     }
@@ -27,7 +27,7 @@ fn figure(sweep: &Sweep) -> Figure {
             .map(|[x, y]| Point::at(*x, y.max(floor)))
             .collect();
         let line = Series::line(&curve.label, COLORS[i % COLORS.len()], points);
-        // Once the colors are used up they repeat; those lines are dashed.
+        // Dash the lines whose colors repeat.
         let style = if i < COLORS.len() {
             line.style
         } else {

@@ -13,34 +13,34 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use umbrage_core::ShadowTechnique;
 
-/// A chart's data.
+/// Data of a chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
-    /// For file names.
+    /// Name for files.
     pub name: String,
-    /// For people.
+    /// Title for readers.
     pub title: String,
-    /// What is varied, with its unit.
+    /// Label of the varied quantity, with its unit.
     pub x: String,
-    /// What is measured, with its unit.
+    /// Label of the measure, with its unit.
     pub y: String,
     /// The curves.
     pub curves: Vec<Curve>,
-    /// The best value of x, where there is one.
+    /// Best value of x, if there is one.
     pub best: Option<f64>,
-    /// The value of y up to which a result passes, where there is one.
+    /// Greatest passing value of y, if there is one.
     pub limit: Option<f64>,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
-    /// none with a single backend.
+    /// Number of pixels on which backends differ, among those that rounding doesn't decide; `None`
+    /// with a single backend.
     pub disagreeing: Option<u64>,
 }
 
-/// One curve.
+/// A curve of a chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// Its name.
+    /// Name of the curve.
     pub label: String,
-    /// Points as [x, y], x growing.
+    /// Points as [x, y], by increasing x.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -54,7 +54,7 @@ impl Sweep {
         ))
     }
 
-    /// Returns the curves' points as CSV, a line for each: `curve,x,y`.
+    /// Returns the curves' points as CSV, a line each: `curve,x,y`.
     ///
     /// # Errors
     /// Errors if the table can't be written.
@@ -69,7 +69,7 @@ impl Sweep {
     }
 }
 
-/// Plays a technique under the case's first light, at point `i` of `count` of a curve.
+/// Renders a technique under the case's first light, at point `i` of `count` of a curve.
 pub(crate) fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
@@ -81,14 +81,14 @@ pub(crate) fn play(
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
     let recipe = guard::plan(technique, &view)?;
-    // Other backends play the curve's ends and its middle.
+    // Run the other backends only at the curve's ends and its middle.
     let is_checked = i == 0 || i == count / 2 || i == count - 1;
     let mut backends = backends.lock();
     let playing = all_backends::select(&mut backends.playing, is_checked);
     all_backends::render(playing, &view, &recipe)
 }
 
-/// Returns the error of a sweep with a setting that could not be played.
+/// Returns the error of a sweep with a setting that could not be rendered.
 pub(crate) fn not_played(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,

@@ -1,7 +1,7 @@
 //! One quantity varied from too little to too much: bias, light angle, scale, distance from the
 //! origin, map size.
 //!
-//! Figures are the first backend's. The others play each curve's ends and its middle, and must
+//! Figures are the first backend's. The others render each curve's ends and its middle, and must
 //! agree there.
 
 mod bias;
@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{compare::Backends, error::LabError};
 
-/// Runs all sweeps. [`Sweep::fault`] says what is wrong with a result.
+/// Runs all sweeps. [`Sweep::fault`] reports disagreeing backends.
 ///
 /// # Errors
 /// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules

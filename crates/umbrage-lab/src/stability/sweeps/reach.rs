@@ -1,5 +1,5 @@
-//! The RMSE of techniques as the light sinks, the scene grows or moves away, or the map shrinks,
-//! beside that of a perfect map of the same size.
+//! RMSE of techniques compared with a perfect map of the same size, as the light sinks, the scene
+//! grows or moves away, or the map shrinks.
 
 use super::{
     curve::{Curve, Sweep, not_played, play},
@@ -19,22 +19,22 @@ use umbrage_techniques::TechniquePreset;
 /// A scene and the quantity that is varied in it.
 #[derive(Debug)]
 pub(super) struct Kind {
-    /// For file names.
+    /// Name for files.
     pub(super) name: &'static str,
     title: &'static str,
     /// Name of a built-in scene.
     scene: &'static str,
     /// Label of the x axis, with its unit.
     x: &'static str,
-    /// The values that are played, growing.
+    /// Values to run, increasing.
     values: &'static [f64],
     /// Returns the scene at a value.
     vary: fn(&Scene, f64) -> Scene,
-    /// Whether the value is the maps' side in texels, and the scene stays.
+    /// Whether the value is the maps' side in texels and the scene is unchanged.
     is_map_size: bool,
 }
 
-/// A kind whose scene stays; the list below fills in the rest.
+/// Returns a sweep with an unchanged scene; the list below sets the other fields.
 const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -> Kind {
     Kind {
         name,
@@ -60,7 +60,7 @@ fn away(scene: &Scene, distance: f64) -> Scene {
     moved(scene, Vec3::new(0.8, 0.0, -0.6) * distance as f32)
 }
 
-/// Degrees of the sun above the horizon.
+/// Heights of the sun above the horizon, degrees.
 const SUN_HEIGHTS: &[f64] = &[0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 /// Scales of a scene.
 const SCALES: &[f64] = &[1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1e3, 1e4];
@@ -96,7 +96,7 @@ pub(super) const ALL: &[Kind] = &[
     },
 ];
 
-/// The techniques that have a curve: few enough to tell them apart in a chart.
+/// Techniques with a curve: few enough to distinguish in a chart.
 const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
 pub(super) fn sweep(
@@ -104,6 +104,7 @@ pub(super) fn sweep(
     options: &StabilityOptions,
     backends: &SharedBackends<'_>,
 ) -> Result<Sweep, LabError> {
+    // Prepare the curve of the perfect map; those of techniques follow at the first value.
     let scene = umbrage_scenes::find(kind.scene)
         .map(|entry| (entry.build)())
         .unwrap_or_default();
@@ -114,6 +115,7 @@ pub(super) fn sweep(
     let mut of_techniques = Vec::new();
     let mut disagreeing = None;
     for (place, &value) in kind.values.iter().enumerate() {
+        // Trace truth of the scene at this value.
         let map_size = if kind.is_map_size {
             value as u32
         } else {
@@ -129,14 +131,14 @@ pub(super) fn sweep(
             map_size,
             Fit::Tight,
         );
-        // The first value makes the curves: the settings are the same at every value, but for the
-        // map's side.
+        // Start the curves at the first value: the settings differ only in the map's side.
         if of_techniques.is_empty() {
             of_techniques = techniques
                 .iter()
                 .map(|technique| empty_curve(technique, map_size))
                 .collect();
         }
+        // Render each technique, and add a point to its curve.
         for (technique, curve) in techniques.iter().zip(&mut of_techniques) {
             let played = play(&case_truth, technique, backends, place, kind.values.len());
             match played {
@@ -166,7 +168,7 @@ pub(super) fn sweep(
     })
 }
 
-/// Traces truth about the scene's first camera and first light.
+/// Traces truth for the scene's first camera and first light.
 fn truth_of(
     scene: Scene,
     map_size: u32,
@@ -177,8 +179,8 @@ fn truth_of(
     CaseTruth::new(scene, camera, lights, map_size, &options.truth)
 }
 
-/// Returns the curve of a setting, without points. Its label leaves out the map's side, which the x
-/// axis has or which is the same for all curves.
+/// Returns the curve of a setting, without points. Its label omits the map's side, which is on the
+/// x axis or equal for all curves.
 fn empty_curve(technique: &TechniquePreset, map_size: u32) -> Curve {
     let label = format!("{} ({})", technique.name(), technique.settings());
     Curve {

@@ -1,4 +1,4 @@
-//! Copies of a scene at another scale, at another place, or under another sun.
+//! Copies of a scene at another scale, at another position, or under another sun.
 
 use glam::{Affine3A, Mat4, Vec3, Vec3A};
 use umbrage_core::{Light, Scene};

@@ -1,12 +1,13 @@
-//! Other backends beside the first: they must agree where they serve a recipe, and change no
+//! Backends other than the first: they must agree if they support a recipe, and must not change any
 //! figure.
 
 use super::*;
 
 /// Runs one moving case with one technique and a second backend that errs in its `k`th rendering,
-/// from 1; 0 for never. Returns the disagreement of all settings together, the faults, and the
-/// number of the second backend's renderings. Settings run on several threads: which one renders
-/// `k`th varies.
+/// counted from 1; 0 means never.
+///
+/// Returns the disagreement over all settings, the faults, and the number of the second backend's
+/// renderings. Settings run on several threads, so the setting of the `k`th rendering varies.
 fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
     let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
@@ -21,7 +22,7 @@ fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
         }
     });
     let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(faulty)]);
-    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
+    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("runs");
     let disagreeing = cases[0].cells.iter().map(|cell| cell.disagreeing);
     (
         disagreeing.fold(None, all_backends::sum),
@@ -67,15 +68,15 @@ impl Backend for Tiny {
     fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
         Err(Invalid::new(
             "map",
-            "is larger than this backend holds",
+            "is larger than this backend supports",
             "make it smaller",
         )
         .into())
     }
 }
 
-/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from
-/// being checked.
+/// A backend that supports nothing changes no figure of the first one, and doesn't prevent the
+/// check of the others.
 #[test]
 fn backends_that_serve_nothing_are_left_out() {
     let options = StabilityOptions {
@@ -87,7 +88,7 @@ fn backends_that_serve_nothing_are_left_out() {
     let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend + Send>;
     let cells = |playing: Vec<Box<dyn Backend + Send>>| -> Vec<Cell> {
         let mut backends = Backends::of(playing);
-        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+        let stability = run(&options, &mut backends, &mut |_| {}).expect("runs");
         stability.cases.into_iter().flat_map(|c| c.cells).collect()
     };
     let alone = cells(vec![cpu()]);
@@ -114,7 +115,7 @@ fn backends_that_serve_nothing_are_left_out() {
             "{cell:?}"
         );
     }
-    // Figures are the first's: without it there are none.
+    // Figures are the first backend's: without it there are none.
     assert!(
         cells(vec![Box::new(Tiny), cpu()])
             .iter()

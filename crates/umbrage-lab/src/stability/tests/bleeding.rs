@@ -1,11 +1,11 @@
-//! Light that bleeds between two blockers, against what the bounds of moments say of it.
+//! Light bleeding between two blockers, compared with the bounds of moment maps.
 
 use super::*;
 use glam::Vec3;
 use umbrage_techniques::{Evsm, EvsmMoments, MapFilter as _, Msm, Reconstruction, ShadowMap, Vsm};
 
-/// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers
-/// alone, before a receiver, whatever their shares; `depths` are the nearer blocker's, the other's
+/// Returns the greatest visibility that Chebyshev's bound allows for a receiver behind two
+/// blockers, for any shares of theirs in the filter. `depths` are the nearer blocker's, the other's
 /// and the receiver's.
 ///
 /// With b = `middle` - `near`, a = `receiver` - `middle`, and a share p of the nearer blocker, the
@@ -19,14 +19,14 @@ fn most_bleeding(depths: [f32; 3]) -> f32 {
     (between / (between + 2.0 * behind)).powi(2)
 }
 
-/// Returns where the light meets both plates of `two-plates` and the floor, clip depth of its map.
+/// Returns where the light meets both plates of `two-plates` and the floor: clip depths of its map.
 fn clip_depths(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> [f32; 3] {
     let view = case_truth
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
     let recipe = technique.recipe(&view).expect("supported");
     let clip_from_world = recipe.casts[0].space.clip_from_world();
-    // The sun is 45 degrees high and shines along +x.
+    // The sun is 45 degrees high; its light falls along +x.
     let depth = |height: f32| {
         let place = Vec3::new(0.1 - height, height, 0.0);
         clip_from_world.project_point3(place).z
@@ -34,9 +34,9 @@ fn clip_depths(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> [f32;
     [5.0, 1.0, 0.0].map(depth)
 }
 
-/// Returns the most light that a technique leaves on the floor in the lower plate's shadow, .2 m
-/// inside of its outline, farther than filters of the tests reach: the shadow lies from -0.6 to 1 m
-/// along x, and 0.9 m to each side along z.
+/// Returns the greatest visibility of a technique on the floor in the lower plate's shadow, .2 m
+/// inside of its outline, which is farther than the tests' filters reach. The shadow extends from
+/// -0.6 to 1 m along x, and 0.9 m to each side along z.
 fn brightest(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> f32 {
     let mask = mask(case_truth, technique);
     let receivers = &case_truth.truth.receivers;
@@ -62,7 +62,7 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
         ..Vsm::default()
     }
     .on(map);
-    // So small that light still bleeds.
+    // Small enough that light still bleeds.
     let exponent = 2.0;
     let exponential = Evsm {
         blur: 3,
@@ -77,16 +77,16 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     let warped = depths.map(|depth| (exponent * (2.0 * depth - 1.0)).exp());
     let of_variance = most_bleeding(depths);
     let of_exponential = most_bleeding(warped);
-    // By the heights of the plates.
+    // The expected bound, from the heights of the plates.
     assert!((of_variance - 4.0 / 9.0).abs() < 1e-3, "{of_variance}");
     assert!(of_exponential < 0.8 * of_variance, "{of_exponential}");
     let expected: [(&dyn ShadowTechnique, f32); 2] =
         [(&variance, of_variance), (&exponential, of_exponential)];
     for (technique, expected) in expected {
         let found = brightest(&case_truth, technique);
-        // Less, since pixels don't lie just where the shares are worst; more, since the light meets
-        // the plates at a slope: depths of one plate differ within the filter by up to a hundredth
-        // of the way between the plates.
+        // It may be less, as pixels are not exactly where the shares are worst. It may be more, as
+        // the light meets the plates at a slope: within the filter, depths of one plate differ by
+        // up to a hundredth of the distance between the plates.
         assert!(
             found > 0.95 * expected && found < 1.02 * expected,
             "{}: {found} for {expected}",
@@ -97,7 +97,7 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     assert_eq!(verdict(case, &case_truth, &mask), Verdict::Fails);
 }
 
-/// Two blockers and a receiver are three depths: what four moments tell apart.
+/// Two blockers and a receiver are three depths, which four moments separate.
 #[test]
 fn four_moments_tell_two_blockers_from_light() {
     let case = case("two-plates");

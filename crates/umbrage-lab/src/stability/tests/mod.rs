@@ -1,5 +1,5 @@
-//! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses
-//! are seen.
+//! Every row's measure can pass and can fail, its scene has the failure's cause, and known
+//! weaknesses are detected.
 
 mod backends;
 mod bleeding;
@@ -27,7 +27,7 @@ use umbrage_techniques::{
     TechniquePreset, Traced,
 };
 
-/// Small enough that all cases take seconds.
+/// Returns options small enough to run all cases in seconds.
 fn small() -> StabilityOptions {
     let truth = TruthOptions {
         samples: 64,
@@ -55,7 +55,7 @@ fn case_truth_of(case: &StabilityCase, options: &StabilityOptions) -> CaseTruth 
     case_truth(case, case.scene, options).expect("a built-in scene")
 }
 
-/// The mean mask over the case's lights on the CPU.
+/// Returns the mean mask over the case's lights on the CPU.
 fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
     let mut sum = vec![0.0; case_truth.truth.visibility.len()];
     for light in &case_truth.lights {
@@ -63,7 +63,7 @@ fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
             .view(light)
             .with_receivers(&case_truth.truth.receivers);
         let recipe = technique.recipe(&view).expect("supported");
-        let shadows = Cpu::new().render(&view, &recipe).expect("plays");
+        let shadows = Cpu::new().render(&view, &recipe).expect("renders");
         sum.iter_mut()
             .zip(&shadows.mask)
             .for_each(|(s, v)| *s += v / case_truth.lights.len() as f32);
@@ -71,14 +71,14 @@ fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
     sum
 }
 
-/// What a still case is judged by.
+/// Returns the criteria of a still case.
 fn criteria(case: &StabilityCase, case_truth: &CaseTruth) -> Vec<Criterion> {
     Criterion::of_case(case.measure, case_truth, |measure| {
         measure.limits(case_truth)
     })
 }
 
-/// The worst verdict of a still case's criteria.
+/// Returns the worst verdict of a still case's criteria.
 fn verdict(case: &StabilityCase, case_truth: &CaseTruth, mask: &[f32]) -> Verdict {
     let verdicts = criteria(case, case_truth).into_iter().map(|criterion| {
         let figure = criterion.measure.figure(case_truth, mask);
@@ -103,7 +103,7 @@ fn the_list_holds_every_row_once_and_every_scene_exists() {
     }
 }
 
-/// Each row's scene whose number the catalogue of scenes tells is played by that row.
+/// Each failure scene of the scene catalogue is run by a row.
 #[test]
 fn scenes_of_failures_are_played() {
     let played: HashSet<&str> = cases().map(|(_, case)| case.scene).collect();
@@ -112,17 +112,17 @@ fn scenes_of_failures_are_played() {
         .filter(|e| matches!(e.kind, umbrage_scenes::Kind::Failure(_)) && !played.contains(e.name))
         .map(|e| e.name)
         .collect();
-    // The lamp with an extent is there for its penumbra alone.
+    // The light with an extent is only there for its penumbra.
     assert_eq!(left_out, ["glowing-lamp-in-room"]);
 }
 
-/// With truth's own technique every still row passes, and with a mask that is all lit or all dark
-/// each criterion of every one fails; and without casters there is no shadow left to measure: so
-/// every measure can do both.
+/// Every measure can pass and can fail. Truth's own technique passes every still row. Each
+/// criterion fails with a fully lit or a fully dark mask. Without casters no shadow is left to
+/// measure.
 #[test]
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
-    // No single mask tells these; and 10,000 boxes are for the command alone.
+    // A single mask doesn't determine these; and 10,000 boxes are only for the command.
     let by_mask = |m: Measure| {
         !matches!(
             m,
@@ -166,7 +166,7 @@ fn without_casters_no_shadow_is_left() {
     ] {
         let case = case(name);
         let case_truth = case_truth_of(case, &options);
-        assert!(case_truth.truth.has_shadow(), "{name}: nothing to see");
+        assert!(case_truth.truth.has_shadow(), "{name}: no shadow");
         let bare = case_truth.geometry.without_casters();
         for light in &case_truth.lights {
             let truth = truth::trace(
@@ -191,7 +191,7 @@ fn hard(bias: Bias) -> TechniquePreset {
     }))
 }
 
-/// Weaknesses that a technique is known to have are seen, and truth's technique has none of them.
+/// Known weaknesses of techniques are detected, and truth's technique has none of them.
 #[test]
 fn known_weaknesses_are_seen() {
     let too_much = Bias {
@@ -236,8 +236,8 @@ fn known_weaknesses_are_seen() {
     }
 }
 
-/// Where several blockers make one penumbra, and where each has a width of its own, PCSS at its
-/// defaults does what it is for.
+/// Default PCSS passes where several blockers share one penumbra, and where penumbrae have
+/// different widths.
 #[test]
 fn soft_shadows_pass_under_lamps() {
     let technique = Pcss::default().on(ShadowMap {
@@ -265,7 +265,7 @@ fn soft_shadows_pass_under_lamps() {
     }
 }
 
-/// Plays these techniques in all cases of `rows`, or in all there are, on the CPU.
+/// Runs these techniques in all cases of `rows`, or in all cases if it is empty, on the CPU.
 fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
     let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
     let options = StabilityOptions {
@@ -274,11 +274,11 @@ fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
         ..small()
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-    run(&options, &mut backends, &mut |_| {}).expect("plays")
+    run(&options, &mut backends, &mut |_| {}).expect("runs")
 }
 
-/// No shadow at all is what the cure for every kind of false shadow leads to: it fails every case
-/// in which something casts onto what is seen, and passes those in which nothing does.
+/// The fixes of false shadow lead to no shadow at all. That fails every case in which visible
+/// geometry is in shadow, and passes those in which it isn't.
 #[test]
 fn no_shadow_fails_wherever_something_casts() {
     let played = small_run(&[], &["none"]);
@@ -299,11 +299,11 @@ fn no_shadow_fails_wherever_something_casts() {
     );
 }
 
-/// Masks that a measure of one side alone would pass.
+/// Masks that only pass a one-sided measure fail.
 #[test]
 fn what_a_cure_takes_away_is_charged() {
     let options = small();
-    // No acne, but no shadow; no leak and no gap, but no light.
+    // No acne, but no shadow; or no leak and no gap, but no light.
     let one_sided = [
         ("low-sun-5", 1.0_f32),
         ("long-plane", 1.0),
@@ -327,8 +327,8 @@ fn what_a_cure_takes_away_is_charged() {
     }
 }
 
-/// Far from the origin truth has less shadow that is sure, and truth at texels' centres is not to
-/// be trusted: limits are those near the origin in proportion to what no shadow would cost.
+/// Far from the origin less of truth's shadow is certain, and truth at texel centres is unreliable.
+/// The limits are those near the origin, scaled by the cost of no shadow.
 #[test]
 fn limits_far_away_are_in_proportion() {
     let options = small();
@@ -344,7 +344,7 @@ fn limits_far_away_are_in_proportion() {
     let near_limits = Measure::Rmse.limits(&near);
     let shares = [limits.pass / far_cost, near_limits.pass / near_cost];
     assert!((shares[0] - shares[1]).abs() < 1e-9, "{shares:?}");
-    // The limits of measures that no single mask tells are the same everywhere.
+    // Limits of measures that a single mask doesn't determine are equal everywhere.
     let shimmer = Measure::Shimmer.limits_from(&far, &near);
     assert_eq!(shimmer, Measure::Shimmer.limits(&far));
 }
@@ -356,8 +356,8 @@ fn false_light(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         .false_light
 }
 
-/// Relief that the depth pass leaves out throws no shadow into its joints: against the relief's own
-/// truth they are lit.
+/// Relief that the depth pass omits casts no shadow into its joints: they are lit, compared with
+/// the relief's truth.
 #[test]
 fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = case_truth_of(case("displaced-wall"), &small());
@@ -371,7 +371,7 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
     );
 }
 
-/// Shadows on a normal-mapped wall are a flat wall's. A bias that follows the relief's normals
+/// Shadows on a normal-mapped wall are those of a flat wall. A bias along the relief's normals
 /// gives them acne.
 #[test]
 fn a_bias_along_shading_normals_spoils_a_flat_wall() {
@@ -387,7 +387,7 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     let rmse_with = |receivers: &umbrage_core::Receivers| {
         let view = flat.view(&flat.lights[0]).with_receivers(receivers);
         let recipe = technique.recipe(&view).expect("supported");
-        let shadows = Cpu::new().render(&view, &recipe).expect("plays");
+        let shadows = Cpu::new().render(&view, &recipe).expect("renders");
         Measure::Rmse.figure(&flat, &shadows.mask)
     };
     let geometric = rmse_with(&flat.truth.receivers);
@@ -398,7 +398,7 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     );
 }
 
-/// Shadow volumes count exactly, also with the eye in an umbra and meshes that don't close.
+/// Shadow volumes count exactly, also with the eye in an umbra and with open meshes.
 #[test]
 fn volumes_are_exact_where_counts_start_inside() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
@@ -413,8 +413,8 @@ fn volumes_are_exact_where_counts_start_inside() {
     }
 }
 
-/// Planar shadows are exact on flat receivers, casters beyond the lamp and through the floor
-/// included.
+/// Planar shadows are exact on flat receivers, including casters beyond the light and through the
+/// floor.
 #[test]
 fn planar_shadows_have_no_anti_shadow() {
     let case = case("flat-receivers");
@@ -423,7 +423,7 @@ fn planar_shadows_have_no_anti_shadow() {
     assert_eq!(verdict(case, &case_truth, &planar), Verdict::Pass);
 }
 
-/// Open pixels have no edge near, and there are some; a perfect map errs at edges alone.
+/// Open pixels have no edge nearby, and exist; a perfect map errs only at edges.
 #[test]
 fn open_pixels_are_right_on_a_perfect_map() {
     let case_truth = case_truth_of(case("stairs"), &small());
@@ -441,7 +441,7 @@ fn open_pixels_are_right_on_a_perfect_map() {
         Measure::Rmse.figure(&case_truth, &case_truth.ideal) > 0.0,
         "edges must alias"
     );
-    // A map of a quarter of the side errs more.
+    // A map with a quarter of the side errs more.
     let coarse = case_truth_of(
         case("stairs"),
         &StabilityOptions {
@@ -455,8 +455,7 @@ fn open_pixels_are_right_on_a_perfect_map() {
     );
 }
 
-/// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes
-/// nowhere.
+/// A mask of the wrong size, or with an invalid visibility, has no RMSE and passes nowhere.
 #[test]
 fn what_is_no_mask_has_no_rmse() {
     let case = case("stairs");
@@ -479,7 +478,7 @@ fn without_a_backend_nothing_runs() {
     let none = || Backends::of(Vec::new());
     assert!(
         run(&small(), &mut none(), &mut |_| {})
-            .expect_err("nothing plays")
+            .expect_err("no backend")
             .to_string()
             .contains("backend")
     );
@@ -516,7 +515,7 @@ fn unknown_names_are_refused_with_what_there_is() {
     assert!(known.validate().is_ok());
 }
 
-/// The same run gives the same figures, and another backend state doesn't matter.
+/// Equal runs return equal figures, whatever the state of the backend.
 #[test]
 fn runs_repeat_to_the_bit() {
     let options = StabilityOptions {
@@ -525,7 +524,7 @@ fn runs_repeat_to_the_bit() {
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let mut figures = || {
-        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+        let stability = run(&options, &mut backends, &mut |_| {}).expect("runs");
         stability
             .cases
             .iter()

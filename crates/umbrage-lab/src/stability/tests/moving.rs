@@ -1,10 +1,10 @@
-//! Moving rows: what crawls, what follows, and what can't be told.
+//! Moving rows: shadows that crawl, shadows that follow, and cases that can't be measured.
 
 use super::*;
 use std::sync::Arc;
 
-/// A tight fit crawls under a panning camera; stable fits take the crawl away, to the bit; rays
-/// have no map that could.
+/// A tight fit crawls under a panning camera. Stable fits remove the crawl exactly. Rays have no
+/// map that could crawl.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
     let played = small_run(&["fence-pan", "fence-pan-stable"], &["hard", "traced"]);
@@ -35,8 +35,8 @@ fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
     assert!(played.faults.is_empty());
 }
 
-/// Patterns that follow the pixel change at points that stay while the camera moves, whatever the
-/// fit. What could not have changed is no pass.
+/// Patterns that follow the pixel change at fixed points while the camera moves, with any fit. A
+/// figure that could not have changed is not a pass.
 #[test]
 fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
     let techniques = ["none", "hard", "pcf_dithered", "volumes", "traced"];
@@ -52,7 +52,7 @@ fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
         let is_not_measured = shimmer.verdict == Verdict::NotMeasured;
         assert_eq!(is_not_measured, is_held, "{}: {shimmer:?}", cell.technique);
         assert_eq!(shimmer.reason.is_some(), is_held);
-        // Its error is measured nevertheless.
+        // Its error is measured anyway.
         assert!(error.figure.is_some());
     }
     for cell in &stable.cells {
@@ -62,9 +62,9 @@ fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
     }
 }
 
-/// Where light and casters stand still, truth at points that stay doesn't change at all: whatever a
-/// mask changes is its own. Where either moves, truth moves, so that a shadow that stands still can
-/// be told from one that follows.
+/// While light and casters stand still, truth at fixed points doesn't change, so every change of a
+/// mask is an error. While either moves, truth changes, so a shadow that stands still differs from
+/// one that follows.
 #[test]
 fn truth_moves_with_light_and_casters_alone() {
     let options = small();
@@ -94,7 +94,7 @@ fn truth_moves_with_light_and_casters_alone() {
     }
 }
 
-/// A shadow that isn't there doesn't crawl. It doesn't follow the sun either.
+/// A missing shadow doesn't crawl, but it doesn't follow the sun either.
 #[test]
 fn what_stands_still_under_a_turning_sun_fails() {
     let names = ["none", "traced"].map(str::to_owned).to_vec();
@@ -105,7 +105,7 @@ fn what_stands_still_under_a_turning_sun_fails() {
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let result = run(&options, &mut backends, &mut |_| {})
-        .expect("plays")
+        .expect("runs")
         .cases
         .remove(0);
     for (name, expected) in [("none", Verdict::Fails), ("traced", Verdict::Pass)] {
@@ -118,7 +118,7 @@ fn what_stands_still_under_a_turning_sun_fails() {
     }
 }
 
-/// However slow the movement, standing still is worse than what passes.
+/// However slow the movement, standing still is worse than the passing limit.
 #[test]
 fn limits_of_slow_movement_are_below_standing_still() {
     let options = small();
@@ -126,7 +126,7 @@ fn limits_of_slow_movement_are_below_standing_still() {
     let case_truth = Arc::new(case_truth_of(case, &options));
     let mut moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
         .expect("a built-in scene");
-    // Truth that moves a hundred times more slowly.
+    // Slow truth's movement down by a factor of a hundred.
     let first = moving.truth[0].clone();
     for frame in &mut moving.truth {
         for (visibility, at_first) in frame.iter_mut().zip(&first) {
@@ -137,7 +137,7 @@ fn limits_of_slow_movement_are_below_standing_still() {
     let limits = moving.limits(case.measure, case.measure.limits(&case_truth));
     assert!(
         still > 0.0 && still < case.measure.limits(&case_truth).pass,
-        "{still}: too fast to tell anything"
+        "{still}: too fast for this test"
     );
     assert_eq!(
         limits.judge(still),

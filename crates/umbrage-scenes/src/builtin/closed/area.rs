@@ -1,17 +1,17 @@
-//! c4 to c5: straight edges and a corner under lamps with an extent.
+//! c4 to c5: straight edges and a corner under area lights.
 //!
-//! The lamp hangs at height 4, a half plane x < e at height h. Seen from the floor at x, the edge
-//! cuts the lamp at `(e - x (1 - h / H)) H / h`, and visibility is the part of the lamp on one side
-//! of that line.
+//! The light is at height H = 4, the caster is a half plane x < e at height h. Seen from the floor
+//! at x, the edge cuts the light at `(e - x (1 - h / H)) H / h`. Visibility is the fraction of the
+//! light on one side of that line.
 
 use super::{SIZE, floor, on_floor, sheet};
 use crate::{ClosedForm, Sample, stage::Stage};
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Light, Scene};
 
-/// What 1,024 stratified samples reach: their standard error is below .003 in a penumbra.
+/// Tolerance for 1,024 stratified samples, whose standard error is below .003 in a penumbra.
 const TOLERANCE: f32 = 0.005;
-/// Far enough to hide all of the lamp beyond the edge.
+/// Extent of the half plane. It hides everything beyond the edge from the light.
 const FAR: f32 = 8.0;
 const LAMP: Vec3 = Vec3::new(0.0, 4.0, 0.0);
 
@@ -95,8 +95,8 @@ pub(crate) fn turned_edge() -> Scene {
     under_edge("c4c-edge-turned-square", light, 2.0, 0.0)
 }
 
-/// With t the edge's place over the lamp's half diagonal: 1 - (1 + t)^2 / 2 below 0, else (1 - t)^2
-/// / 2.
+/// The edge's position is t half diagonals of the light: 1 - (1 + t)^2 / 2 for t < 0, else (1 -
+/// t)^2 / 2.
 pub(crate) fn turned_edge_samples() -> ClosedForm {
     along_x(&[
         (-0.565685, 0.02),
@@ -119,7 +119,7 @@ pub(crate) fn disc_edge() -> Scene {
     )
 }
 
-/// With t the edge's place over the lamp's radius: (acos t - t sqrt(1 - t^2)) / pi.
+/// The edge's position is t radii of the light: (acos t - t sqrt(1 - t^2)) / pi.
 pub(crate) fn disc_edge_samples() -> ClosedForm {
     along_x(&[
         (-0.4, 0.052044),
@@ -137,7 +137,7 @@ pub(crate) fn corner() -> Scene {
         .shoot([2.5, 2.6, 2.5], [0.1, 0.0, 0.1], 36.0, SIZE)
 }
 
-/// With r the ramp of a straight edge: 1 - (1 - r(x)) (1 - r(z)).
+/// For r, the ramp of a straight edge: 1 - (1 - r(x)) (1 - r(z)).
 pub(crate) fn corner_samples() -> ClosedForm {
     let points = [
         (0.0, 0.0, 0.75),

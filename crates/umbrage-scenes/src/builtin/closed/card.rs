@@ -1,4 +1,4 @@
-//! c10: a card out of which an alpha texture cuts every second square.
+//! c10: a card whose alpha texture cuts out every second square.
 
 use super::{SIZE, exact, floor, sheet};
 use crate::{
@@ -12,7 +12,7 @@ use umbrage_core::Scene;
 const SQUARES: u32 = 6;
 /// Half the card's side, metres.
 const HALF: f32 = 1.2;
-/// How far the shadow lies from below the card along x: half of its height.
+/// Offset of the shadow from the card along x, metres: half the card's height.
 const SHIFT: f32 = 0.5;
 
 pub(crate) fn chequered_card() -> Scene {
@@ -21,11 +21,11 @@ pub(crate) fn chequered_card() -> Scene {
         .put(sheet([-HALF, HALF], [-HALF, HALF], 1.0))
         .look(chequered_holes(SQUARES))
         .light(sun(1.0, -2.0, 0.0))
-        // From below the card, so that it hides nothing of its shadow.
+        // Look from below the card, so that it doesn't hide its shadow.
         .shoot([SHIFT, 0.8, 4.2], [SHIFT, 0.0, 0.0], 40.0, SIZE)
 }
 
-/// In each square's shadow, or light: its middle, and points 1 cm inside of its sides.
+/// Samples in the shadow or light of each square: its centre, and points 1 cm inside its sides.
 pub(crate) fn chequered_card_samples() -> ClosedForm {
     const INSET: f32 = 0.01;
     let side = 2.0 * HALF / SQUARES as f32;
@@ -35,7 +35,7 @@ pub(crate) fn chequered_card_samples() -> ClosedForm {
         for i in 0..SQUARES {
             let x = SHIFT - HALF + side * (i as f32 + 0.5);
             let z = -HALF + side * (k as f32 + 0.5);
-            // The texture's lower left is at least x and z, and there a square is missing.
+            // The texture's lower left square, at the least x and z, is cut out.
             let visibility = f32::from(u8::from((i + k).is_multiple_of(2)));
             for (dx, dz) in [
                 (0.0, 0.0),

@@ -1,4 +1,4 @@
-//! c7 to c9: all dark, or all lit: whatever differs is a leak or acne.
+//! c7 to c9: all dark, or all lit. Every difference is a leak or acne.
 
 use super::{SIZE, exact, floor};
 use crate::{
@@ -21,15 +21,15 @@ pub(crate) fn closed_room() -> Scene {
         .shoot([1.7, 1.5, 1.7], [-0.6, 1.4, -0.6], 75.0, SIZE)
 }
 
-/// Walls without thickness, the sun outside: no inner point is lit, up to a thousandth from the
-/// corners.
+/// Walls without thickness and the sun outside: every inner point more than a thousandth from the
+/// corners is dark.
 pub(crate) fn closed_room_samples() -> ClosedForm {
     const STEPS: i32 = 24;
     let [min, max] = ROOM.map(|v| v + (Vec3::new(0.0, 1.5, 0.0) - v).signum() * 1e-3);
     let mut samples = Vec::new();
     for axis in 0..3 {
         for (wall, inward) in [(ROOM[0], 1.0), (ROOM[1], -1.0)] {
-            // A grid over the wall.
+            // Sample a grid over the wall.
             for i in 0..=STEPS {
                 for k in 0..=STEPS {
                     let mut t = Vec3::ZERO;
@@ -53,11 +53,11 @@ pub(crate) fn closed_room_samples() -> ClosedForm {
     }
 }
 
-/// The way c8's light travels.
+/// Direction of c8's light.
 const TOWARDS: Vec3 = Vec3::new(1.0, -2.0, 0.5);
 
 fn faceted_mesh() -> Mesh {
-    // Each facet with vertices of its own, so that shading is faceted as well.
+    // Give each facet its own vertices, for faceted shading.
     let smooth = icosphere([0.0, 1.0, 0.0], 1.0, 2);
     let positions: Vec<Vec3> = smooth
         .triangles
@@ -83,9 +83,9 @@ pub(crate) fn faceted_sphere() -> Scene {
         .shoot([1.5, 2.4, 4.2], [0.0, 1.0, 0.0], 34.0, SIZE)
 }
 
-/// Nothing else is there and the sphere is convex: a facet is lit exactly if it faces the light.
-/// Four points on each of its 320 facets, seen from outside, one in the middle and three next to
-/// the corners.
+/// The sphere is convex and the only object, so a facet is lit if and only if it faces the light.
+/// Each of the 320 facets has four samples, seen from outside: one at its centre and three near its
+/// corners.
 pub(crate) fn faceted_sphere_samples() -> ClosedForm {
     let mesh = faceted_mesh();
     let samples = mesh.triangles.iter().flat_map(|t| {
@@ -115,7 +115,7 @@ pub(crate) fn bare_floor() -> Scene {
         .shoot([0.0, 12.0, 19.0], [0.0, 0.0, -1.0], 60.0, SIZE)
 }
 
-/// The sun half a degree high over nothing: all is lit.
+/// A bare floor with the sun at half a degree: everything is lit.
 pub(crate) fn bare_floor_samples() -> ClosedForm {
     let mut points = Vec::new();
     for i in -25..=25 {

@@ -1,4 +1,4 @@
-//! Scenes whose shadows follow from a formula; the samples were also checked against an independent
+//! Scenes whose shadows follow from a formula. The samples were also checked against an independent
 //! ray tracer.
 
 pub(crate) mod area;
@@ -20,7 +20,7 @@ use umbrage_core::glam::Vec3;
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// A point on the floor that sees this much of the light.
+/// A point on the floor with this visibility.
 fn on_floor(x: f32, z: f32, visibility: f32) -> Sample {
     Sample {
         point: Vec3::new(x, 0.0, z),
@@ -30,7 +30,7 @@ fn on_floor(x: f32, z: f32, visibility: f32) -> Sample {
     }
 }
 
-/// Points (x, z, visibility) on the floor under an ideal light, where answers are exact.
+/// Points (x, z, visibility) on the floor under a light without extent, where results are exact.
 fn exact(points: &[(f32, f32, f32)]) -> ClosedForm {
     ClosedForm {
         samples: points.iter().map(|&(x, z, v)| on_floor(x, z, v)).collect(),
@@ -45,7 +45,7 @@ pub(crate) fn floor(half: f32) -> Mesh {
     }
 }
 
-/// A level sheet without thickness.
+/// A horizontal sheet without thickness.
 pub(crate) fn sheet(x: [f32; 2], z: [f32; 2], height: f32) -> Mesh {
     let at = |x, z| Vec3::new(x, height, z);
     quad([

@@ -1,4 +1,4 @@
-//! c1 to c3b: a box and spheres under ideal lights.
+//! c1 to c3b: a box and spheres under lights without extent.
 
 use super::{SIZE, exact, floor};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 };
 use umbrage_core::Scene;
 
-/// Splits that give 20,480 triangles: their outline is within 6e-4 of the sphere's.
+/// Number of subdivisions, for 20,480 triangles. Their outline is within 6e-4 of the sphere's.
 const SPLITS: u32 = 5;
 
 pub(crate) fn box_sun() -> Scene {
@@ -27,7 +27,7 @@ pub(crate) fn box_sun_samples() -> ClosedForm {
         (1.5, -0.8, 1.0),
         (1.99, 0.5, 0.0),
         (2.01, 0.5, 1.0),
-        // Contact: half a millimetre from the box's foot, on its dark and on its bright side.
+        // Contact: half a millimetre from the foot of the box, on its dark and on its lit side.
         (1.0005, 0.0, 0.0),
         (-1.0005, 0.0, 1.0),
         (-0.5, 1.24, 0.0),
@@ -86,8 +86,8 @@ pub(crate) fn sphere_level_bulb() -> Scene {
         .shoot([14.0, 22.0, 30.0], [16.0, 0.0, 2.0], 48.0, SIZE)
 }
 
-/// The light is as high as the sphere's middle: the shadow is bounded by one branch of the
-/// hyperbola x^2 / 32 - z^2 / 4 = 1.
+/// The light is as high as the sphere's centre: one branch of the hyperbola x^2 / 32 - z^2 / 4 = 1
+/// bounds the shadow.
 pub(crate) fn sphere_level_bulb_samples() -> ClosedForm {
     exact(&[
         (5.63, 0.0, 1.0),

@@ -1,9 +1,9 @@
-//! c3 in a room, with two more spheres: a bulb amid its casters, whose shadows cross the seams of a
-//! cube of maps.
+//! c3 in a room, with two more spheres: a point light among casters whose shadows cross the seams
+//! of a cube map.
 //!
-//! A point is in the shadow of a sphere (centre C, radius R) exactly if the ray to it from the bulb
-//! L passes the centre within R: `(m . (P - L))^2 > (m . m - R^2) |P - L|^2` with m = C - L, on the
-//! near side of the bulb.
+//! A point P is in the shadow of a sphere (centre C, radius R) if and only if its ray to the light
+//! L passes the centre within R on the near side of the light:
+//! `(m . (P - L))^2 > (m . m - R^2) |P - L|^2` with m = C - L.
 
 use super::{SIZE, exact};
 use crate::{
@@ -15,8 +15,8 @@ use umbrage_core::Scene;
 use umbrage_core::glam::Vec3;
 
 pub(super) const BULB: Vec3 = Vec3::new(0.0, 4.0, 0.0);
-/// Centres and radii: c3's; one towards the seam between -x and -y; one towards the corner of -x,
-/// -y and +z.
+/// Centres and radii: c3's sphere; one towards the seam between -x and -y; one towards the corner
+/// of -x, -y and +z.
 pub(super) const SPHERES: [(Vec3, f32); 3] = [
     (Vec3::new(1.0, 2.0, 0.0), 0.5),
     (Vec3::new(-1.5, 2.5, 0.0), 0.4),
@@ -24,8 +24,8 @@ pub(super) const SPHERES: [(Vec3, f32); 3] = [
 ];
 
 pub(crate) fn room() -> Scene {
-    // c3's keeps its 20,480 triangles; the others' outlines are within half a millimetre of their
-    // spheres with 5,120.
+    // c3's sphere keeps its 20,480 triangles. The others have 5,120, whose outlines are within half
+    // a millimetre of the spheres'.
     let spheres = SPHERES
         .iter()
         .zip([5, 4, 4])
@@ -39,8 +39,8 @@ pub(crate) fn room() -> Scene {
         .shoot([-1.2, 6.6, -7.4], [-1.3, 0.0, 0.6], 64.0, SIZE)
 }
 
-/// c3's samples; across the seam at x = -4, where the second sphere's shadow reaches from -5.902 to
-/// -2.711; and along the diagonal z = -x, where the third's reaches from 2.832 to 5.914 and the
+/// Samples of c3; samples across the seam at x = -4, where the second shadow spans -5.902 to
+/// -2.711; and samples along the diagonal z = -x, where the third spans 2.832 to 5.914 and the
 /// corner is at 4.
 pub(crate) fn room_samples() -> ClosedForm {
     let mut out = super::point_like::sphere_bulb_samples();
@@ -62,7 +62,7 @@ pub(crate) fn room_samples() -> ClosedForm {
         (5.88, 0.0),
         (5.95, 1.0),
     ];
-    // Lit on the seams between the shadows, and beyond them.
+    // Lit points on the seams, between the shadows and beyond them.
     let between = [
         (-4.0, -3.0, 1.0),
         (4.0, 4.0, 1.0),

@@ -1,4 +1,4 @@
-//! c6 to c6c: narrow slits and none at all.
+//! c6 to c6c: narrow slits, and a closed seam.
 
 use super::{SIZE, exact, floor, sheet};
 use crate::{
@@ -41,7 +41,7 @@ pub(crate) fn thick_slit() -> Scene {
     beside_slit("c6b-thick-slit", [slab([-3.0, -0.01]), slab([0.01, 3.0])])
 }
 
-/// The slabs' thickness takes half of itself off the gap: lit where .505 < x < .51.
+/// The thickness of the slabs hides half of the gap: lit where .505 < x < .51.
 pub(crate) fn thick_slit_samples() -> ClosedForm {
     exact(&[
         (0.504, 0.0, 0.0),
@@ -61,9 +61,10 @@ pub(crate) fn seam() -> Scene {
     )
 }
 
-/// Two sheets share an edge but no vertices: nothing below is lit.
+/// Two sheets share an edge but no vertices: everything below is dark.
 pub(crate) fn seam_samples() -> ClosedForm {
-    // Dense about x = .5, where light through the seam would fall; 2^-10 steps meet it exactly.
+    // Sample densely around x = .5, where light through the seam would fall. Steps of 2^-10 hit it
+    // exactly.
     let xs = (-64..=64).map(|i| 0.5 + i as f32 / 1024.0);
     let points: Vec<_> = xs
         .flat_map(|x| (-8..=8).map(move |k| (x, k as f32 / 16.0, 0.0)))

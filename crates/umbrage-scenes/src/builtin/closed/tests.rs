@@ -1,4 +1,4 @@
-//! The samples against the formulas, and against rays through the scenes.
+//! Tests of the samples against the formulas, and against rays through the scenes.
 
 use super::*;
 use crate::{Kind, SceneEntry, all, find};
@@ -9,7 +9,7 @@ fn samples(name: &str) -> Vec<Sample> {
     (find(name).unwrap().closed_form.unwrap())().samples
 }
 
-/// Sample positions are written with up to six digits, and so are visibilities.
+/// Tolerance of sample positions and visibilities, which are written with up to six digits.
 const DIGITS: f64 = 2e-6;
 
 fn holds(name: &str, formula: impl Fn(f64, f64) -> f64) {
@@ -56,7 +56,7 @@ fn ideal_lights_follow_their_formulas() {
     holds("c6-slit", |x, _| lit(x > 0.49 && x < 0.51));
     holds("c6b-thick-slit", |x, _| lit(x > 0.505 && x < 0.51));
     holds("c10-chequered-card", |x, z| {
-        // In squares from the shadow's middle.
+        // Position relative to the shadow's centre, in squares.
         let place = [(x - 0.5) / 0.4, z / 0.4];
         let is_beside = place.iter().any(|t| t.abs() > 3.0);
         let parity = place[0].floor() + place[1].floor();
@@ -64,8 +64,8 @@ fn ideal_lights_follow_their_formulas() {
     });
 }
 
-/// The ray from the bulb passes within a sphere's radius of its centre, exactly if its angle to the
-/// centre is less than half the angle that the sphere fills.
+/// The ray from the light passes within a sphere's radius of its centre if and only if the angle to
+/// the centre is less than half the angle that the sphere subtends.
 #[test]
 fn spheres_around_a_bulb_follow_their_cones() {
     let in_cone = |x: f64, z: f64, (center, radius): (Vec3, f32)| {
@@ -78,12 +78,12 @@ fn spheres_around_a_bulb_follow_their_cones() {
     });
 }
 
-/// Where the edge cuts the lamp, seen from the floor at x: height h, edge at e, lamp at 4.
+/// Position at which the edge cuts the light, from the floor at x: height h, edge at e, light at 4.
 fn edge_on_lamp(x: f64, h: f64, e: f64) -> f64 {
     (e - x * (1.0 - h / 4.0)) * 4.0 / h
 }
 
-/// The part of a square lamp of half side .5 beyond the edge.
+/// Fraction of a square light of half side .5 beyond the edge.
 fn ramp(x: f64) -> f64 {
     (0.5 - edge_on_lamp(x, 2.0, 0.0)).clamp(0.0, 1.0)
 }
@@ -92,8 +92,8 @@ fn ramp(x: f64) -> f64 {
 fn lamps_follow_their_formulas() {
     holds("c4-edge-square", |x, _| ramp(x));
     holds("c4b-low-edge-square", |x, _| {
-        // Positions in the list are rounded, and the ramp is seven times as steep as the list has
-        // digits.
+        // Positions in the list are rounded, and the ramp is seven times steeper than the digits of
+        // the list.
         let v = (0.5 - edge_on_lamp(x, 0.5, 0.1)).clamp(0.0, 1.0);
         (v * 4e4).round() / 4e4
     });
@@ -114,8 +114,8 @@ fn lamps_follow_their_formulas() {
     });
 }
 
-/// Irradiance of a floor point under a polygon of even radiance pi (Lambert 1760): the sum over its
-/// edges of the angle they span times the slope of the plane through them.
+/// Irradiance of a floor point under a polygon of uniform radiance pi (Lambert 1760): the sum over
+/// its edges of the angle they span times the slope of the plane through them.
 fn lambert(from: f64, to: f64, x: f64) -> f64 {
     let corners = [(from, -0.5), (from, 0.5), (to, 0.5), (to, -0.5)]
         .map(|(lx, lz)| DVec3::new(lx - x, 4.0, lz));
@@ -137,7 +137,8 @@ fn weighted_visibility_is_a_ratio_of_irradiances() {
             let Some(weighted) = s.weighted else { continue };
             let x = f64::from(s.point.x);
             let ratio = lambert(edge_on_lamp(x, h, e), 0.5, x) / lambert(-0.5, 0.5, x);
-            // Six digits, and the low edge's rounded positions on its steep ramp.
+            // The tolerance covers six digits, and the rounded positions on the steep ramp of the
+            // low edge.
             assert!(
                 (ratio - f64::from(weighted)).abs() < 1e-5,
                 "{name}: {ratio} at {s:?}"
@@ -151,10 +152,10 @@ fn cases() -> impl Iterator<Item = (&'static SceneEntry, Scene, ClosedForm)> {
     closed.map(|entry| (entry, (entry.build)(), (entry.closed_form.unwrap())()))
 }
 
-/// The visible fraction of the light, by rays to an even grid on it.
+/// Returns the visible fraction of the light, from rays to a uniform grid on it.
 fn traced(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 {
     const SIDE: i32 = 96;
-    // Off the surface by far less than any distance in these scenes.
+    // Offset the origin by far less than any distance in these scenes.
     let origin = s.point + s.normal * 1e-5;
     let sees = |d: Vec3| d.dot(s.normal) > 0.0 && !geometry.bvh().occluded(origin, d, triangle);
     let grid = (0..SIDE * SIDE)
@@ -188,7 +189,7 @@ fn traced(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 
     }
 }
 
-/// The largest difference between samples and rays.
+/// Returns the largest difference between samples and rays.
 fn worst(geometry: &Geometry, light: &Light, samples: &[Sample]) -> f32 {
     let error = |s: &Sample| {
         let triangle = s
@@ -199,7 +200,7 @@ fn worst(geometry: &Geometry, light: &Light, samples: &[Sample]) -> f32 {
     samples.iter().map(error).fold(0.0, f32::max)
 }
 
-/// A column of the grid of rays, plus what the samples' tolerance allows.
+/// Error allowed for the grid of rays: one column. The tolerance of the samples is added to it.
 const GRID: f32 = 1.0 / 96.0;
 
 #[test]
@@ -214,13 +215,13 @@ fn rays_agree_with_the_samples() {
         spoilt.visibility += if spoilt.visibility < 0.5 { 0.05 } else { -0.05 };
         assert!(
             worst(&geometry, &light, &[spoilt]) > allowed,
-            "{}: spoilt unnoticed",
+            "{}: a wrong formula was not detected",
             entry.name
         );
     }
 }
 
-/// Whether a point is in the camera's picture with nothing before it.
+/// Reports whether a point is unoccluded in the camera's image.
 fn is_seen(geometry: &Geometry, scene: &Scene, s: &Sample) -> bool {
     let camera = &scene.cameras[0];
     let clip = camera.space().clip_from_world() * s.point.extend(1.0);
@@ -245,9 +246,9 @@ fn cameras_see_the_samples() {
             .filter(|s| is_seen(&geometry, &scene, s))
             .count();
         let least = match entry.name {
-            // Contact is probed on two sides of the box, and one of them is always hidden.
+            // Contact is sampled on two sides of the box, one of which is always hidden.
             "c1-box-sun" => closed.samples.len() - 1,
-            // Of a solid, or of a room around the eye, a good part.
+            // A solid, or a room around the camera, hides most samples.
             "c7-closed-room" | "c8-faceted-sphere" => closed.samples.len() / 4,
             _ => closed.samples.len(),
         };

@@ -13,7 +13,7 @@ use crate::{
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// Where the spot hangs, and where its axis meets the stage, metres.
+/// Position of the spot light and its target on the stage, metres.
 const SPOT: Vec3 = Vec3::new(-2.2, 2.7, 4.3);
 const AIM: Vec3 = Vec3::new(0.4, 1.0, -0.7);
 /// The curtain's plane, z in metres.
@@ -65,7 +65,7 @@ fn lit_by(name: &str, radius: f32) -> Scene {
         .shoot([1.35, 1.5, 4.5], [0.3, 1.34, -0.4], 39.0, SIZE)
 }
 
-/// Returns the stage without the figure: boards, curtain, a rail before it, things left about.
+/// Returns the stage without the figure: boards, curtain, a rail in front of it, and props.
 fn set(stage: Stage) -> Stage {
     let floor = tiled(grid([5.0, 4.0], [10, 8], |_, _| 0.0), Vec2::new(6.0, 9.0));
     stage
@@ -81,7 +81,8 @@ fn set(stage: Stage) -> Stage {
         .look(glossy([0.12, 0.30, 0.30]))
 }
 
-/// Returns a curtain whose folds go deeper towards the floor, and the wall behind it.
+/// Returns the wall and a curtain in front of it. The folds of the curtain are deeper near the
+/// floor.
 fn curtain() -> Mesh {
     let cloth = sheet([420, 30], |u, v| {
         let x = 5.0 * (2.0 * u - 1.0);

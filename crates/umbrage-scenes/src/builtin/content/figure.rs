@@ -10,16 +10,16 @@ use crate::primitives::{icosphere, lathe, on_circle, torus, tube};
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec3};
 
-/// Sides of limbs and of fingers, and the pieces between two of their knots.
+/// Sides of limbs and fingers, and segments between two of their knots.
 const LIMB: [u32; 2] = [48, 16];
 const FINGER: [u32; 2] = [16, 6];
-/// Strips of the skirt in each of its layers, and the cells of one.
+/// Strips in each layer of the skirt, and cells in each strip.
 const STRIPS: u32 = 44;
 const STRIP_CELLS: [u32; 2] = [6, 56];
-/// The waist: the skirt's upper rim.
+/// The waist: the upper rim of the skirt.
 const WAIST: Vec3 = Vec3::new(0.0, 1.08, 0.0);
 
-/// What is of one colour each.
+/// The meshes of the figure, one for each colour.
 #[derive(Clone, Debug)]
 pub(super) struct Dancer {
     pub(super) skin: Mesh,
@@ -32,10 +32,10 @@ pub(super) struct Dancer {
     pub(super) staff: Mesh,
 }
 
-/// Wrists: of the right hand, which holds the staff, and of the left one.
+/// Wrists: the right one, whose hand holds the staff, and the left one.
 const STAFF_WRIST: Vec3 = Vec3::new(-0.56, 1.72, 0.16);
 const OPEN_WRIST: Vec3 = Vec3::new(0.66, 1.60, 0.20);
-/// The way the staff points.
+/// Direction of the staff.
 const STAFF: Vec3 = Vec3::new(-0.16, 1.0, 0.10);
 
 pub(super) fn dancer() -> Dancer {
@@ -143,7 +143,7 @@ fn hair() -> Mesh {
     );
     let band = moved(torus(0.042, 0.008, [48, 12]), band);
     let mut parts = vec![cap, bun, band];
-    // Locks that have come loose.
+    // Add loose locks of hair.
     for i in 0..7 {
         let side = i as f32 / 6.0 - 0.5;
         let root = Vec3::new(0.03 + 0.1 * side, 1.76, -0.075);
@@ -172,7 +172,7 @@ fn bodice() -> Mesh {
         (0.08, 1.47),
         (0.0, 1.475),
     ];
-    // Straight pieces are split so that the shape may be rounded.
+    // Split straight segments, so that they can be rounded.
     let mut profile = vec![outline[0]];
     for ends in outline.windows(2) {
         for k in 1..=6 {
@@ -192,7 +192,8 @@ fn bodice() -> Mesh {
     merged("bodice", [torso])
 }
 
-/// Returns a finger through three joints, from its root along a vector; it bends towards another.
+/// Returns a finger through three joints. It starts at `root` along one vector and bends towards
+/// another.
 fn finger(root: Vec3, along: Vec3, bend: Vec3) -> Mesh {
     let knots = [
         (root, 0.0095),
@@ -204,7 +205,7 @@ fn finger(root: Vec3, along: Vec3, bend: Vec3) -> Mesh {
     smooth_tube(&knots, FINGER[1], FINGER[0])
 }
 
-/// Returns a hand: its palm reaches from the wrist along `ahead`; its fingers are spread along
+/// Returns a hand. Its palm extends from the wrist along `ahead`; its fingers are spread along
 /// `aside` and bend towards `palm`.
 fn hand(wrist: Vec3, ahead: Vec3, aside: Vec3, curl: f32) -> Vec<Mesh> {
     let down = ahead.cross(aside).normalize();
@@ -241,8 +242,8 @@ fn staff_hand() -> Vec<Mesh> {
     hand(STAFF_WRIST, ahead, aside, 0.9)
 }
 
-/// Returns a layer of the skirt, as wide as `reach` beyond the hips; its strips swing and do not
-/// touch.
+/// Returns a layer of the skirt that extends `reach` beyond the hips. Its strips swing without
+/// touching each other.
 fn skirt(seed: i32, reach: f32, drop: f32) -> Mesh {
     let mut random = Random::new(seed);
     let mut strips = Vec::new();
@@ -253,7 +254,7 @@ fn skirt(seed: i32, reach: f32, drop: f32) -> Mesh {
         let phase = f64::from(random.unit());
         let width = random.between(0.68, 0.92) / f64::from(STRIPS) as f32;
         strips.push(sheet(STRIP_CELLS, |u, v| {
-            // Strips trail behind the turning waist.
+            // Let strips trail behind the turning waist.
             let lag = 0.09 * v * v;
             let around = turn + f64::from((u - 0.5) * width - lag);
             let (cos, sin) = on_circle(around);

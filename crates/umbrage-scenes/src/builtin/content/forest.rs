@@ -1,5 +1,5 @@
-//! A wood with a path: trees whose leaves are geometry, ferns, grass, rocks, fallen leaves; the sun
-//! comes through the crowns.
+//! A wood with a path: trees with geometric leaves, ferns, grass, rocks and fallen leaves. The sun
+//! shines through the crowns.
 
 use super::{
     SIZE,
@@ -20,9 +20,9 @@ use umbrage_core::{Light, Scene};
 /// Half the side of the ground, metres, and its cells.
 const HALF: f32 = 70.0;
 const CELLS: u32 = 260;
-/// Half the width of the path that goes from the camera along -z, metres.
+/// Half the width of the path, which runs from the camera along -z, metres.
 const PATH: f32 = 0.9;
-/// Where the camera stands, z in metres.
+/// The camera's z, metres.
 const EYE: f32 = 14.0;
 
 const BARK: [f32; 3] = [0.22, 0.16, 0.11];
@@ -61,7 +61,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
         )
 }
 
-/// Returns the ground's height, metres: rolling, but for the path.
+/// Returns the height of the ground, metres: rolling, except on the path.
 fn height(x: f32, z: f32) -> f32 {
     let p = Vec3::new(x, 0.0, z);
     let off_path = ((x - bend(z)).abs() / 5.0).min(1.0);
@@ -70,7 +70,7 @@ fn height(x: f32, z: f32) -> f32 {
     rolling + bumps + 0.35 * off_path
 }
 
-/// Returns the x of the path's middle.
+/// Returns the x of the path's centre line.
 fn bend(z: f32) -> f32 {
     3.5 * fractal(Vec3::new(0.0, 3.0, (z - EYE) / 14.0), 1) - 3.5 * fractal(3.0 * Vec3::Y, 1)
 }
@@ -81,15 +81,15 @@ fn ground(stage: Stage) -> Stage {
         .look(matte(SOIL))
 }
 
-/// Returns a place on the ground, turned and scaled at random.
+/// Returns a placement on the ground with a random turn and scale.
 fn planted(x: f32, z: f32, scale: f32, random: &mut Random) -> Affine3A {
     let angle = random.about(3.1);
     let foot = Vec3::new(x, height(x, z), z);
     scaled(foot, angle, Vec3::splat(scale))
 }
 
-/// Returns places beside the path, at least `clear` from its middle: one in each cell of a grid,
-/// but for cells right before the camera.
+/// Returns positions next to the path, at least `clear` from its centre line: one for each cell of
+/// a grid, except cells right in front of the camera.
 fn beside_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
     scattered(seed, half, pitch, |[x, z], _| {
         let from_eye = (x - 0.3).hypot(z - EYE);
@@ -98,7 +98,7 @@ fn beside_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
     })
 }
 
-/// How trees grow near the path, and how far from it: with fewer and larger leaves.
+/// Returns how trees grow near the path and far from it. Far trees have fewer and larger leaves.
 fn growth(kind: usize, is_near: bool) -> Growth {
     let size = kind as f32;
     let near = Growth {
@@ -124,7 +124,7 @@ fn growth(kind: usize, is_near: bool) -> Growth {
     }
 }
 
-/// Puts trees of all kinds; far ones stand beyond a distance from the camera.
+/// Adds trees of all kinds. Far kinds start at a distance from the camera.
 fn trees(mut stage: Stage) -> Stage {
     const FAR: f32 = 28.0;
     let mut random = Random::new(8);
@@ -152,7 +152,7 @@ fn undergrowth(mut stage: Stage) -> Stage {
     let mut random = Random::new(9);
     let mut tufts = [Vec::new(), Vec::new(), Vec::new()];
     for [x, z] in beside_path(33, 20.0, 0.46, PATH) {
-        // Grass grows in patches, less where it is far.
+        // Grow grass in patches, with less of it far away.
         let patch = fractal(Vec3::new(x, 9.0, z) / 5.0, 2);
         if patch > -0.12 && random.chance(0.8) {
             let kind = random.between(0.0, 2.99) as usize;
@@ -194,7 +194,7 @@ fn beds() -> Vec<Affine3A> {
     for i in 0..9 {
         let z = EYE + 2.0 - 3.0 * i as f32;
         let x = bend(z);
-        // It lies as the ground does.
+        // Tilt it with the ground.
         let step = 1.5;
         let along_x = Vec3::new(2.0 * step, height(x + step, z) - height(x - step, z), 0.0);
         let along_z = Vec3::new(0.0, height(x, z + step) - height(x, z - step), 2.0 * step);
@@ -206,7 +206,7 @@ fn beds() -> Vec<Affine3A> {
     out
 }
 
-/// Returns the path of a trunk that lies beside the way.
+/// Returns the axis of a trunk that has fallen next to the path.
 fn fallen_trunk() -> Vec<(Vec3, f32)> {
     let mut path = Vec::new();
     for i in 0..=20 {

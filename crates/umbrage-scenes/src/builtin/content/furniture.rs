@@ -1,5 +1,5 @@
-//! Furniture, lamps and small things of a room. What stands on a floor has its foot at y = 0 and
-//! faces +z.
+//! Furniture, lamps and small objects of a room. Objects for the floor have their foot at y = 0 and
+//! face +z.
 
 use super::{
     parts::{at, box_at, creased, merged, moved, sheet, smooth_tube, stick},
@@ -9,7 +9,7 @@ use crate::primitives::{block, icosphere, lathe, on_circle, torus};
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec3};
 
-/// Where four feet stand, in x and z.
+/// Signs of the x and z of four feet.
 const FEET: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
 
 /// Returns a chair whose back is made of spindles.
@@ -78,7 +78,7 @@ pub(super) fn table(half: [f32; 2]) -> Mesh {
     merged("table", parts)
 }
 
-/// Heights of a bookcase's boards; half its width and its depth, metres.
+/// Heights of the boards of a bookcase; half its width and its depth, metres.
 const BOARDS: [f32; 7] = [0.06, 0.42, 0.76, 1.08, 1.40, 1.72, 2.02];
 const CASE: f32 = 0.95;
 const CASE_DEPTH: f32 = 0.30;
@@ -121,7 +121,7 @@ pub(super) fn books() -> [Mesh; 3] {
             if random.chance(0.05) {
                 x += random.between(0.06, 0.16);
             }
-            // The board in the middle stands in the way.
+            // Skip the board in the middle.
             if x < 0.015 && x + 0.06 > -0.015 {
                 x = 0.016;
             }
@@ -130,8 +130,7 @@ pub(super) fn books() -> [Mesh; 3] {
     colors.map(|parts| merged("books", parts))
 }
 
-/// Returns a book of this thickness, height and depth: two covers, a rounded spine, and pages that
-/// are set back.
+/// Returns a book of this thickness, height and depth: two covers, a rounded spine and inset pages.
 fn book(size: [f32; 3]) -> Mesh {
     let [thick, tall, deep] = size;
     let cover = 0.1 * thick;
@@ -149,13 +148,13 @@ fn book(size: [f32; 3]) -> Mesh {
     merged("book", parts)
 }
 
-/// Returns a cushion: a ball pressed into a box of this half size.
+/// Returns a cushion: a ball stretched towards a box of this half size.
 pub(super) fn cushion(middle: impl Into<Vec3>, half: impl Into<Vec3>) -> Mesh {
     let (middle, half) = (middle.into(), half.into());
     let mut ball = icosphere(Vec3::ZERO, 1.0, 4);
     ball.normals.clear();
     for p in &mut ball.positions {
-        // A point of the unit ball goes part of the way to the box around it.
+        // Move the point of the unit ball part of the way to the box around it.
         let to_box = 1.0 / p.abs().max_element();
         *p *= 0.25 + 0.75 * to_box;
         let pillow = 1.0 - 0.12 * (p.x * p.x + p.z * p.z);
@@ -181,7 +180,7 @@ pub(super) fn armchair() -> Mesh {
     merged("armchair", parts)
 }
 
-/// Returns an open shade around the origin: the radii of its lower and its upper rim, and its
+/// Returns an open shade around the origin, from the radii of its lower and upper rim, and its
 /// height.
 pub(super) fn shade(lower: f32, upper: f32, height: f32) -> Mesh {
     let cloth = sheet([72, 6], |u, v| {
@@ -250,8 +249,8 @@ pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
     merged("cage", parts)
 }
 
-/// Returns a desk lamp on two arms, whose head is around the origin and looks along -y; its foot
-/// stands `drop` below.
+/// Returns a desk lamp on two arms. Its head is at the origin and points along -y; its foot is
+/// `drop` below.
 pub(super) fn desk_lamp(drop: f32) -> Mesh {
     let head = sheet([48, 10], |u, v| {
         let (cos, sin) = on_circle(f64::from(u));
@@ -325,7 +324,7 @@ pub(super) fn rug(half: [f32; 2]) -> Mesh {
     merged("rug", parts)
 }
 
-/// Returns a picture in a frame, its back at z = 0, by half its size.
+/// Returns a framed picture of half this size, its back at z = 0.
 pub(super) fn frame(half: [f32; 2]) -> Mesh {
     let [x, y] = half;
     let edge = 0.03;
@@ -339,7 +338,8 @@ pub(super) fn frame(half: [f32; 2]) -> Mesh {
     merged("frame", parts)
 }
 
-/// Returns a curtain of this width and height on a rod with rings; its upper middle is the origin.
+/// Returns a curtain of this width and height on a rod with rings. The origin is the centre of its
+/// top.
 pub(super) fn curtain(width: f32, height: f32) -> Mesh {
     let folds = f64::from(9.0 * width);
     let cloth = sheet([260, 36], |u, v| {
@@ -359,7 +359,7 @@ pub(super) fn curtain(width: f32, height: f32) -> Mesh {
     merged("curtain", [cloth, rod].into_iter().chain(rings))
 }
 
-/// Returns a chest of drawers or a desk's drawers: a box with fronts and knobs.
+/// Returns a chest of drawers, or the drawers of a desk: a box with fronts and knobs.
 pub(super) fn drawers(half: [f32; 2], height: f32) -> Mesh {
     let [x, z] = half;
     let mut parts = vec![block([-x, 0.03, -z], [x, height, z])];

@@ -1,5 +1,5 @@
-//! What a town's facades are put together from. A panel spans one window of one storey; its front
-//! is at z = 0 and looks along z.
+//! Components of a town's facades. A panel spans one window of one storey. Its front is at z = 0
+//! and faces +z.
 
 use super::parts::{at, box_at, creased, merged, moved, sheet, stick};
 use crate::primitives::{block, lathe, pillar, prism, quad};
@@ -52,7 +52,7 @@ pub(super) fn trim(opening: &Opening) -> Mesh {
     let wide = opening.half + 0.13;
     let middle = 0.5 * (opening.sill + opening.lintel);
     let tall = 0.5 * (opening.lintel - opening.sill);
-    // Level bars are thinner than upright ones, so that no faces coincide where they cross.
+    // Make horizontal bars thinner than upright ones, so that no faces coincide where they cross.
     let upright = |x: f32, half: f32| box_at([x, middle, -0.19], [half, tall, 0.03]);
     let level = |y: f32, half: f32| box_at([0.0, y, -0.19], [opening.half, half, 0.025]);
     let mut parts = vec![

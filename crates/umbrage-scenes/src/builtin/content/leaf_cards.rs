@@ -1,5 +1,5 @@
-//! A clearing in a wood behind a fence: crowns and bushes are quads out of which alpha textures cut
-//! leaves, and the fence is one quad.
+//! A clearing in a wood behind a fence. Crowns and bushes are quads with alpha-tested leaves, and
+//! the fence is one alpha-tested quad.
 
 use super::{
     SIZE,
@@ -22,9 +22,9 @@ use umbrage_core::{Light, Scene};
 /// Half the side of the ground, metres, and its cells.
 const HALF: f32 = 70.0;
 const CELLS: u32 = 200;
-/// Radius of the clearing around the origin, metres: the ground is level there.
+/// Radius of the clearing around the origin, where the ground is level, metres.
 const CLEARING: f32 = 6.0;
-/// Where the camera stands, z in metres.
+/// The camera's z, metres.
 const EYE: f32 = 8.5;
 
 const SOIL: [f32; 3] = [0.33, 0.33, 0.15];
@@ -59,8 +59,8 @@ fn height(x: f32, z: f32) -> f32 {
     2.2 * outside * fractal(Vec3::new(x, 0.0, z) / 16.0, 3)
 }
 
-/// Returns places, one in each cell of a grid, turned and scaled at random; none of them is within
-/// `clear` of the middle of the clearing, or right before the camera.
+/// Returns placements with a random turn and scale, one for each cell of a grid. None is within
+/// `clear` of the centre of the clearing, or right in front of the camera.
 fn around_clearing(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
     scattered(seed, half, pitch, |[x, z], random| {
         let scale = Vec3::splat(random.between(sizes[0], sizes[1]));
@@ -106,7 +106,7 @@ fn trees(mut stage: Stage) -> Stage {
     stage
 }
 
-/// Puts bushes around the clearing, and weeds all over it.
+/// Adds bushes around the clearing, and weeds all over it.
 fn bushes(stage: Stage) -> Stage {
     let leaves = Crown {
         seed: 80,
@@ -131,7 +131,7 @@ fn bushes(stage: Stage) -> Stage {
         .look(sprig(WEEDS))
 }
 
-/// Puts a fence across the clearing: netting with meshes of 6 cm, one quad, between posts.
+/// Adds a fence across the clearing: one quad of netting with meshes of 6 cm, between posts.
 fn fence(stage: Stage) -> Stage {
     const LENGTH: f32 = 12.0;
     const HEIGHT: f32 = 1.3;

@@ -1,5 +1,5 @@
-//! Scenes such as games and films are made of: interiors, streets, plants, land, figures. Each is
-//! there under an ideal light and under a wide one.
+//! Scenes like those of games and films: interiors, streets, plants, landscapes, figures. Each
+//! exists with a light without extent and with an area light.
 
 pub(crate) mod dancer;
 mod figure;
@@ -19,5 +19,5 @@ pub(crate) mod valley;
 #[cfg(test)]
 mod tests;
 
-/// The size of the pictures.
+/// Size of the images.
 const SIZE: [u32; 2] = [1280, 720];

@@ -1,5 +1,5 @@
 //! The inside of a church: columns, arcades, a gallery, windows, a ribbed vault, benches, lamps on
-//! chains; the sun comes in through the windows.
+//! chains. The sun shines in through the windows.
 
 use super::{
     SIZE,
@@ -17,18 +17,19 @@ use umbrage_core::{Light, Mesh, Scene};
 /// Bays along the nave (along z), and their length, metres. Columns stand at their ends.
 const BAYS: i32 = 10;
 const BAY: f32 = 4.0;
-/// Half the nave's length; from its middle line to the columns and to the outer walls, metres.
+/// Half the length of the nave; distances from its centre line to the columns and to the outer
+/// walls, metres.
 const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
 const ROW: f32 = 4.4;
 const WIDTH: f32 = 8.4;
 /// Half the thickness of all walls, metres.
 const WALL: f32 = 0.28;
-/// Heights, metres: of the columns, the gallery's floor, its roof, and where the vault begins.
+/// Heights of the columns, the gallery's floor, its roof, and the foot of the vault, metres.
 const SPRING: f32 = 4.3;
 const GALLERY: f32 = 6.6;
 const ROOF: f32 = 10.4;
 const VAULT: f32 = 14.0;
-/// Of the vault's inner face and its ribs, metres.
+/// Radii of the vault's inner face and of its ribs, metres.
 const VAULT_RADIUS: f32 = ROW - WALL;
 const RIB: f32 = 0.16;
 
@@ -57,20 +58,19 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
         .shoot([2.7, 2.9, 14.8], [-2.4, 3.6, -1.0], 62.0, SIZE)
 }
 
-/// Returns the places of what stands at both sides of a bay's end or middle, turned so that their z
-/// points to the nave.
+/// Returns placements on both sides at the end or centre of a bay, whose z points to the nave.
 fn both_sides(x: f32, y: f32, z: f32) -> [Affine3A; 2] {
     let quarter = std::f32::consts::FRAC_PI_2;
     [turned([-x, y, z], quarter), turned([x, y, z], -quarter)]
 }
 
-/// Returns the places at the ends of all bays.
+/// Returns the placements at the ends of all bays.
 fn at_ends(x: f32, y: f32) -> Vec<Affine3A> {
     let ends = (0..=BAYS).map(|i| BAY * i as f32 - LENGTH);
     ends.flat_map(|z| both_sides(x, y, z)).collect()
 }
 
-/// Returns the places in the middle of all bays.
+/// Returns the placements at the centres of all bays.
 fn in_middles(x: f32, y: f32) -> Vec<Affine3A> {
     let middles = (0..BAYS).map(|i| BAY * (i as f32 + 0.5) - LENGTH);
     middles.flat_map(|z| both_sides(x, y, z)).collect()
@@ -152,7 +152,7 @@ fn wall_of(outline: &[(f32, f32)]) -> Mesh {
     creased(&prism(outline, WALL, -WALL))
 }
 
-/// Returns the wall of a bay over its arch; its foot is at the springing line.
+/// Returns the wall of a bay above its arch, with its foot at the springing line.
 fn arcade() -> Mesh {
     let half = 0.5 * BAY;
     let opening = arched(0.0, 1.62, 0.0, 0.08);
@@ -172,7 +172,7 @@ fn archivolt(middle: f32, radius: f32, spring: f32) -> Mesh {
     smooth_tube(&knots, 1, 10)
 }
 
-/// Returns the gallery's wall of a bay: two arches, between which a small column stands.
+/// Returns the gallery's wall of a bay: two arches with a small column between them.
 fn gallery() -> Mesh {
     let openings = [-0.93, 0.93].map(|middle| arched(middle, 0.75, 0.0, 2.2));
     let wall = wall_of(&pierced(0.5 * BAY, 0.0, ROOF - GALLERY, &openings));
@@ -241,7 +241,7 @@ fn floors_of_a_bay() -> Mesh {
     merged("gallery floor", [floor, roof])
 }
 
-/// Returns the barrel over the nave.
+/// Returns the barrel vault over the nave.
 fn vault() -> Mesh {
     const PIECES: u32 = 96;
     let mut outline = Vec::new();
@@ -258,7 +258,7 @@ fn vault() -> Mesh {
     creased(&prism(&outline, LENGTH, -LENGTH))
 }
 
-/// Returns the ribs of one bay: one across at its end, and two that cross.
+/// Returns the ribs of one bay: one across at its end, and two diagonal ones.
 fn ribs() -> Mesh {
     let arc = |from: f32, to: f32, radius: f32| {
         let mut knots = Vec::new();
@@ -285,8 +285,8 @@ fn rib_places() -> Vec<Affine3A> {
         .collect()
 }
 
-/// Returns the walls at both ends: a whole one behind the camera, one with three tall windows
-/// before it.
+/// Returns the walls at both ends: a solid one behind the camera, and one with three tall windows
+/// in front of it.
 fn ends() -> Mesh {
     let wide = WIDTH + WALL;
     let top = VAULT + ROW + WALL;
@@ -298,7 +298,7 @@ fn ends() -> Mesh {
     merged("ends", [rear, front, sill])
 }
 
-/// Returns the rail on the gallery's balusters.
+/// Returns the rail on the balusters of the gallery.
 fn rail() -> Mesh {
     let top = box_at([0.0, 1.0, 0.15], [1.68, 0.05, 0.13]);
     let foot = box_at([0.0, 0.03, 0.15], [1.68, 0.03, 0.13]);
@@ -309,7 +309,7 @@ fn carpet() -> Mesh {
     block([-0.7, 0.0, -15.0], [0.7, 0.012, 12.0])
 }
 
-/// Returns three steps, and a table on four legs on them.
+/// Returns three steps with a four-legged table on them.
 fn altar() -> Mesh {
     let mut parts = Vec::new();
     for i in 0..3 {
@@ -326,7 +326,7 @@ fn altar() -> Mesh {
     merged("altar", parts)
 }
 
-/// Returns tall candlesticks along the middle line.
+/// Returns tall candlesticks along the centre line.
 fn candlesticks() -> Mesh {
     let mut parts = Vec::new();
     for row in 0..6 {

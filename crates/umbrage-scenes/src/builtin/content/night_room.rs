@@ -1,5 +1,5 @@
-//! A furnished room by night under three lamps: a bulb in a cage under the ceiling, which is
-//! compared, a spot on a desk, and a floor lamp beside an armchair.
+//! A furnished room at night with three lights: a point light in a cage under the ceiling, which is
+//! the compared one, a spot light on a desk, and a floor lamp next to an armchair.
 
 use super::{
     SIZE,
@@ -19,10 +19,10 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
 use umbrage_core::{Light, Material, Mesh, Scene};
 
-/// The room's inside, metres.
+/// Inner bounds of the room, metres.
 const LOW: Vec3 = Vec3::new(-2.9, 0.0, -2.3);
 const HIGH: Vec3 = Vec3::new(2.9, 2.7, 2.6);
-/// Where the lamps' light comes from, metres.
+/// Positions of the lights, metres.
 const BULB: Vec3 = Vec3::new(0.05, 1.98, 0.1);
 const DESK_SPOT: Vec3 = Vec3::new(1.55, 1.17, -1.85);
 const FLOOR_LAMP: Vec3 = Vec3::new(-2.35, 1.48, 1.02);
@@ -43,7 +43,7 @@ const CLAY: [f32; 3] = [0.50, 0.24, 0.14];
 const PORCELAIN: [f32; 3] = [0.62, 0.63, 0.64];
 const PAPER: [f32; 3] = [0.66, 0.60, 0.46];
 
-/// Radii of the balls and the disc that emit, metres: of the bulb, the spot and the floor lamp.
+/// Radii of the emitting balls and disc, metres: the point light, the spot and the floor lamp.
 type LampRadii = [f32; 3];
 
 pub(crate) fn night_room() -> Scene {
@@ -230,7 +230,7 @@ fn fruits() -> Mesh {
     merged("fruits", balls)
 }
 
-/// Returns sheets and a stack of books on desk and table.
+/// Returns sheets and a stack of books on the desk and the table.
 fn papers() -> Mesh {
     let mut random = Random::new(41);
     let mut parts = Vec::new();
@@ -255,7 +255,7 @@ fn papers() -> Mesh {
     merged("papers", parts)
 }
 
-/// Returns a look that shines by itself.
+/// Returns an emissive look.
 fn glowing(color: [f32; 3]) -> Look {
     let look = matte(color);
     let material = Material {
@@ -265,7 +265,7 @@ fn glowing(color: [f32; 3]) -> Look {
     Look { material, ..look }
 }
 
-/// Adds the lamps' bodies; what shines neither casts nor receives.
+/// Adds the bodies of the lamps. Emitters neither cast nor receive shadows.
 fn lamps(stage: Stage) -> Stage {
     let bulbs = [BULB, DESK_SPOT, FLOOR_LAMP].map(Affine3A::from_translation);
     let pole = at(FLOOR_LAMP.x, 0.0, FLOOR_LAMP.z);

@@ -1,35 +1,35 @@
-//! What the scenes' meshes are put together from.
+//! Building blocks for the meshes of the scenes.
 
 use crate::primitives::{block, on_circle, tube};
 use std::collections::HashMap;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
 
-/// Faces that meet at an angle of more than this cosine's share a vertex' shading normal.
+/// Cosine of the crease angle. Faces that meet at a larger angle don't share shading normals.
 const CREASE: f32 = 0.75;
 /// Sides of a stick and of a wire.
 const STICK_SIDES: u32 = 8;
 const WIRE_SIDES: u32 = 5;
-/// Pieces that a hanging wire is made of.
+/// Segments of a hanging wire.
 const WIRE_PIECES: u32 = 16;
 
-/// Returns a move.
+/// Returns a translation.
 pub(super) fn at(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }
 
-/// Returns a turn about the y axis, radians, and then a move.
+/// Returns a turn about the y axis, radians, followed by a translation.
 pub(super) fn turned(place: impl Into<Vec3>, angle: f32) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), place.into())
 }
 
-/// Returns a turn about the y axis, radians, after a scale, and then a move.
+/// Returns a scale, a turn about the y axis, radians, and a translation, in this order.
 pub(super) fn scaled(place: impl Into<Vec3>, angle: f32, scale: impl Into<Vec3>) -> Affine3A {
     let turn = Quat::from_rotation_y(angle);
     Affine3A::from_scale_rotation_translation(scale.into(), turn, place.into())
 }
 
-/// Returns a mesh elsewhere; the place must not mirror.
+/// Returns a transformed mesh. `place` must not mirror.
 pub(super) fn moved(mut mesh: Mesh, place: Affine3A) -> Mesh {
     let normals_from_local = place.matrix3.inverse().transpose();
     for position in &mut mesh.positions {
@@ -41,7 +41,7 @@ pub(super) fn moved(mut mesh: Mesh, place: Affine3A) -> Mesh {
     mesh
 }
 
-/// Returns the sum of a mesh's triangles' normals at each vertex, weighted by area.
+/// Returns the area-weighted sum of the triangle normals at each vertex.
 fn averaged(mesh: &Mesh) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for triangle in &mesh.triangles {
@@ -53,13 +53,13 @@ fn averaged(mesh: &Mesh) -> Vec<Vec3> {
     normals
 }
 
-/// Returns a triangle's normal, twice its area long.
+/// Returns a triangle's normal, with a length of twice its area.
 fn area_normal(mesh: &Mesh, triangle: [u32; 3]) -> Vec3 {
     let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
     (b - a).cross(c - a)
 }
 
-/// Returns one mesh of several, without textures.
+/// Merges meshes into one, without textures.
 pub(super) fn merged(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut out = Mesh {
         name: name.to_owned(),
@@ -80,7 +80,7 @@ pub(super) fn merged(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh 
     out
 }
 
-/// Returns a mesh whose shading is smooth but for its creases.
+/// Returns a mesh with smooth shading, except at its creases.
 pub(super) fn creased(mesh: &Mesh) -> Mesh {
     let mut faces = Vec::with_capacity(mesh.triangles.len());
     let mut faces_at = vec![Vec::new(); mesh.positions.len()];
@@ -113,7 +113,7 @@ pub(super) fn creased(mesh: &Mesh) -> Mesh {
     out
 }
 
-/// Returns an open sheet of `cells` quads along u and v, from its points at (u, v), 0 to 1 each. It
+/// Returns an open sheet of `cells` quads along u and v, from its points at (u, v), each 0 to 1. It
 /// faces along the cross product of growing v and growing u.
 pub(super) fn sheet(cells: [u32; 2], point: impl Fn(f32, f32) -> Vec3) -> Mesh {
     let [across, along] = cells;
@@ -140,7 +140,7 @@ pub(super) fn sheet(cells: [u32; 2], point: impl Fn(f32, f32) -> Vec3) -> Mesh {
     out
 }
 
-/// Returns a box by its middle and half its size.
+/// Returns a box from its centre and half its size.
 pub(super) fn box_at(middle: impl Into<Vec3>, half: impl Into<Vec3>) -> Mesh {
     let (middle, half) = (middle.into(), half.into());
     block(middle - half, middle + half)
@@ -163,8 +163,7 @@ pub(super) fn wire(from: Vec3, to: Vec3, sag: f32, radius: f32) -> Mesh {
     tube(&path, WIRE_SIDES)
 }
 
-/// Returns a smooth tube through some points, whose radii are given with them, in `pieces` pieces
-/// between neighbours.
+/// Returns a smooth tube through points with radii, with `pieces` segments between neighbours.
 pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mesh {
     let mut path = vec![knots[0]];
     for i in 1..knots.len() {
@@ -179,8 +178,8 @@ pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mes
     tube(&path, sides)
 }
 
-/// Returns the point of a Catmull-Rom curve between the second and the third of four knots, and the
-/// radius there.
+/// Returns a point of the Catmull-Rom curve between the second and the third of four knots, and its
+/// radius.
 fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
     let weights = [
         0.5 * t * (t * (2.0 - t) - 1.0),
@@ -198,8 +197,8 @@ fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
     (point, radius.max(thinnest))
 }
 
-/// Returns the outline of an opening, from its left foot to its right one, that is closed by a half
-/// circle above `spring`.
+/// Returns the outline of an opening with a half circle above `spring`, from its left foot to its
+/// right one.
 pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32, f32)> {
     const PIECES: u32 = 24;
     let mut out = vec![(middle - half, foot)];
@@ -212,8 +211,8 @@ pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32
     out
 }
 
-/// Returns the outline of a wall over `-half..half` and `foot..top` whose openings, left to right,
-/// cut it from below.
+/// Returns the outline of a wall over `-half..half` and `foot..top`. The openings, from left to
+/// right, cut it from below.
 pub(super) fn pierced(
     half: f32,
     foot: f32,

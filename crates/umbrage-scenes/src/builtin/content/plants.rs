@@ -1,31 +1,31 @@
-//! Trees, firs, tufts of grass, potted plants: every leaf is geometry.
+//! Trees, firs, tufts of grass, potted plants. Every leaf is geometry.
 
 use super::{parts::merged, random::Random};
 use crate::primitives::{on_circle, tube};
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
 
-/// The turn between one branch and the next: the golden angle, parts of a full turn.
+/// Turn from one branch to the next: the golden angle, as a fraction of a full turn.
 const GOLDEN: f64 = 0.381_966;
-/// How a leaf droops at its tip, parts of its length.
+/// Droop of a leaf at its tip, as a fraction of its length.
 const DROOP: f32 = 0.25;
 
-/// How a tree grows; metres.
+/// Parameters of a tree's growth, in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
     pub(super) seed: i32,
     pub(super) height: f32,
-    /// Of the trunk at its foot.
+    /// Radius of the trunk at its foot.
     pub(super) girth: f32,
     /// Length of the longest branches.
     pub(super) reach: f32,
-    /// The part of the trunk that is bare.
+    /// The fraction of the trunk without branches.
     pub(super) bare: f32,
     pub(super) branches: u32,
-    /// Leaves at each of a branch's twigs, and their length.
+    /// Number of leaves at each twig of a branch, and their length.
     pub(super) leaves: u32,
     pub(super) leaf: f32,
-    /// Whether twigs are geometry, too; leaves hang in the air without them.
+    /// `true` if twigs are geometry, too. Without them, leaves float in the air.
     pub(super) has_twigs: bool,
 }
 
@@ -47,7 +47,8 @@ pub(super) fn tree(growth: &Growth) -> Tree {
             + (0.98 - growth.bare) * (i as f32 + random.unit()) / growth.branches as f32;
         let (x, z) = on_circle(GOLDEN * f64::from(i));
         let from = along(&trunk, t);
-        // Long in the middle of the crown, short at its top; low branches spread, high ones rise.
+        // Make branches long in the middle of the crown and short at its top. Low ones spread, high
+        // ones rise.
         let up = (t - growth.bare) / (1.0 - growth.bare);
         let length =
             growth.reach * (0.45 + 0.9 * up * (1.0 - up) * 2.0) * random.between(0.75, 1.1);
@@ -91,7 +92,7 @@ fn trunk(growth: &Growth, random: &mut Random) -> Vec<(Vec3, f32)> {
         let t = i as f32 / PIECES as f32;
         let (_, wave) = on_circle(f64::from(t));
         let flare = 0.8 * (1.0 - t).powi(12);
-        // It begins below the ground, which is not level.
+        // Begin below the ground, which is not level.
         let height = growth.height * t - 0.3;
         let point = (Vec3::Y + lean) * height + bend * wave;
         path.push((point, growth.girth * (1.0 - 0.88 * t + flare)));
@@ -120,7 +121,7 @@ fn limb(
     path
 }
 
-/// Returns the point at a part of a path, 0 to 1, and the radius there.
+/// Returns the point at a fraction of a path, 0 to 1, and its radius.
 fn along(path: &[(Vec3, f32)], t: f32) -> (Vec3, f32) {
     let place = t * (path.len() - 1) as f32;
     let before = (place as usize).min(path.len() - 2);
@@ -130,7 +131,7 @@ fn along(path: &[(Vec3, f32)], t: f32) -> (Vec3, f32) {
     (a.0.lerp(b.0, rest), a.1 + (b.1 - a.1) * rest)
 }
 
-/// Leaves in the making, each of two triangles that meet at its rib.
+/// A mesh under construction. Each leaf has two triangles that meet at its rib.
 struct Leaves {
     mesh: Mesh,
 }
@@ -144,7 +145,7 @@ impl Leaves {
         Self { mesh }
     }
 
-    /// Adds a leaf from its stalk along a vector; `across` reaches from its rib to one side.
+    /// Adds a leaf from its stalk along a vector. `across` extends from its rib to one side.
     fn add(&mut self, from: Vec3, along: Vec3, across: Vec3) {
         let first = self.mesh.positions.len() as u32;
         let broadest = from + 0.45 * along;
@@ -156,7 +157,7 @@ impl Leaves {
         self.mesh.triangles.push([first, first + 2, first + 3]);
     }
 
-    /// Adds a leaf that looks up more than down.
+    /// Adds a leaf that faces up rather than down.
     fn hang(&mut self, from: Vec3, length: f32, random: &mut Random) {
         let normal = (random.vector() + 0.7 * Vec3::Y).normalize_or(Vec3::Y);
         let heading = random.vector().reject_from(normal).normalize_or(Vec3::X);
@@ -216,8 +217,8 @@ pub(super) fn tuft(seed: i32, blades: u32, height: f32) -> Mesh {
     out
 }
 
-/// Returns a fern, or a potted plant's green: fronds that arch out from the origin, with leaflets
-/// at both sides.
+/// Returns a fern, or the leaves of a potted plant: arching fronds from the origin, with leaflets
+/// on both sides.
 pub(super) fn fern(seed: i32, fronds: u32, length: f32) -> Mesh {
     const LEAFLETS: u32 = 16;
     let mut random = Random::new(seed);

@@ -1,11 +1,11 @@
-//! Numbers that look random and are the same on every platform.
+//! Pseudo-random numbers that are equal on every platform.
 
 use crate::builtin::noise::uniform;
 use umbrage_core::glam::{IVec3, Vec3};
 
-/// Returns what `put` makes of places, one in each cell of a grid over the square of this half side
-/// around the origin: of x and z, and the source of all further numbers of the cell. Cells of which
-/// it makes nothing stay empty.
+/// Calls `put` for a random position in each cell of a grid over the square of this half side
+/// around the origin. `put` receives x and z, and the source of all further numbers of the cell.
+/// Cells for which it returns `None` stay empty.
 pub(in crate::builtin) fn scattered<T>(
     seed: i32,
     half: f32,
@@ -25,11 +25,11 @@ pub(in crate::builtin) fn scattered<T>(
     out
 }
 
-/// A sequence of numbers that its seed determines.
+/// A sequence of numbers determined by its seed.
 #[derive(Clone, Debug)]
 pub(in crate::builtin) struct Random {
     seed: i32,
-    /// How many numbers were drawn.
+    /// Number of numbers drawn so far.
     drawn: i32,
 }
 
@@ -44,7 +44,7 @@ impl Random {
         uniform(IVec3::new(self.seed, self.drawn, 11))
     }
 
-    /// Returns the next number between two.
+    /// Returns the next number between two bounds.
     pub(in crate::builtin) fn between(&mut self, least: f32, most: f32) -> f32 {
         least + (most - least) * self.unit()
     }
@@ -54,7 +54,7 @@ impl Random {
         self.between(-most, most)
     }
 
-    /// Returns a vector whose coordinates are within -1 and 1 each.
+    /// Returns a vector with coordinates from -1 to 1.
     pub(in crate::builtin) fn vector(&mut self) -> Vec3 {
         let x = self.about(1.0);
         let y = self.about(1.0);
@@ -62,7 +62,7 @@ impl Random {
         Vec3::new(x, y, z)
     }
 
-    /// Returns whether a chance came true.
+    /// Returns `true` with this probability.
     pub(in crate::builtin) fn chance(&mut self, probability: f32) -> bool {
         self.unit() < probability
     }

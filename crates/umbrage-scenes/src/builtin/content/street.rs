@@ -1,5 +1,5 @@
 //! A street of a town: facades with recessed windows, balconies, awnings, lamps, cars, trees, and
-//! washing on lines across it; the sun is low and shines towards the camera.
+//! washing on lines across it. The sun is low and shines towards the camera.
 
 use super::{
     SIZE,
@@ -20,11 +20,12 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// From the middle of the street to the facades and to the kerbs, and the kerbs' height, metres.
+/// Distances from the centre of the street to the facades and to the kerbs, and the height of the
+/// kerbs, metres.
 const FACADE: f32 = 6.4;
 const KERB: f32 = 3.9;
 const RISE: f32 = 0.14;
-/// Where the street begins, behind the camera, and where it ends, z in metres.
+/// The street's start, behind the camera, and its end, z in metres.
 const NEAR: f32 = 14.0;
 const FAR: f32 = -120.0;
 
@@ -72,7 +73,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
 struct House {
     /// -1 on the left, 1 on the right.
     side: f32,
-    /// Where its front begins, z in metres; it goes towards -z.
+    /// The start of its front, z in metres. The front extends towards -z.
     begin: f32,
     panels: u32,
     storeys: u32,
@@ -88,7 +89,7 @@ impl House {
         RISE + STOREY * self.storeys as f32
     }
 
-    /// Returns the place of a panel.
+    /// Returns the placement of a panel.
     fn place(&self, panel: u32, storey: u32) -> Affine3A {
         let z = self.begin - PANEL * (panel as f32 + 0.5);
         let y = RISE + STOREY * storey as f32;
@@ -100,7 +101,7 @@ impl House {
         storeys.flat_map(move |storey| (0..self.panels).map(move |panel| self.place(panel, storey)))
     }
 
-    /// Returns the place of a unit box behind the front.
+    /// Returns the placement of a unit box behind the front.
     fn body(&self) -> Affine3A {
         const DEPTH: f32 = 9.0;
         let x = self.side * (FACADE + THICKNESS + 0.5 * DEPTH);
@@ -109,8 +110,7 @@ impl House {
     }
 }
 
-/// Returns the houses: tall ones on the left, lower ones on the right, with gaps through which the
-/// sun shines.
+/// Returns the houses: tall ones on the left, lower ones on the right, with gaps for the sun.
 fn houses() -> Vec<House> {
     let mut random = Random::new(31);
     let mut out = Vec::new();
@@ -181,7 +181,7 @@ fn markings() -> Mesh {
     merged("markings", parts)
 }
 
-/// Returns the road's height, metres: its middle is higher than its gutters.
+/// Returns the height of the road, metres: its centre is higher than its gutters.
 fn road_height(x: f32) -> f32 {
     0.06 - 0.004 * x * x
 }

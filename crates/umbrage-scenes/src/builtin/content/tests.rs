@@ -1,10 +1,11 @@
-//! Content scenes are as large as they say, and each pair differs by its light alone.
+//! Tests that content scenes have their stated size, and that the scenes of a pair differ by their
+//! light alone.
 
 use crate::{Kind, all, find};
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Geometry, Light, Scene};
 
-/// Names without `-soft`, and the least triangles.
+/// Names without `-soft`, and minimum numbers of triangles.
 const SCENES: [(&str, usize); 7] = [
     ("nave", 250_000),
     ("street", 250_000),
@@ -15,7 +16,7 @@ const SCENES: [(&str, usize); 7] = [
     ("leaf-cards", 250_000),
 ];
 
-/// Rays across and down a picture whose shadow is counted.
+/// Rays across and down an image, for estimating its fraction in shadow.
 const RAYS: UVec2 = UVec2::new(64, 36);
 
 fn built(name: &str) -> Scene {
@@ -26,7 +27,7 @@ fn soft_name(name: &str) -> String {
     format!("{name}-soft")
 }
 
-/// Returns the same scene with nothing that tells it from its pair.
+/// Returns the scene without the properties that differ within its pair.
 fn without_light(scene: Scene) -> Scene {
     Scene {
         name: String::new(),
@@ -84,7 +85,7 @@ fn the_dancer_is_large_without_her_stage() {
     assert!(triangles >= 100_000, "{triangles}");
 }
 
-/// Returns the share in shadow of what the picture shows that faces the light.
+/// Returns the shadowed fraction of the visible points that face the light.
 fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
     let bvh = geometry.bvh();
     let rays = scene.cameras[0].resized(RAYS).rays();
@@ -117,7 +118,8 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
     dark / facing
 }
 
-/// Returns whether the light shines from there, given the way to it: a spot does within its cone.
+/// Reports whether the light reaches a point, from the direction to the light: a spot only reaches
+/// points within its cone.
 fn is_reached(light: &Light, to_light: Vec3) -> bool {
     match *light {
         Light::Spot {
@@ -127,16 +129,16 @@ fn is_reached(light: &Light, to_light: Vec3) -> bool {
     }
 }
 
-/// What a ray meets first.
+/// The first hit of a ray.
 struct Seen {
     point: Vec3,
     /// Unit normal towards the eye.
     normal: Vec3,
-    /// A distance off the surface that no ray's rounding undoes, metres.
+    /// An offset from the surface that exceeds the rounding of every ray, metres.
     lift: f32,
 }
 
-/// Returns what the ray meets; the normal comes from two rays beside it.
+/// Returns the first hit of a ray. Two neighbouring rays determine the normal.
 fn seen(geometry: &Geometry, o: Vec3, view: Vec3) -> Option<Seen> {
     const ASIDE: f32 = 1.0e-4;
     let far = 1.0e4 * view;

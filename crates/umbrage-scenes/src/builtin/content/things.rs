@@ -1,4 +1,4 @@
-//! Things that several scenes hold or that are made by one recipe.
+//! Objects that several scenes share or that have one method of construction.
 
 use super::{
     parts::{at, box_at, creased, merged, moved, stick},
@@ -11,15 +11,15 @@ use crate::{
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec3};
 
-/// Flutes around a column, and the vertices across each.
+/// Flutes around a column, and the offsets of the vertices across each.
 const FLUTES: u32 = 20;
 const ACROSS_FLUTE: [f32; 6] = [0.0, 0.5, 0.87, 1.0, 0.87, 0.5];
-/// Depth of a flute, parts of the radius.
+/// Depth of a flute, as a fraction of the radius.
 const FLUTE_DEPTH: f32 = 0.09;
-/// From link to link of a chain, metres.
+/// Distance between the links of a chain, metres.
 const LINK: f32 = 0.14;
 
-/// Returns a column with base and capital whose shaft is fluted; `radius` is the shaft's, metres.
+/// Returns a column with base, capital and a fluted shaft of this radius, metres.
 pub(super) fn fluted_column(height: f32, radius: f32) -> Mesh {
     const SHAFT_RINGS: u32 = 12;
     let base = [
@@ -71,7 +71,7 @@ pub(super) fn fluted_column(height: f32, radius: f32) -> Mesh {
     column
 }
 
-/// Returns a turned post as stands under rails.
+/// Returns a turned post for a rail.
 pub(super) fn baluster(height: f32) -> Mesh {
     let outline = [
         (0.055, 0.0),
@@ -93,7 +93,7 @@ pub(super) fn baluster(height: f32) -> Mesh {
     lathe(&profile, 16)
 }
 
-/// Returns a bench that faces -z, its back of slats.
+/// Returns a bench that faces -z, with a slatted back.
 pub(super) fn bench(width: f32) -> Mesh {
     let half = 0.5 * width;
     let mut parts = vec![
@@ -114,7 +114,7 @@ pub(super) fn bench(width: f32) -> Mesh {
     merged("bench", parts)
 }
 
-/// Returns a chain that goes up from the origin.
+/// Returns a chain that extends upwards from the origin.
 pub(super) fn chain(length: f32) -> Mesh {
     let links = (length / LINK) as u32;
     let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
@@ -133,8 +133,7 @@ pub(super) fn chain(length: f32) -> Mesh {
     merged("chain", parts)
 }
 
-/// Returns a ring with a bowl below it and candles on it, which hangs by three rods from 0.5 m
-/// above it.
+/// Returns a ring with a bowl below it and candles on it. Three rods from 0.5 m above hold it.
 pub(super) fn oil_lamp() -> Mesh {
     const RADIUS: f32 = 0.55;
     const CANDLES: u32 = 12;
@@ -164,7 +163,7 @@ pub(super) fn oil_lamp() -> Mesh {
     merged("lamp", parts)
 }
 
-/// Returns a rock of about 1 m across that stands in the ground.
+/// Returns a rock about 1 m across, partly in the ground.
 pub(super) fn rock(seed: i32, splits: u32) -> Mesh {
     let mut random = Random::new(seed);
     let place = 50.0 * random.vector();

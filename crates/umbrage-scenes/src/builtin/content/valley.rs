@@ -1,5 +1,5 @@
-//! A valley over more than 2 km: hills, a line of poles with wires, a fence, huts, firs, rocks,
-//! grass; the sun is low.
+//! A valley of more than 2 km: hills, a line of poles with wires, a fence, huts, firs, rocks,
+//! grass. The sun is low.
 
 use super::{
     SIZE,
@@ -17,13 +17,13 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// Half the land's width, and where it begins and ends along z; the camera stands near 0. Metres.
+/// Half the width of the land, and its ends along z, metres. The camera is near z = 0.
 const HALF: f32 = 1100.0;
 const NEAR: f32 = 160.0;
 const FAR: f32 = -2400.0;
-/// Cells along x and along z; those at the camera are the smallest.
+/// Cells along x and along z. The smallest are at the camera.
 const CELLS: [u32; 2] = [640, 720];
-/// How much of the land's cells are as small as those at the camera.
+/// Fraction of the cells that are as small as those at the camera.
 const EVENNESS: f32 = 0.12;
 
 const MEADOW: [f32; 3] = [0.34, 0.35, 0.15];
@@ -35,7 +35,7 @@ const ROCK: [f32; 3] = [0.45, 0.43, 0.40];
 const GRASS: [f32; 3] = [0.40, 0.40, 0.14];
 const WIRE: [f32; 3] = [0.08, 0.08, 0.09];
 
-/// The tops of the poles that wires hang from: along x and above the foot, metres.
+/// Tops of the poles, which hold the wires: x, and height above the foot, metres.
 const INSULATORS: [[f32; 2]; 3] = [[-0.9, 8.1], [0.9, 8.1], [0.0, 8.9]];
 
 pub(crate) fn valley() -> Scene {
@@ -58,12 +58,12 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
         .shoot(eye, eye + Vec3::new(-2.6, -2.9, -20.0), 50.0, SIZE)
 }
 
-/// Returns the x of the valley's bottom.
+/// Returns the x of the valley's lowest line.
 fn bottom(z: f32) -> f32 {
     -30.0 + 190.0 * fractal(Vec3::new(0.0, 0.0, z / 700.0), 2)
 }
 
-/// Returns the land's height, metres.
+/// Returns the height of the land, metres.
 fn height(x: f32, z: f32) -> f32 {
     let p = Vec3::new(x, 0.0, z);
     let aside = ((x - bottom(z)).abs() / 420.0).min(2.2);
@@ -71,7 +71,7 @@ fn height(x: f32, z: f32) -> f32 {
     let hills = 85.0 * fractal(p / 310.0, 5) * (0.10 + aside);
     let knolls = 3.5 * fractal(p / 38.0, 3);
     let clods = 0.10 * fractal(p / 1.7, 2);
-    // From the camera on, the land falls towards the valley.
+    // Let the land fall from the camera towards the valley.
     let ahead = (-z / 240.0).max(0.0);
     let drop = 78.0 * ahead / (1.0 + ahead);
     let away = (-0.001 * z).max(0.0);
@@ -83,7 +83,7 @@ fn on_ground(x: f32, z: f32) -> Vec3 {
 }
 
 fn land(stage: Stage) -> Stage {
-    // From -1 to 1, but finer near 0.
+    // Space -1 to 1 more finely near 0.
     let finer = |t: f32| t * (EVENNESS + (1.0 - EVENNESS) * t.abs());
     let mut land = grid([1.0, 1.0], CELLS, |_, _| 0.0);
     for p in &mut land.positions {
@@ -94,8 +94,8 @@ fn land(stage: Stage) -> Stage {
     stage.put(land).look(matte(MEADOW))
 }
 
-/// Returns where a part of the cells along z ends, as a part of the land's length: a tenth of them
-/// lies behind the camera.
+/// Maps a fraction of the cells along z to a fraction of the land's length. One tenth of the cells
+/// is behind the camera.
 fn split(t: f32) -> f32 {
     const BEHIND: f32 = 0.1;
     let camera = NEAR / (NEAR - FAR);
@@ -191,7 +191,7 @@ fn fence(stage: Stage) -> Stage {
         .look(matte(WIRE))
 }
 
-/// Places and turns of the huts: x and z in metres, angle in radians.
+/// Positions and turns of the huts: x and z in metres, angle in radians.
 const HUTS: [[f32; 3]; 9] = [
     [-20.0, -42.0, 0.5],
     [-33.0, -58.0, 1.2],
@@ -270,14 +270,15 @@ fn hut_stone() -> Mesh {
     merged("hut stone", [base, chimney, crown])
 }
 
-/// Returns whether something fits there: away from the camera, the fence and the huts.
+/// Reports whether a position is free: away from the camera, the fence and the huts.
 fn is_free(x: f32, z: f32) -> bool {
     let from_huts = |hut: &[f32; 3]| (x - hut[0]).hypot(z - hut[1]) > 8.0;
     let from_fence = (x - fence_x(z)).abs() > 0.7;
     x.hypot(z) > 3.0 && from_fence && HUTS.iter().all(from_huts)
 }
 
-/// Returns up to `count` free places: most are near the camera, none farther than `reach` along z.
+/// Returns up to `count` free positions. Most are near the camera, and none is farther than `reach`
+/// along z.
 fn strewn(seed: i32, count: u32, reach: f32) -> Vec<[f32; 2]> {
     let mut random = Random::new(seed);
     let mut out = Vec::new();
@@ -316,7 +317,7 @@ fn grown(mut stage: Stage) -> Stage {
     for kind in 0..3 {
         let mut firs = Vec::new();
         for [x, z] in strewn(80 + kind, 420, 1900.0) {
-            // They stand in groups, away from the camera.
+            // Group them, away from the camera.
             let grove = fractal(Vec3::new(x, 4.0, z) / 90.0, 2);
             if z < -30.0 && grove > 0.02 {
                 let tall = random.between(5.0, 15.0);

@@ -1,4 +1,4 @@
-//! Blockers of two heights over one receiver: what light bleeds between in maps that blend depths.
+//! Blockers of two heights over one receiver: light bleeding in maps that blend depths.
 
 use super::SMALL;
 use crate::{
@@ -14,13 +14,13 @@ const HIGH: f32 = 5.0;
 /// Thickness of both plates, metres.
 const THICKNESS: f32 = 0.02;
 
-/// A small plate 5 m above the floor whose shadow lies across that of a larger plate at 1 m. Along
-/// the small one's outline, where the larger one darkens all the floor, a filter finds depths of
-/// both plates. By their mean and variance (Chebyshev's inequality) up to ((5 - 1) / (5 + 1))² =
-/// 4/9 of the light may come through: light bleeds in a line, where truth is dark.
+/// A small plate 5 m above the floor whose shadow crosses that of a larger plate at 1 m. Along the
+/// outline of the small plate's shadow, where the larger one darkens all the floor, a filter finds
+/// depths of both plates. By their mean and variance (Chebyshev's inequality), up to ((5 - 1) / (5
+/// + 1))² = 4/9 of the light may leak: a bright line in a dark area.
 ///
-/// The sun is 45 degrees high and shines along +x, so shadows lie as far along +x as the plates are
-/// high.
+/// The sun is 45 degrees high and shines along +x. Shadows are therefore offset along +x by the
+/// height of the plates.
 pub(crate) fn two_plates() -> Scene {
     let low = block([-1.6, LOW - THICKNESS, -0.9], [0.0, LOW, 0.9]);
     let high = block([-6.0, HIGH - THICKNESS, -0.5], [-4.8, HIGH, 0.5]);

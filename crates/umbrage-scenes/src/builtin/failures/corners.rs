@@ -1,4 +1,4 @@
-//! A room's corner, lit from inside.
+//! The corner of a room, lit from inside.
 
 use super::SMALL;
 use crate::{
@@ -8,10 +8,10 @@ use crate::{
 use umbrage_core::Scene;
 use umbrage_core::glam::Vec3;
 
-/// Two walls and the floor meet at the origin. All three are lit, and all three cast: a kernel
-/// whose taps follow one wall's plane goes on behind its neighbour, and a bias along a normal moves
-/// receivers towards it. A stool's shadow and a ball's run into the corner, so that too much bias
-/// shows there as well.
+/// Two walls and the floor meet at the origin. All three are lit, and all three cast. A kernel
+/// whose taps follow one wall's plane continues behind the neighbouring wall, and a bias along a
+/// normal moves receivers towards that wall. The shadows of a stool and a ball end in the corner,
+/// so that too much bias shows there, too.
 pub(crate) fn room_corner() -> Scene {
     Stage::new("room-corner")
         .put(room(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0)))

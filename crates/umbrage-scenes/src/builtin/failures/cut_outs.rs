@@ -1,4 +1,4 @@
-//! Casters with holes that alpha textures cut out.
+//! Alpha-tested casters.
 
 use super::SMALL;
 use crate::{
@@ -14,8 +14,8 @@ const STEEL: [f32; 3] = [0.30, 0.31, 0.33];
 const BARK: [f32; 3] = [0.22, 0.16, 0.11];
 const LEAVES: [f32; 3] = [0.15, 0.32, 0.06];
 
-/// A fence of wires 12 mm thick in meshes of 10 cm, which is one quad between two posts: as thin as
-/// the wires of `fence`.
+/// A fence of wires 12 mm thick in meshes of 10 cm: one quad between two posts. The wires are as
+/// thin as those of `fence`.
 pub(crate) fn wire_fence() -> Scene {
     const HALF: f32 = 2.4;
     const HEIGHT: f32 = 1.2;
@@ -37,15 +37,15 @@ pub(crate) fn wire_fence() -> Scene {
         .shoot([1.2, 1.9, 3.4], [0.0, 0.25, 0.4], 44.0, SMALL)
 }
 
-/// Trees of leaf cards on a plain: a pair at 5 m, and pairs farther and farther away up to 500 m,
-/// each taller than a pixel still.
+/// Trees of leaf cards on a plain: a pair at 5 m, and pairs at growing distances up to 500 m, each
+/// still taller than a pixel.
 pub(crate) fn foliage() -> Scene {
     const NEAREST: f32 = 5.0;
     const FARTHEST: f32 = 500.0;
     const PAIRS: i32 = 15;
     let mut places = Vec::new();
     for pair in 0..PAIRS {
-        // Each as many times farther away than the one before.
+        // Increase distances by a constant factor.
         let part = pair as f32 / (PAIRS - 1) as f32;
         let distance = NEAREST * (FARTHEST / NEAREST).powf(part);
         for side in [-1.0, 1.0] {

@@ -1,4 +1,4 @@
-//! Long planes, hills, scenes far from the origin, a view into the light.
+//! Long planes, hills, scenes far from the origin, a view towards the light.
 
 use super::SMALL;
 use crate::{
@@ -9,8 +9,8 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Scene};
 
-/// Balls along 300 m of floor: what is near is seen a hundred times as finely as what is far, and
-/// one bias serves both.
+/// Balls along 300 m of floor under one bias. The scale of near receivers in the image is a hundred
+/// times that of far ones.
 fn long_plane(name: &str, light: Light) -> Scene {
     let places = (0..14).map(|i| {
         let x = -1.5 + (i % 3) as f32;
@@ -31,7 +31,7 @@ pub(crate) fn long_plane_sun() -> Scene {
     long_plane("long-plane", sun(0.5, -0.8, -0.4))
 }
 
-/// A bulb 12 m up at the near end: towards the far end its light grazes the floor.
+/// A point light 12 m up at the near end. Its light is at a grazing angle towards the far end.
 pub(crate) fn long_plane_lamp() -> Scene {
     long_plane("long-plane-lamp", bulb(8.0, 12.0, 2.0))
 }
@@ -39,13 +39,13 @@ pub(crate) fn long_plane_lamp() -> Scene {
 /// Cells along each side: 8,192 triangles, few enough for shadow volumes in every frame.
 const CELLS: u32 = 64;
 
-/// Returns the hills' height at a place, metres.
+/// Returns the height of the hills at a position, metres.
 fn hill_height(x: f32, z: f32) -> f32 {
     14.0 * fractal(Vec3::new(x, 3.0, z) / 60.0, 5)
 }
 
-/// Hills of 160 m with posts on them, the sun 14 degrees high, all of it moved along x and z by
-/// `offset` metres. Far from the origin positions are rounded: to 8 mm at 1e5 m, to 6 cm at 1e6 m.
+/// Hills of 160 m with posts on them and the sun 14 degrees high, moved along x and z by `offset`
+/// metres. Positions far from the origin are rounded: to 8 mm at 1e5 m, to 6 cm at 1e6 m.
 fn hills_at(name: &str, offset: f32) -> Scene {
     let place = Affine3A::from_translation(Vec3::new(offset, 0.0, -offset));
     let posts = (0..9).map(|i| {
@@ -78,10 +78,10 @@ pub(crate) fn hills_1e6() -> Scene {
     hills_at("hills-1e6", 1e6)
 }
 
-/// The camera looks towards the sun over posts whose shadows come at it: the light's map and the
-/// picture run against each other, the case that perspective warps degenerate in.
+/// A view towards the sun over posts whose shadows point at the camera. The camera and the light
+/// face each other, which is the degenerate case of perspective warps.
 pub(crate) fn into_light() -> Scene {
-    // Three rows of five.
+    // Place three rows of five.
     let posts = (0..15).map(|i| {
         let x = -7.0 + 3.5 * (i % 5) as f32;
         let z = -4.0 - 7.0 * (i / 5) as f32;

@@ -8,8 +8,8 @@ use crate::{
 use umbrage_core::Scene;
 use umbrage_core::glam::{Affine3A, Vec3};
 
-/// Balls of 80 facets, turned in different ways, in a sun 20 degrees high: near the terminator
-/// light grazes whole facets, which a map shows as slopes of many depths a texel.
+/// Balls of 80 facets with different turns in a sun 20 degrees high. Near the terminator, light
+/// grazes whole facets. These cover a large range of depths in each texel.
 pub(crate) fn low_poly() -> Scene {
     let balls = (0..6).map(|i| {
         let x = -2.4 + 2.4 * (i % 3) as f32;

@@ -1,4 +1,4 @@
-//! Detail near the size of a texel: thin slices, thin wires, feet that barely leave the floor.
+//! Detail near the size of a texel: thin slices, thin wires, feet just above the floor.
 
 use super::SMALL;
 use crate::{
@@ -8,9 +8,9 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Mesh, Scene};
 
-/// Six slices of 6 mm, 5 cm above each other, each smaller than the one below, so that a rim of
-/// every slice is seen: lit outside, dark where the slices above shade it. Moments of several
-/// depths blend; a bias of 5 cm takes a slice for the next.
+/// Six slices of 6 mm, 5 cm above each other. Each is smaller than the one below, so that a rim of
+/// every slice is visible: lit outside, dark in the shadow of the slices above. Moments of several
+/// depths blend; a bias of 5 cm confuses neighbouring slices.
 pub(crate) fn stacked_slices() -> Scene {
     let mut stage = Stage::new("stacked-slices").put(grid([3.0, 3.0], [1, 1], |_, _| 0.0));
     for i in 0..6 {
@@ -30,8 +30,8 @@ pub(crate) fn stacked_slices() -> Scene {
 /// Height of the feet's soles over the floor, metres.
 const HOVER: f32 = 0.01;
 
-/// Pairs of feet 1 cm above the floor under bodies a metre up: near each foot's rim a filter finds
-/// both, and what leaks is right at the contact, where eyes look first.
+/// Pairs of feet 1 cm above the floor under bodies at 1 m. Near the rim of each foot, a filter
+/// finds both depths, and light leaks at the contact, where it is most visible.
 pub(crate) fn hovering_feet() -> Scene {
     let foot = [
         (0.0, HOVER),
@@ -61,8 +61,8 @@ fn fence_rail(y: f32) -> Mesh {
     block([-2.45, y, -0.01], [2.45, y + 0.02, 0.01])
 }
 
-/// A fence of upright wires 12 mm thick and of three rails: one to two pixels of the picture each,
-/// and about as many texels of a map of 1,024.
+/// A fence of upright wires 12 mm thick and three rails. Each is one to two pixels wide in the
+/// image, and about as many texels in a map of 1,024.
 pub(crate) fn fence() -> Scene {
     let wires = (0..61).map(|i| {
         let x = -2.4 + 0.08 * i as f32;

@@ -1,4 +1,4 @@
-//! A point light amid its casters.
+//! A point light among its casters.
 
 use super::SMALL;
 use crate::{
@@ -10,15 +10,15 @@ use umbrage_core::{Light, Scene};
 
 const LAMP: Vec3 = Vec3::new(0.0, 1.5, 0.0);
 
-/// Returns a place counted from the lamp.
+/// Returns a position relative to the light.
 fn from_lamp(x: f32, y: f32, z: f32) -> Vec3 {
     LAMP + Vec3::new(x, y, z)
 }
 
-/// Where two or three faces of a cube of maps around the lamp meet, something stands: posts where
-/// |x| = |z|, beams where |x| = |y| and |y| = |z|, a ball where all three are equal, counted from
-/// the lamp. The floor is two triangles, so that a map that bends straight lines between vertices
-/// has none to lean on.
+/// Casters at the seams of a cube map around the light: posts where |x| = |z|, beams where |x| =
+/// |y| and |y| = |z|, and a ball where all three are equal, relative to the light. The floor is two
+/// triangles, so that a map which bends straight lines between vertices has no other vertices to
+/// follow.
 fn at_seams(name: &str, light: Light) -> Scene {
     let posts = [
         Affine3A::from_translation(Vec3::new(-1.0, 0.0, -1.0)),
@@ -60,15 +60,16 @@ pub(crate) fn glowing_lamp_in_room() -> Scene {
     )
 }
 
-/// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the
-/// floor, through the wall, beyond the lamp, and where they should be.
+/// Only planes receive: a floor and a wall. Casters, which don't, are wholly and partly below the
+/// floor, through the wall, beyond the light, and at normal positions.
 pub(crate) fn flat_receivers() -> Scene {
     let wall = block([-3.0, 0.0, -2.6], [3.0, 3.0, -2.5]);
     let casters = [
         block([-1.9, -0.4, -0.7], [-1.2, 0.5, 0.1]),
         block([1.3, -1.2, 0.2], [2.1, -0.3, 1.0]),
         block([1.0, 0.7, -2.9], [1.3, 1.0, -1.9]),
-        // Mirrored at the lamp, these two would darken the middle of the floor and of the wall.
+        // Point reflections of these two at the light would darken the centres of the floor and the
+        // wall.
         block([-0.6, 4.1, -0.4], [0.6, 4.2, 0.9]),
         block([-0.4, 3.5, 2.2], [0.5, 4.3, 2.3]),
         icosphere([0.5, 0.9, 0.1], 0.35, 3),
@@ -87,7 +88,7 @@ pub(crate) fn flat_receivers() -> Scene {
         .shoot([2.6, 2.9, 5.3], [-0.05, 0.85, -0.8], 44.0, SMALL)
 }
 
-/// Returns a spot 4 m above the floor that points at the caster of [`two_lights`].
+/// Returns a spot light 4 m above the floor that points at the caster of [`two_lights`].
 fn spot_on_caster(x: f32, z: f32) -> Light {
     let position = Vec3::new(x, 4.0, z);
     Light::Spot {
@@ -99,7 +100,7 @@ fn spot_on_caster(x: f32, z: f32) -> Light {
     }
 }
 
-/// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in
+/// Two spot lights on one caster with a shadow each. Errors of either shadow are also errors of
 /// their sum.
 pub(crate) fn two_lights() -> Scene {
     Stage::new("two-lights")

@@ -19,5 +19,5 @@ pub(crate) mod stairs;
 pub(crate) mod sunlit;
 pub(crate) mod volumes;
 
-/// Of scenes whose failure shows in a small picture, too.
+/// Image size of scenes whose failure is visible in a small image.
 const SMALL: [u32; 2] = [320, 240];

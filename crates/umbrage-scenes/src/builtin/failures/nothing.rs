@@ -1,4 +1,4 @@
-//! Nothing casts, nothing receives, nothing is seen.
+//! Scenes without casters, without receivers, or without visible geometry.
 
 use crate::{
     builtin::SIZE,

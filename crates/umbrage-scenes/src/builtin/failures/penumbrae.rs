@@ -1,4 +1,4 @@
-//! Lamps with an extent over casters whose penumbrae differ or overlap.
+//! Area lights over casters with different or overlapping penumbrae.
 
 use super::SMALL;
 use crate::{
@@ -10,9 +10,9 @@ use crate::{
 use umbrage_core::glam::{Affine3A, IVec3, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// A pole close to the lamp crosses, in its shadow, the shadow of a wall on the floor. Where both
-/// hide the lamp, a search for blockers finds both and answers the mean of their depths: the wall's
-/// sharp edge blurs under the pole.
+/// The shadow of a pole close to the light crosses the shadow of a wall on the floor. Where both
+/// hide the light, a blocker search finds both and returns their mean depth. The sharp edge of the
+/// wall's shadow blurs under the pole.
 pub(crate) fn two_blockers() -> Scene {
     let pole = tube(
         &[
@@ -33,12 +33,12 @@ pub(crate) fn two_blockers() -> Scene {
         .shoot([2.9, 3.0, 3.1], [0.6, 0.15, 0.0], 42.0, SMALL)
 }
 
-/// The lamps' middle.
+/// Centre of the lights.
 const LAMP: Vec3 = Vec3::new(-0.4, 5.0, 0.8);
 const LAMP_HALF: f32 = 0.4;
 
-/// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor,
-/// each with a penumbra of a width of its own: (receiver - blocker) / blocker times the lamp's.
+/// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor.
+/// Each box has its own penumbra width: (receiver - blocker) / blocker times that of the light.
 fn rising(name: &str, light: Light) -> Scene {
     let heights = [0.05, 0.25, 0.55, 0.95, 1.5];
     let places = heights.into_iter().enumerate().map(|(i, y)| {
@@ -80,9 +80,9 @@ pub(crate) fn rising_boxes_disc() -> Scene {
     )
 }
 
-/// A canopy of single leaves over a trunk under a lamp as wide as the canopy: each leaf has a
-/// penumbra of its own, and the trunk has another. A search that answers one depth gives all of
-/// them one width.
+/// A canopy of single leaves over a trunk, under an area light as wide as the canopy. The penumbrae
+/// of the leaves and of the trunk have different widths. A search that returns one depth blurs all
+/// of them with the same width.
 pub(crate) fn canopy() -> Scene {
     Stage::new("canopy")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
@@ -116,7 +116,7 @@ fn trunk() -> Mesh {
 
 const LEAVES: i32 = 260;
 
-/// Leaves all through a flat ball, turned every way.
+/// Leaves throughout a flat ball, in all directions.
 fn leaves() -> Mesh {
     let mut mesh = Mesh {
         name: "leaves".to_owned(),
@@ -131,10 +131,10 @@ fn leaves() -> Mesh {
     mesh
 }
 
-/// Returns a leaf at a random place in the ball, turned at random.
+/// Returns a leaf at a random position in the ball, with a random turn.
 fn leaf(i: i32) -> Mesh {
     let random = |what: i32| uniform(IVec3::new(i, what, 18));
-    // The cube root spreads leaves evenly over the ball's volume.
+    // Take the cube root, to distribute leaves uniformly over the volume of the ball.
     let in_unit_ball = unit_vector(random(0), random(1)) * random(2).cbrt();
     let middle = Vec3::new(0.0, 2.2, 0.0) + in_unit_ball * Vec3::new(1.15, 0.75, 1.15);
     let along = unit_vector(random(3), random(4)) * 0.15;
@@ -148,8 +148,8 @@ fn leaf(i: i32) -> Mesh {
     ])
 }
 
-/// Returns a unit vector for two numbers, each 0 to 1; evenly spread numbers give evenly spread
-/// directions (Archimedes: on a sphere, height is evenly spread).
+/// Maps two numbers, each 0 to 1, to a unit vector. Uniform numbers give uniform directions
+/// (Archimedes: height is uniform on a sphere).
 fn unit_vector(height: f32, turn: f32) -> Vec3 {
     let y = 2.0 * height - 1.0;
     let (cos, sin) = on_circle(f64::from(turn));

@@ -16,13 +16,14 @@ const BRICKS: Bricks = Bricks {
     tile: 1.2,
     depth: 0.05,
 };
-/// Each quad's sides are cut in 8, so that a joint of 5 cm is two triangles wide.
+/// Subdivisions of each quad: its sides are cut in 8, so that a joint of 5 cm is two triangles
+/// wide.
 const SUBDIVISIONS: u32 = 3;
 
-/// How far the flat caster is behind the deepest joint, metres.
+/// Distance of the flat caster behind the deepest joint, metres.
 const BEHIND: f32 = 0.005;
 
-/// A flat sheet of the wall's size that lies in x and z.
+/// A flat sheet of the wall's size in x and z.
 fn sheet() -> Mesh {
     let tiles = Vec2::from(HALF) * 2.0 / BRICKS.tile;
     let mesh = tiled(grid(HALF, CELLS, |_, _| 0.0), tiles);
@@ -33,13 +34,14 @@ fn sheet() -> Mesh {
     }
 }
 
-/// Upright: what faced up faces +z, and the texture's top is on top.
+/// Turns a sheet upright: its upper side faces +z, and the top of its texture is at the top.
 fn upright(z: f32) -> Affine3A {
     let turn = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
     Affine3A::from_mat3_translation(turn, Vec3::new(0.0, HALF[1], z))
 }
 
-/// A floor before the wall, a ledge on it and a post before it, the sun nearly along it.
+/// Adds a floor in front of the wall, a ledge on it and a post in front of it. The sun is nearly
+/// parallel to the wall.
 fn around(stage: Stage) -> Scene {
     stage
         .put(grid([2.4, 1.5], [1, 1], |_, _| 0.0))
@@ -58,20 +60,20 @@ fn wall(name: &str, look: Look) -> Stage {
         .look(look)
 }
 
-/// Bricks that stand out by 5 cm, as geometry: each throws a shadow into the joint behind it.
+/// Bricks as geometry that protrude by 5 cm. Each casts a shadow into the joint behind it.
 pub(crate) fn displaced_wall() -> Scene {
     around(wall("displaced-wall", BRICKS.carved(SUBDIVISIONS)))
 }
 
-/// The same relief as shading alone: the wall is flat, and so are its shadows. A bias along the
-/// shading normal would bend them.
+/// Bricks of the same relief as a normal map: the wall and its shadows are flat. A bias along the shading
+/// normal would bend them.
 pub(crate) fn normal_mapped_wall() -> Scene {
     around(wall("normal-mapped-wall", BRICKS.bumpy()))
 }
 
-/// What comes out when the depth pass leaves out displacement: the relief of `displaced-wall`
-/// receives, and a flat wall right behind it, where the camera doesn't see it, casts in its place.
-/// Bricks throw no shadow into the joints.
+/// The result of a depth pass without displacement. The relief of `displaced-wall` receives, and a
+/// flat wall right behind it, invisible to the camera, casts in its place. Bricks cast no shadow
+/// into the joints.
 pub(crate) fn without_depth_pass() -> Scene {
     let stage =
         wall("relief-without-depth-pass", BRICKS.carved(SUBDIVISIONS)).last_roles(false, true);

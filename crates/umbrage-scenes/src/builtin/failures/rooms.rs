@@ -1,4 +1,4 @@
-//! A room that light must not enter, and a caster right at its light.
+//! A room without openings, and a caster close to its light.
 
 use crate::{
     builtin::SIZE,
@@ -8,7 +8,7 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Scene};
 
-/// About one texel of a map of 1,024 that is fitted to the room.
+/// Thickness of the walls: about one texel of a map of 1,024 that is fitted to the room.
 const WALL: f32 = 0.008;
 
 /// Six slabs around a space of 4 x 3 x 4 m, a table inside, the sun outside.
@@ -22,8 +22,8 @@ pub(crate) fn sealed_room() -> Scene {
         .shoot(at(1.8, 1.7, 1.8), at(-0.6, 1.2, -0.6), 70.0, SIZE)
 }
 
-/// A bar 1 cm below the lamp and 4 mm wide: its shadow is more than a metre wide. A near plane that
-/// is farther away than the bar loses it.
+/// A bar 1 cm below the light and 4 mm wide, whose shadow is more than a metre wide. A near plane
+/// beyond the bar loses it.
 pub(crate) fn bar_at_lamp() -> Scene {
     let lamp = Vec3::new(0.0, 3.0, 0.0);
     let bar = block(

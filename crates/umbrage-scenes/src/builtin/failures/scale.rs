@@ -1,4 +1,4 @@
-//! The textbook's cubes a thousand times smaller and ten thousand times larger.
+//! The textbook's cubes at a thousandth and at ten thousand times their size.
 
 use crate::builtin::textbook::{cubes_at, textbook_fit};
 use umbrage_core::{Fit, Scene};

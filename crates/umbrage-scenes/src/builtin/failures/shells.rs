@@ -1,4 +1,4 @@
-//! Casters that enclose nothing.
+//! Open casters.
 
 use super::SMALL;
 use crate::{
@@ -8,10 +8,9 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A};
 use umbrage_core::{Mesh, Scene};
 
-/// Single quads, a box without lid and front, leaf cards on a stem, and one sheet that turns its
-/// back to the sun. Methods that store the faces turned away from the light take these sheets for
-/// the far sides of something, or lose them; and where one sheet stands on the floor, a midpoint
-/// lies between it and the floor.
+/// Single quads, a box without lid and front, leaf cards on a stem, and one sheet that faces away
+/// from the sun. Methods that store back faces treat these sheets as the far sides of solids, or
+/// lose them. Where a sheet touches the floor, a midpoint is between the sheet and the floor.
 pub(crate) fn open_shells() -> Scene {
     let upright = quad([
         Vec3::new(-0.5, 0.0, 0.0),
@@ -23,7 +22,7 @@ pub(crate) fn open_shells() -> Scene {
     let away_from_sun = turned_at(-0.6, -1.2, 2.6);
     Stage::new("open-shells")
         .put(grid([4.0, 3.5], [1, 1], |_, _| 0.0))
-        // The same sheet, seen from its two sides.
+        // Show the same sheet from its two sides.
         .put_many(upright, [towards_sun, away_from_sun])
         .put_many(open_box(), [turned_at(0.7, -0.2, -0.3)])
         .put(cards())
@@ -31,7 +30,7 @@ pub(crate) fn open_shells() -> Scene {
         .shoot([1.0, 2.9, 4.1], [0.35, 0.3, -0.1], 46.0, SMALL)
 }
 
-/// Returns a place on the floor, turned about y by `turn` radians.
+/// Returns a placement on the floor, turned about y by `turn` radians.
 fn turned_at(x: f32, z: f32, turn: f32) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z))
 }
@@ -47,8 +46,8 @@ fn open_box() -> Mesh {
     mesh
 }
 
-/// Returns twelve leaves up a spiral, each one quad that hangs outwards; they grow smaller, and
-/// face now up, now down.
+/// Returns twelve leaves up a spiral, each an outward quad. They become smaller, and alternately
+/// face up and down.
 fn cards() -> Mesh {
     let mut cards = Mesh {
         name: "leaf cards".to_owned(),

@@ -1,4 +1,4 @@
-//! Spots and lamps whose size matters: the rim of a cone, and a lamp that is nearly a point.
+//! Spot lights, and small area lights: the rim of a cone, and a light that is nearly a point.
 
 use super::SMALL;
 use crate::{
@@ -8,21 +8,21 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Scene};
 
-/// Where the spot is; it looks at the origin, a little askew, so that no texel lies as flat as the
+/// Position of the spot. It points at the origin at an angle, so that no texel is parallel to the
 /// floor.
 const SPOT: Vec3 = Vec3::new(0.9, 4.0, 0.3);
-/// Angle from the spot's axis to its rim, degrees: [`CONE_RADIUS`] metres from the origin on the
-/// floor, about.
+/// Angle from the spot's axis to its rim, degrees: about [`CONE_RADIUS`] metres from the origin on
+/// the floor.
 const OUTER: f32 = 26.0;
 /// Radius of the lit disc on the floor, metres.
 const CONE_RADIUS: f32 = 2.0;
 
-/// Distance of the posts from the axis, metres: a little inside, so that each has a shadow within
-/// the disc.
+/// Distance of the posts from the axis, metres. The posts are just inside, so that each has a
+/// shadow within the disc.
 const POST_RADIUS: f32 = 0.86 * CONE_RADIUS;
 
-/// Posts stand on the rim of the lit disc, half in it, and their shadows run along it and across;
-/// the map ends there, and with it what kernels may look up.
+/// Posts on the rim of the lit disc, half inside. Their shadows run along it and across. The map,
+/// and the area in which kernels may sample, ends at the rim.
 pub(crate) fn cone_rim() -> Scene {
     let posts = (0..8_u8).map(|i| {
         let (cos, sin) = on_circle(f64::from(i) / 8.0);
@@ -41,8 +41,8 @@ pub(crate) fn cone_rim() -> Scene {
         .shoot([0.6, 3.4, 4.0], [0.0, 0.0, 0.2], 46.0, SMALL)
 }
 
-/// Bars 3 to 30 cm above the floor under a round lamp of 2 mm: their penumbrae are at most a
-/// quarter of a millimetre wide, and a texel of a map of 1,024 some 4 mm.
+/// Bars 3 to 30 cm above the floor under a disc light of 2 mm. Their penumbrae are at most a
+/// quarter of a millimetre wide; a texel of a map of 1,024 is about 4 mm.
 pub(crate) fn small_lamp() -> Scene {
     let mut stage = Stage::new("small-lamp").put(grid([1.6, 1.6], [1, 1], |_, _| 0.0));
     for i in 0..7 {

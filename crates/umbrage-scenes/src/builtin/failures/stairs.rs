@@ -1,4 +1,4 @@
-//! Stairs with a post through them, and a caster beyond the lamp.
+//! Stairs with a post through them, and a caster beyond the light.
 
 use crate::{
     builtin::SIZE,
@@ -40,7 +40,7 @@ pub(crate) fn stairs() -> Scene {
         .shoot(EYE, TARGET, 38.0, SIZE)
 }
 
-/// A lamp above the steps, and a slab above the lamp that must not throw a shadow downwards.
+/// A light above the steps, and a slab above the light, which must not cast a shadow downwards.
 pub(crate) fn stairs_lamp() -> Scene {
     let [inner, outer] = [40.0_f32, 45.0].map(f32::to_radians);
     let position = Vec3::new(0.2, 3.4, -0.2);

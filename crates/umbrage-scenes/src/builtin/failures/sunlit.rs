@@ -1,4 +1,4 @@
-//! A low sun, thin contacts, casters out of view, a sun straight above.
+//! A low sun, thin contacts, casters out of view, a vertical sun.
 
 use crate::{
     builtin::SIZE,
@@ -35,9 +35,9 @@ pub(crate) fn low_sun_10() -> Scene {
     low_sun("low-sun-10", 10.0)
 }
 
-/// Pairs of a ball and a post along 300 m, the sun 8 degrees high: the map's depths reach over a
-/// quarter of a kilometre. A 16-bit one tells steps of some 5 mm apart, which across a map's wide
-/// texels are stripes of acne.
+/// Pairs of a ball and a post along 300 m, with the sun 8 degrees high. The depth range of the map
+/// exceeds a quarter of a kilometre. The resolution of a 16-bit map is about 5 mm, which is striped
+/// acne across its wide texels.
 pub(crate) fn far_range() -> Scene {
     let height = 8.0_f64.to_radians();
     let at = |x: f32, z: f32| {
@@ -58,7 +58,7 @@ pub(crate) fn far_range() -> Scene {
         .shoot([15.0, 11.0, 16.0], [-3.0, 0.0, -22.0], 45.0, SIZE)
 }
 
-/// 2 mm thick, half a metre high, lit from behind at 45 degrees.
+/// A plate 2 mm thick and half a metre high, lit from behind at 45 degrees.
 pub(crate) fn thin_plate() -> Scene {
     Stage::new("thin-plate")
         .put(grid([2.0, 2.0], [1, 1], |_, _| 0.0))
@@ -67,7 +67,7 @@ pub(crate) fn thin_plate() -> Scene {
         .shoot([0.55, 0.6, 1.5], [0.05, 0.1, 0.1], 40.0, SIZE)
 }
 
-/// A tower stands to the left of the picture, and only its shadow is in it.
+/// A tower to the left of the image. Only its shadow is visible.
 pub(crate) fn tower_out_of_view() -> Scene {
     Stage::new("tower-out-of-view")
         .put(grid([30.0, 30.0], [2, 2], |_, _| 0.0))
@@ -86,7 +86,7 @@ fn posts(name: &str, light: Light) -> Scene {
         .shoot([2.5, 3.2, 6.0], [0.2, 0.4, 0.0], 40.0, SIZE)
 }
 
-/// The light's direction is exactly opposite to the up vector that a look-at would be given.
+/// The light's direction is exactly opposite to the up vector of a usual look-at.
 pub(crate) fn sun_above() -> Scene {
     posts("sun-above", sun(0.0, -1.0, 0.0))
 }

@@ -1,4 +1,5 @@
-//! What shadow volumes stumble over: where the eye is, how meshes are joined, how many there are.
+//! Difficult cases of shadow volumes: the position of the eye, the topology of meshes, the number
+//! of casters.
 
 use super::SMALL;
 use crate::{
@@ -10,20 +11,20 @@ use crate::{
 use umbrage_core::glam::{Affine3A, IVec3, Quat, UVec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// Metres from the eye to the near plane.
+/// Distance from the eye to the near plane, metres.
 const NEAR: f32 = 0.1;
-/// How far to the right of the eye the umbra's side passes.
+/// Distance from the eye to the side of the umbra, on its right.
 const MARGIN: f32 = 0.03;
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 4.0);
-/// Heights of the slab's underside and upper side. The latter's edge bounds the shadow.
+/// Heights of the slab's underside and top. The edge of the top bounds the shadow.
 const SLAB_HEIGHTS: [f32; 2] = [3.0, 3.15];
-/// Where the lamp stands over the slab's edge; towards the sun, likewise.
+/// Vector from the slab's edge to the light, and to the sun.
 const TO_LIGHT: Vec3 = Vec3::new(-1.5, 3.0, -0.4);
 
-/// The eye is in the shadow of a slab overhead, 3 cm from that shadow's side, which so cuts the
-/// near plane. A post stands right behind the eye's left, out of the picture, and its shadow cuts
-/// the near plane, too. Counts of volumes that start at the eye, or that lose what the near plane
-/// clips, are wrong all over the picture.
+/// The eye is in the shadow of a slab overhead. The side of that shadow is 3 cm away and cuts the
+/// near plane. The shadow of a post behind the eye, out of the image on the left, cuts the near
+/// plane, too. Volume counts are wrong all over the image if they start at the eye, or lose what
+/// the near plane clips.
 fn under_slab(name: &str, light: Light) -> Scene {
     let shot = Shot {
         eye: EYE,
@@ -52,7 +53,7 @@ fn under_slab(name: &str, light: Light) -> Scene {
         .shoot_from(&shot, Some(NEAR))
 }
 
-/// Returns the x of the slab's edge at which the plane through its upper edge and the light passes
+/// Returns the x of the slab's edge. The plane through its upper edge and the light passes
 /// [`MARGIN`] to the right of the eye.
 fn slab_edge() -> f32 {
     EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (SLAB_HEIGHTS[1] - EYE.y)
@@ -68,11 +69,11 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
 }
 
 /// Casters whose edges don't pair up: each face listed twice; a corner in the middle of a
-/// neighbour's edge; a lid that lacks a triangle; a fin, so that three faces share an edge; two
-/// boxes that share an edge, so that four do; a side that winds the wrong way.
+/// neighbour's edge; a lid without one of its triangles; a fin, so that three faces share an edge;
+/// two boxes with a common edge, so that four do; a side with reversed winding.
 fn broken(name: &str, light: Light) -> Scene {
     let intact = block([-0.35, 0.0, -0.35], [0.35, 0.8, 0.35]);
-    // Each with its place on the floor, x and z.
+    // Casters with their position on the floor, x and z.
     let casters = [
         (doubled(intact.clone()), -2.0_f32, -0.9),
         (with_t_junction(intact.clone()), 0.0, -1.1),
@@ -112,7 +113,7 @@ fn side(mesh: &Mesh, normal: Vec3) -> Vec<usize> {
         .collect()
 }
 
-/// The lid's edge towards +z gets a corner in its middle, which the side below doesn't have.
+/// Adds a vertex in the middle of the lid's edge towards +z. The side below doesn't have it.
 fn with_t_junction(mut mesh: Mesh) -> Mesh {
     let lid = side(&mesh, Vec3::Y);
     let min = Vec3::new(-0.35, 0.8, -0.35);
@@ -139,7 +140,7 @@ fn holed(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// A sheet on the lid's edge towards +x.
+/// Adds a sheet on the lid's edge towards +x.
 fn finned(mut mesh: Mesh) -> Mesh {
     let fin = quad([
         Vec3::new(0.35, 0.8, -0.35),
@@ -156,7 +157,7 @@ fn finned(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Two boxes that have one upright edge in common.
+/// Returns two boxes with a common upright edge.
 fn touching() -> Mesh {
     let mut mesh = block([-0.4, 0.0, -0.4], [0.0, 0.8, 0.0]);
     let other = block(Vec3::ZERO, [0.4, 0.8, 0.4]);
@@ -176,7 +177,7 @@ fn flipped(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The floor of [`ten_thousand_boxes`] has as many rows of boxes, and as many in each.
+/// Number of rows of [`ten_thousand_boxes`], and of boxes in each row.
 const BOXES_A_SIDE: i32 = 100;
 
 /// Returns a box's random size, turn and shift within its square metre of the floor.
@@ -201,7 +202,7 @@ fn along_floor(index: i32, shift: f32) -> f32 {
     index as f32 - 0.5 * (BOXES_A_SIDE as f32 - 1.0) + 0.6 * (shift - 0.5)
 }
 
-/// Small boxes on a floor, each with a volume as long as the floor is wide.
+/// Small boxes on a floor, each with a shadow volume as long as the floor.
 pub(crate) fn ten_thousand_boxes() -> Scene {
     let mut places = Vec::new();
     for column in 0..BOXES_A_SIDE {

@@ -1,4 +1,4 @@
-//! An interior: two rows of columns that carry arches, outer walls with arched openings, a roof.
+//! An interior: two rows of columns with arches, outer walls with arched openings, a roof.
 
 use super::SIZE;
 use crate::{
@@ -11,8 +11,8 @@ use umbrage_core::{Mesh, Scene};
 /// Bays along the hall, and their length in metres; columns stand at their ends.
 const BAYS: i32 = 8;
 const BAY: f32 = 4.0;
-/// Half the length of the hall (along x), of the distance between the rows, and of its width (along
-/// z).
+/// Half the length of the hall (along x), half the distance between the rows, and half its width
+/// (along z).
 const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
 const ROW: f32 = 3.0;
 const WIDTH: f32 = 6.0;
@@ -54,7 +54,7 @@ fn moved(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }
 
-/// Base, tapering shaft and capital.
+/// Returns a column: base, tapering shaft and capital.
 fn column() -> Mesh {
     let mut profile = vec![
         (0.0, 0.0),
@@ -82,7 +82,7 @@ fn column() -> Mesh {
     }
 }
 
-/// A wall over one bay with a round opening; its foot is at the springing line.
+/// Returns a wall over one bay with a round opening, with its foot at the springing line.
 fn arch() -> Mesh {
     let half = 0.5 * BAY;
     let top = HEIGHT - SPRING;
@@ -97,7 +97,7 @@ fn arch() -> Mesh {
     }
 }
 
-/// An outer wall of one bay around an arched opening that reaches down to the floor.
+/// Returns an outer wall of one bay around an arched opening that extends down to the floor.
 fn outer_wall() -> Mesh {
     let half = 0.5 * BAY;
     let mut outline = vec![

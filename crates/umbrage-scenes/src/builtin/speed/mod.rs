@@ -1,9 +1,9 @@
-//! Big scenes, to measure speed.
+//! Large scenes, for measuring speed.
 
 pub(crate) mod hall;
 pub(crate) mod statue;
 pub(crate) mod terrain;
 pub(crate) mod town;
 
-/// The size at which lookups are timed.
+/// Image size at which lookups are timed.
 pub(crate) const SIZE: [u32; 2] = [1280, 720];

@@ -9,7 +9,7 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Mesh, Scene};
 
-/// Around and between the poles: 2 x 264 x 131 = 69,168 triangles.
+/// Segments around, and rings between the poles: 2 x 264 x 131 = 69,168 triangles.
 const SEGMENTS: u32 = 264;
 const RINGS: u32 = 131;
 
@@ -24,7 +24,7 @@ pub(crate) fn statue() -> Scene {
         .shoot([1.6, 1.4, 4.6], [0.0, -0.05, 0.0], 40.0, SIZE)
 }
 
-/// A ball of 1 m pushed in and out by noise until it is all bulges and folds.
+/// A ball of 1 m with strong noise displacement.
 fn stone() -> Mesh {
     let profile: Vec<_> = (0..RINGS + 2)
         .map(|i| {

@@ -9,7 +9,7 @@ use crate::{
 use umbrage_core::Scene;
 use umbrage_core::glam::Vec3;
 
-/// Two triangles a cell: 1,002,528.
+/// Cells along each side, two triangles each: 1,002,528.
 const CELLS: u32 = 708;
 
 pub(crate) fn terrain() -> Scene {

@@ -9,9 +9,9 @@ use crate::{
 use umbrage_core::Scene;
 use umbrage_core::glam::{Affine3A, IVec3, Quat, Vec3};
 
-/// Houses along each side of the town.
+/// Number of houses along each side of the town.
 const SIDE: i32 = 100;
-/// Metres from house to house.
+/// Distance between houses, metres.
 const PITCH: f32 = 14.0;
 
 pub(crate) fn town() -> Scene {
@@ -24,10 +24,10 @@ pub(crate) fn town() -> Scene {
         .shoot([-260.0, 170.0, 520.0], [0.0, 0.0, 40.0], 45.0, SIZE)
 }
 
-/// The place of a unit box; every fifth row and column is pushed aside for a wider street.
+/// Returns the placement of a unit box. Every fifth row and column is shifted, for a wider street.
 fn house(i: i32, k: i32) -> Affine3A {
     let random = |what: i32| uniform(IVec3::new(i, k, what));
-    // The power makes most houses low.
+    // Apply a power, so that most houses are low.
     let height = 5.0 + 45.0 * random(0).powi(6) + 6.0 * random(1);
     let size = Vec3::new(7.0 + 3.0 * random(2), height, 7.0 + 3.0 * random(3));
     let turn = Quat::from_rotation_y(0.08 * (random(4) - 0.5));

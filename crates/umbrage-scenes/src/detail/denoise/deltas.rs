@@ -1,22 +1,22 @@
-//! How far vertices stand out from the means of their neighbours.
+//! Offsets of vertices from the means of their neighbours.
 
 use std::collections::BTreeSet;
 use umbrage_core::glam::{DVec3, Vec3};
 use umbrage_core::{Invalid, Mesh, WeldedVertices};
 
-/// A closed mesh's places, with what the method needs of them.
+/// The distinct positions of a closed mesh, with the data that the method needs.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     pub(super) places: WeldedVertices,
-    /// Unit normals of the places.
+    /// Unit normals of the positions.
     pub(super) normals: Vec<Vec3>,
-    /// Metres along the normal, of the places.
+    /// Offsets of the positions along the normals, metres.
     pub(super) deltas: Vec<f32>,
 }
 
 impl Surface {
-    /// Measures a mesh. Averaging offsets over neighbours `rounds` times gives the part that
-    /// neighbours share, which is subtracted; 0 subtracts nothing.
+    /// Measures a mesh. Averaging the offsets over neighbours `rounds` times yields their common
+    /// part, which is subtracted; 0 rounds subtract nothing.
     pub(super) fn new(mesh: &Mesh, rounds: u32) -> Result<Self, Invalid> {
         check(mesh)?;
         let places = WeldedVertices::new(&mesh.positions);
@@ -48,7 +48,7 @@ impl Surface {
         })
     }
 
-    /// Returns the mesh's normals, equal for all vertices of a place.
+    /// Returns the normals of the mesh, equal for all vertices of one position.
     pub(super) fn vertex_normals(&self) -> Vec<Vec3> {
         self.places
             .group_of()
@@ -67,22 +67,22 @@ fn check(mesh: &Mesh) -> Result<(), Invalid> {
     let what = format!("mesh `{}`", mesh.name);
     if mesh.uvs.is_empty() {
         let why = "has no texture coordinates to store a map over";
-        return Err(Invalid::new(what, why, "give it uvs"));
+        return Err(Invalid::new(what, why, "add uvs"));
     }
     for uv in &mesh.uvs {
         if uv.min_element() < 0.0 || uv.max_element() > 1.0 {
             let why = format!(
-                "has the texture coordinates {uv}: beyond 0 to 1, a texel would stand for several places"
+                "has the texture coordinates {uv}: beyond 0 to 1, a texel would represent several positions"
             );
-            return Err(Invalid::new(what, why, "lay its uvs out in one square"));
+            return Err(Invalid::new(what, why, "unwrap its uvs into one square"));
         }
     }
     Ok(())
 }
 
-/// Returns directed edges between places in order, each once; those without length left out.
+/// Returns the distinct directed edges between positions, in order, without those of length zero.
 fn edges(mesh: &Mesh, places: &WeldedVertices) -> Vec<(u32, u32)> {
-    // Sorted, so that sums round alike in every run.
+    // Sort the edges, so that sums round equally in every run.
     let mut edges = BTreeSet::new();
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|v| places.group_of()[v as usize]);
@@ -99,8 +99,8 @@ fn place_position(mesh: &Mesh, places: &WeldedVertices, place: u32) -> Vec3 {
     mesh.positions[places.vertices(place)[0] as usize]
 }
 
-/// Returns how far each place stands out from the mean of its neighbours, metres along its normal;
-/// 0 without neighbours.
+/// Returns the offset of each position from the mean of its neighbours along its normal, metres; 0
+/// without neighbours.
 fn deltas(
     mesh: &Mesh,
     places: &WeldedVertices,
@@ -124,7 +124,7 @@ fn deltas(
     deltas
 }
 
-/// Returns the mean of each place's value and its neighbours'.
+/// Averages the value of each position and its neighbours.
 fn averaged(values: &[f32], edges: &[(u32, u32)]) -> Vec<f32> {
     let mut sums: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
     let mut counts = vec![1_u32; values.len()];

@@ -1,4 +1,4 @@
-//! Maps on disk: a grey PNG of 16 bits, and its scale and bias in a small file beside it.
+//! Maps on disk: a grey PNG of 16 bits, and a small file next to it for scale and bias.
 
 use super::DisplacementMap;
 use crate::{FilesOnDisk, SceneError, detail::pixels::load_image};
@@ -8,15 +8,14 @@ use umbrage_core::glam::UVec2;
 use umbrage_core::{Invalid, invalid};
 
 impl DisplacementMap {
-    /// Writes `path` as a grey PNG of 16 bits, and `path` with `.toml` added, which holds the
-    /// metres.
+    /// Writes the map to `path` as a grey PNG of 16 bits. Writes scale and bias, in metres, to
+    /// `path` with `.toml` added.
     ///
-    /// The metres stand in a file of their own, not in a text chunk of the PNG, since most painting
-    /// programs drop chunks that they don't know, and a map that has lost its scale is worthless; a
-    /// missing file is noticed at once.
+    /// Most painting programs drop unknown text chunks of a PNG, and a map without its scale is
+    /// useless. A missing file is easier to notice, so scale and bias have their own file.
     ///
     /// # Errors
-    /// Errors if one of the two can't be written.
+    /// Returns an error if one of the two files can't be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
         let image =
@@ -34,11 +33,11 @@ impl DisplacementMap {
         std::fs::write(&metres, text).map_err(|e| unwritable(&metres, &e))
     }
 
-    /// Reads what [`DisplacementMap::save`] wrote. Other programs may have changed the image: its
-    /// first channel counts, of 8 bits or 16.
+    /// Reads the files of [`DisplacementMap::save`]. Other programs may have changed the image:
+    /// only its first channel is used, with 8 or 16 bits.
     ///
     /// # Errors
-    /// Errors if one of the two files can't be read, or holds something else.
+    /// Returns an error if one of the two files can't be read or is invalid.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let [scale, bias] = read_metres(&beside(path))?;
@@ -59,11 +58,12 @@ fn unwritable(file: &Path, why: &dyn std::fmt::Display) -> SceneError {
     SceneError::Unwritable {
         file: file.display().to_string(),
         why: format!("can't be written: {why}"),
-        help: "check that its folder is there and may be written to".to_owned(),
+        help: "check that its folder exists and is writable".to_owned(),
     }
 }
 
-/// `map.png.toml`: next to `map.png` in a list of files, and no scene's name.
+/// Returns `map.png.toml` for `map.png`: adjacent in a list of files, and never the name of a
+/// scene.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".toml");
@@ -82,7 +82,11 @@ fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
 
 fn parse_metres(text: &str) -> Result<[f32; 2], Invalid> {
     let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
-        Invalid::new("the map's metres", e.message(), "save the map again")
+        Invalid::new(
+            "scale and bias of the map",
+            e.message(),
+            "save the map again",
+        )
     })?;
     let scale = number(&table, "scale")?;
     let bias = number(&table, "bias")?;
@@ -99,7 +103,7 @@ fn number(table: &toml::Table, key: &str) -> Result<f32, Invalid> {
             let help = format!("add `{key} = 0.01`");
             Err(Invalid::new(
                 format!("`{key}`"),
-                "is missing or no number",
+                "is missing or not a number",
                 help,
             ))
         }

@@ -1,15 +1,15 @@
-//! Texels from vertices: each takes what the nearest vertex in the texture has.
+//! Texels from vertices: each texel receives the value of the nearest vertex in the texture.
 
 use rstar::{RTree, primitives::GeomWithData};
 use std::collections::HashSet;
 use umbrage_core::glam::{UVec2, Vec2};
 use umbrage_core::{Invalid, Mesh};
 
-/// A vertex's place in the texture, texels, and its number.
+/// A vertex's position in the texture, texels, and its index.
 type Place = GeomWithData<[f32; 2], u32>;
 
-/// Returns for each texel, rows from the top, the vertex whose texture coordinates lie nearest to
-/// its center, measured in texels.
+/// Returns the nearest vertex in the texture for each texel, rows from the top. Distances are from
+/// the centre of the texel, in texels.
 pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Invalid> {
     let tree = RTree::bulk_load(distinct(mesh, size.as_vec2())?);
     let mut nearest = Vec::with_capacity(size.element_product() as usize);
@@ -26,10 +26,10 @@ pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Inv
     Ok(nearest)
 }
 
-/// Returns the vertices with different texture coordinates.
+/// Returns the vertices with distinct texture coordinates.
 ///
 /// # Errors
-/// Errors if a coordinate is not finite.
+/// Returns an error if a coordinate is not finite.
 fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<Place>, Invalid> {
     let mut known = HashSet::with_capacity(mesh.uvs.len());
     let mut places = Vec::with_capacity(mesh.uvs.len());
@@ -40,10 +40,10 @@ fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<Place>, Invalid> {
             return Err(Invalid::new(
                 format!("mesh `{}`", mesh.name),
                 why,
-                "lay them out anew",
+                "unwrap the mesh again",
             ));
         }
-        // The sum turns -0 into 0, which is the same place.
+        // Add 0, which turns -0 into 0.
         let bits = [place.x + 0.0, place.y + 0.0].map(f32::to_bits);
         if known.insert(bits) {
             places.push(Place::new(place.to_array(), vertex as u32));

@@ -1,46 +1,46 @@
-//! The map: made from a noisy mesh, applied to a mesh.
+//! Displacement maps: measured from a noisy mesh, applied to a mesh.
 
 use super::{deltas::Surface, fill::nearest_vertices};
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Invalid, Mesh, Texture, displacement};
 
-/// Least and greatest number of texels a side.
+/// Valid range of texels along a side.
 const SIDES: std::ops::RangeInclusive<u32> = 2..=8192;
 
-/// How far a mesh's surface stands out from its surroundings, in metres over its texture:
+/// Offsets of a mesh's surface from its surroundings over its texture, in metres:
 /// `bias + scale (2 h - 1)`, where h is the grey of a texel over 65535.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementMap {
-    /// Texels, each 2 to 8192.
+    /// Size in texels, each side 2 to 8192.
     pub(super) size: UVec2,
-    /// 0 for the least offset, 65535 for the greatest; rows from the top.
+    /// Grey values, rows from the top: 0 for the least offset, 65535 for the greatest.
     pub(super) greys: Vec<u16>,
     /// Half of the range of offsets, metres.
     pub(super) scale: f32,
-    /// The middle of the range, metres.
+    /// Centre of the range of offsets, metres.
     pub(super) bias: f32,
 }
 
 impl DisplacementMap {
-    /// Measures a closed mesh: at each vertex the offset from the mean of its neighbours, along the
-    /// vertex normal; between them, that of the nearest vertex in the texture. `size` texels: two
-    /// or more between neighbouring vertices keep each vertex's offset apart from its neighbours';
-    /// [`DisplacementMap::largest_error`] tells.
+    /// Measures a closed mesh. The value of a vertex is its offset from the mean of its neighbours,
+    /// along the vertex normal; other texels have the value of the nearest vertex in the texture. A
+    /// `size` with two or more texels between neighbouring vertices keeps their offsets separate;
+    /// [`DisplacementMap::largest_error`] measures the difference.
     ///
     /// # Errors
-    /// Errors if the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1;
-    /// when a side is not 2 to 8192.
+    /// Returns an error if the mesh is invalid or open, if it has no texture coordinates or some
+    /// outside 0 to 1, or if a side is not 2 to 8192.
     pub fn from_noisy(noisy: &Mesh, size: UVec2) -> Result<Self, Invalid> {
         Self::from_noisy_keeping_shape(noisy, size, 0)
     }
 
-    /// [`DisplacementMap::from_noisy`] without what neighbours share: the offsets less their
-    /// average, taken `rounds` times over each vertex and its neighbours. Noise differs from vertex
-    /// to vertex; what remains of the average is the curvature, and denoising would shrink the
-    /// shape by it. 8 rounds serve well, 0 leave nothing out.
+    /// Measures a closed mesh like [`DisplacementMap::from_noisy`], and preserves its shape. It
+    /// subtracts from the offsets their local average, computed by averaging each vertex with its
+    /// neighbours `rounds` times. Noise differs between neighbours; the average is the curvature,
+    /// and denoising by it would shrink the shape. 8 rounds are a good default, 0 subtract nothing.
     ///
     /// # Errors
-    /// Errors if [`DisplacementMap::from_noisy`] does.
+    /// Returns an error if [`DisplacementMap::from_noisy`] does.
     pub fn from_noisy_keeping_shape(
         noisy: &Mesh,
         size: UVec2,
@@ -74,16 +74,16 @@ impl DisplacementMap {
         })
     }
 
-    /// Returns the mesh with each vertex moved along its normal by `factor` times the map's metres
-    /// there: -1 takes away what the map was made from, 1 doubles it. Vertices of one place stay
-    /// together. Shading normals are averaged anew.
+    /// Returns the mesh with each vertex moved along its normal by `factor` times the map's offset
+    /// in metres. -1 removes the measured offsets, 1 doubles them. Vertices with equal positions
+    /// stay together. Shading normals are recomputed as averages.
     ///
     /// # Errors
-    /// Errors if [`DisplacementMap::from_noisy`] does, or if the factor is not finite.
+    /// Returns an error if [`DisplacementMap::from_noisy`] does, or if the factor is not finite.
     pub fn applied(&self, mesh: &Mesh, factor: f32) -> Result<Mesh, Invalid> {
         let surface = Surface::new(mesh, 0)?;
-        // Textures repeat, and the border of a map is seldom the other border's neighbour: half a
-        // texel keeps them apart.
+        // Textures repeat, but opposite borders of a map are seldom neighbours. Inset by half a
+        // texel to keep them apart.
         let border = 0.5 / self.size.as_vec2();
         let mut inset = mesh.clone();
         for uv in &mut inset.uvs {
@@ -97,8 +97,9 @@ impl DisplacementMap {
         Ok(moved)
     }
 
-    /// Returns the map as a material's displacement: a texture, and the lambda that makes
-    /// `lambda (2 h - 1)` the map's metres; minus lambda denoises. The bias is part of the texture.
+    /// Returns the map as a material's displacement: a texture, and the lambda for which
+    /// `lambda (2 h - 1)` is the map's offset in metres. Minus lambda denoises. The texture
+    /// includes the bias.
     pub fn texture(&self) -> (Texture, f32) {
         let lambda = self.scale + self.bias.abs();
         let mut texels = Vec::with_capacity(self.greys.len());
@@ -122,12 +123,13 @@ impl DisplacementMap {
         self.bias + self.scale * (2.0 * f32::from(grey) / 65535.0 - 1.0)
     }
 
-    /// The greatest difference, in metres, between the map at a vertex and the offset measured
-    /// there: more than a few per cent of [`DisplacementMap::scale`] says that the map has too few
-    /// texels, or that places share some. `rounds` as the map was made with.
+    /// Returns the greatest difference, in metres, between the map at a vertex and the offset
+    /// measured at that vertex. A difference of more than a few per cent of
+    /// [`DisplacementMap::scale`] means that the map has too few texels, or that positions share
+    /// texels. `rounds` must be that of the map's construction.
     ///
     /// # Errors
-    /// Errors if [`DisplacementMap::from_noisy`] does.
+    /// Returns an error if [`DisplacementMap::from_noisy`] does.
     pub fn largest_error(&self, noisy: &Mesh, rounds: u32) -> Result<f32, Invalid> {
         let surface = Surface::new(noisy, rounds)?;
         let (texture, lambda) = self.texture();
@@ -141,7 +143,7 @@ impl DisplacementMap {
         Ok(largest)
     }
 
-    /// Returns the map's size, texels.
+    /// Returns the size of the map, texels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
@@ -151,18 +153,18 @@ impl DisplacementMap {
         self.scale
     }
 
-    /// Returns the middle of the range of offsets, metres.
+    /// Returns the centre of the range of offsets, metres.
     pub fn bias(&self) -> f32 {
         self.bias
     }
 }
 
-/// Returns a mesh from which a map of it was taken away, `passes` times; `rounds` as in
-/// [`DisplacementMap::from_noisy_keeping_shape`]. Each pass removes noise that the one before left;
-/// without rounds it also shrinks the shape once more.
+/// Returns a mesh after `passes` passes of denoising, each with a map of the current mesh. `rounds`
+/// is that of [`DisplacementMap::from_noisy_keeping_shape`]. Each pass removes remaining noise;
+/// with 0 rounds it also shrinks the shape again.
 ///
 /// # Errors
-/// Errors if [`DisplacementMap::from_noisy`] does.
+/// Returns an error if [`DisplacementMap::from_noisy`] does.
 pub fn denoised(noisy: &Mesh, size: UVec2, passes: u32, rounds: u32) -> Result<Mesh, Invalid> {
     let mut mesh = noisy.clone();
     for _ in 0..passes {

@@ -1,4 +1,4 @@
-//! Shapes whose clean surface a formula tells, and noise on them.
+//! Shapes with an analytic clean surface, and noise on them.
 
 use crate::{
     builtin::noise::uniform,
@@ -7,27 +7,27 @@ use crate::{
 use umbrage_core::glam::{IVec3, Vec3};
 use umbrage_core::{Mesh, WeldedVertices};
 
-/// A closed shape around the origin, laid out over one texture square.
+/// A closed shape around the origin whose texture coordinates cover one square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solid {
-    /// A ball: radius in metres.
+    /// A ball.
     Sphere {
-        /// Above 0.
+        /// Radius in metres, above 0.
         radius: f32,
     },
     /// A ring around the y axis.
     Torus {
-        /// From the axis to the middle of the tube, metres.
+        /// Distance from the axis to the centre of the tube, metres.
         major: f32,
-        /// Radius of the tube, metres: below `major`.
+        /// Radius of the tube, metres, below `major`.
         minor: f32,
     },
 }
 
 impl Solid {
-    /// About 4,000 (sphere) or 4,600 (torus) vertices on the clean surface, with clean normals and
-    /// texture coordinates; the texture's seams and, on the sphere, its poles have doubled
-    /// vertices.
+    /// Returns about 4,000 (sphere) or 4,600 (torus) vertices on the clean surface, with clean
+    /// normals and texture coordinates. Vertices are doubled at the seams of the texture and at the
+    /// poles of the sphere.
     pub fn mesh(&self) -> Mesh {
         match *self {
             Self::Sphere { radius } => mapped(&octasphere(radius, 5)),
@@ -35,7 +35,7 @@ impl Solid {
         }
     }
 
-    /// Metres from a point to the clean surface, at least 0.
+    /// Returns the distance from a point to the clean surface, metres, at least 0.
     pub fn distance(&self, p: Vec3) -> f64 {
         let p = p.as_dvec3();
         match *self {
@@ -47,7 +47,7 @@ impl Solid {
         }
     }
 
-    /// The mean of [`Solid::distance`] over a mesh's places: doubled vertices count once.
+    /// Returns the mean of [`Solid::distance`] over the distinct positions of a mesh.
     pub fn mean_distance(&self, mesh: &Mesh) -> f64 {
         let places = WeldedVertices::new(&mesh.positions);
         let mut sum = 0.0;
@@ -59,9 +59,10 @@ impl Solid {
     }
 }
 
-/// Returns the mesh with each place moved along its averaged normal by -`amplitude` to `amplitude`
-/// metres, uniformly at random from the place's number and `seed`: the same on every machine.
-/// Shading normals are dropped, since they are those of the clean shape.
+/// Returns the mesh with each position moved along its averaged normal by -`amplitude` to
+/// `amplitude` metres. The offsets are uniform and depend only on the index of the position and
+/// `seed`: they are equal on every machine. Shading normals are dropped, since they are those of
+/// the clean shape.
 pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let normals = places.normals(mesh);

@@ -11,7 +11,7 @@ const SOLIDS: [Solid; 2] = [
 ];
 const SIZE: UVec2 = UVec2::splat(256);
 
-/// What is left of the mean distance to the clean surface.
+/// Returns the remaining fraction of the mean distance to the clean surface.
 fn left(solid: Solid, amplitude: f32, seed: i32, passes: u32, rounds: u32) -> f64 {
     let noisy = roughened(&solid.mesh(), amplitude, seed);
     solid.mean_distance(&denoised(&noisy, SIZE, passes, rounds).unwrap())
@@ -34,7 +34,7 @@ fn noise_is_as_strong_as_stated_and_the_same_in_every_run() {
     }
 }
 
-/// For each noise and solid: one pass, three, and the same keeping the shape.
+/// Figures for each noise and solid: one pass, three, and both again with the shape kept.
 const DOCUMENTED: [(f32, [[f64; 4]; 2]); 4] = [
     (0.005, [[0.74, 2.19, 0.39, 0.23], [1.03, 3.04, 0.38, 0.23]]),
     (0.01, [[0.47, 1.08, 0.39, 0.22], [0.59, 1.51, 0.38, 0.22]]),
@@ -49,7 +49,7 @@ fn the_documented_figures_are_measured() {
         for (solid, row) in SOLIDS.into_iter().zip(rows) {
             let found = [(1, 0), (3, 0), (1, 8), (3, 8)]
                 .map(|(passes, rounds)| left(solid, noise, 7, passes, rounds));
-            // Two digits are documented.
+            // The documentation has two digits.
             if found.iter().zip(row).any(|(a, b)| (a - b).abs() > 0.0051) {
                 wrong.push(format!("{noise} {solid:?}: {found:.3?}, not {row:?}"));
             }
@@ -142,7 +142,7 @@ fn a_map_tells_when_it_has_too_few_texels() {
         let map = DisplacementMap::from_noisy(&noisy, UVec2::splat(side)).unwrap();
         map.largest_error(&noisy, 0).unwrap() / map.scale()
     };
-    // 16 bits over the whole range.
+    // Expect the precision of 16 bits over the whole range.
     assert!(error(256) < 2e-5, "{}", error(256));
     assert!(error(16) > 0.5, "{}", error(16));
 }
@@ -191,7 +191,7 @@ fn saved_maps_come_back() {
     map.save(&path).unwrap();
     assert_eq!(DisplacementMap::load(&path).unwrap(), map);
     assert_eq!(image::image_dimensions(&path).unwrap(), (64, 32));
-    // What a program leaves that knows 8 bits and colours alone.
+    // Simulate a program that only supports 8-bit colours.
     image::open(&path).unwrap().to_rgb8().save(&path).unwrap();
     let coarse = DisplacementMap::load(&path).unwrap();
     assert_eq!(
@@ -221,15 +221,15 @@ fn files_that_hold_no_map_are_refused() {
     for (text, why) in [
         (
             "scale = 1",
-            "`bias`: is missing or no number; add `bias = 0.01`",
+            "`bias`: is missing or not a number; add `bias = 0.01`",
         ),
         (
             "scale = \"1\"\nbias = 0",
-            "`scale`: is missing or no number",
+            "`scale`: is missing or not a number",
         ),
         ("scale = -1\nbias = 0", "`scale`: is -1"),
         ("scale = 1\nbias = nan", "`bias`: holds NaN"),
-        ("scale", "the map's metres"),
+        ("scale", "scale and bias of the map"),
     ] {
         std::fs::write(&metres, text).unwrap();
         assert!(
@@ -249,7 +249,7 @@ fn files_that_hold_no_map_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        nowhere.contains("can't be written") && nowhere.contains("check that its folder is there"),
+        nowhere.contains("can't be written") && nowhere.contains("check that its folder exists"),
         "{nowhere}"
     );
 }
@@ -298,7 +298,7 @@ fn what_cannot_be_measured_is_refused() {
 
 #[test]
 fn clustered_coordinates_are_searched_all_the_same() {
-    // All vertices on one point of the texture: the first one's offset is everywhere.
+    // Put all vertices on one point of the texture: the offset of the first one is everywhere.
     let sphere = SOLIDS[0].mesh();
     let one = Mesh {
         uvs: vec![Vec2::splat(0.5); sphere.uvs.len()],

@@ -1,4 +1,4 @@
-//! Whatever may be wrong with a file, one by one; and files that ask for too much.
+//! Errors of files, one by one, and files that exceed limits.
 
 use super::{
     model::{F32, TestModel, U16, glb, words},
@@ -12,7 +12,7 @@ use std::{
 };
 use umbrage_core::Scene;
 
-/// Returns the error of a square that was changed.
+/// Returns the error of a changed square.
 fn error(change: impl Fn(&mut TestModel)) -> String {
     let mut model = TestModel::square();
     model.json["nodes"][0]["name"] = json!("wall");
@@ -21,7 +21,7 @@ fn error(change: impl Fn(&mut TestModel)) -> String {
     scene_of(&model).expect_err("this is no model")
 }
 
-/// Errors of changed members of the document: where, the new value, what the error has.
+/// Errors of changed members of the document: pointer, new value, part of the error.
 #[test]
 fn documents_that_contradict_themselves_are_refused_by_name() {
     let accessor = "node 0 `wall`, mesh 0, primitive 0, accessor 0 `corners`";
@@ -41,20 +41,16 @@ fn documents_that_contradict_themselves_are_refused_by_name() {
             json!(["KHR_draco_mesh_compression"]),
             "extension `KHR_draco_mesh_compression`: is required by the file",
         ),
-        (
-            "/scene",
-            json!(7),
-            "`scene`: points to what is not in the file",
-        ),
+        ("/scene", json!(7), "`scene`: points to a missing element"),
         (
             "/scenes/0/nodes/0",
             json!(7),
-            "`scenes[0].nodes[0]`: points to what is not in the file",
+            "`scenes[0].nodes[0]`: points to a missing element",
         ),
         (
             "/nodes/0/mesh",
             json!(7),
-            "`nodes[0].mesh` of `wall`: points to what is not in the file",
+            "`nodes[0].mesh` of `wall`: points to a missing element",
         ),
         (
             "/meshes/0/primitives/0/attributes/POSITION",
@@ -119,7 +115,7 @@ fn documents_that_contradict_themselves_are_refused_by_name() {
         (
             "/accessors/1/count",
             json!(5),
-            "its triangles: are made of 5 corners, no multiple of 3",
+            "its triangles: have 5 corners, which is not a multiple of 3",
         ),
         (
             "/accessors/0/count",
@@ -134,7 +130,7 @@ fn documents_that_contradict_themselves_are_refused_by_name() {
         (
             "/accessors/0/count",
             json!(u64::MAX),
-            "its count: tells 18446744073709551615 elements",
+            "its count: states 18446744073709551615 elements",
         ),
         (
             "/accessors/0/count",
@@ -205,7 +201,7 @@ fn documents_that_contradict_themselves_are_refused_by_name() {
     }
 }
 
-/// Sets a member that may not be there yet.
+/// Sets a member that may not exist yet.
 fn set(json: &mut Value, pointer: &str, value: Value) {
     let (outer, last) = pointer.rsplit_once('/').expect("a pointer");
     let outer = json.pointer_mut(outer).expect("it is there");
@@ -253,7 +249,7 @@ fn trees_that_are_none_are_refused() {
         root_twice.contains("node 0 `wall`: is listed twice by the scene"),
         "{root_twice}"
     );
-    // A chain that is long is none that is wrong.
+    // A long chain is valid.
     let mut model = TestModel::new();
     for i in 0..100_000 {
         model.add("nodes", json!({ "children": [i + 1] }));
@@ -324,14 +320,14 @@ fn of_files(files: &[(&str, &[u8])]) -> String {
     said(first, &files).expect_err("no model").to_string()
 }
 
-/// Files one of which, `long.bin`, is a buffer with more bytes behind it than are good to read: an
-/// error tells that one was.
+/// Files with a buffer `long.bin` that is longer than it should be read. Reading the excess returns
+/// an error.
 struct WithLongFile {
     others: FilesInMemory,
     bytes: Vec<u8>,
 }
 
-/// Bytes behind which lies a fault.
+/// Bytes followed by a read error.
 struct ThenFault<'a>(Cursor<&'a [u8]>);
 
 impl io::Read for ThenFault<'_> {
@@ -371,8 +367,8 @@ impl Files for WithLongFile {
     }
 }
 
-/// Of a file beside the model no more is read than its buffer tells; of one that two buffers share,
-/// as much as the longer one tells.
+/// A file next to the model is read up to the length of its buffer. A file of two buffers is read
+/// up to the longer one.
 #[test]
 fn files_are_read_as_far_as_buffers_tell() {
     let model = TestModel::square();
@@ -390,13 +386,12 @@ fn files_are_read_as_far_as_buffers_tell() {
     let alone = scene_of(&model).expect("valid");
     let same = |read: Result<Scene, String>| read.expect("valid").meshes == alone.meshes;
     assert!(same(read(&json, &model.bytes)));
-    // The control: a buffer that tells more is read on.
+    // Negative control: a longer buffer reads on.
     let mut longer = json.clone();
     longer["buffers"][0]["byteLength"] = json!(model.bytes.len() + 1);
     let message = read(&longer, &model.bytes).expect_err("too far");
     assert!(message.contains("was read too far"), "{message}");
-    // The positions, from a buffer of their length alone, and then the indices, behind them in the
-    // same file.
+    // Positions from a buffer of their length, and then the indices after them in the same file.
     let mut shared = json.clone();
     let positions = json["bufferViews"][0]["byteLength"].clone();
     shared["buffers"] = json!([json["buffers"][0], { "byteLength": positions, "uri": "long.bin" }]);
@@ -416,15 +411,15 @@ fn buffers_that_lie_or_are_missing_are_refused() {
     for (uri, expected) in [
         (
             "gone.bin",
-            "node 0, mesh 0, primitive 0, accessor 0, buffer view 0, buffer 0, gone.bin: can't be read: is not among the given files; give it together with the file that names it",
+            "node 0, mesh 0, primitive 0, accessor 0, buffer view 0, buffer 0, gone.bin: can't be read: is not among the given files; provide it together with the file that names it",
         ),
         (
             "short.bin",
-            "buffer 0, its length: tells 60 bytes, and there are 59",
+            "buffer 0, its length: states 60 bytes, and there are 59",
         ),
         (
             "data:;base64,AAAA",
-            "buffer 0, its length: tells 60 bytes, and there are 3",
+            "buffer 0, its length: states 60 bytes, and there are 3",
         ),
         ("data:;base64,A$AA", "buffer 0, its data URI: is not base64"),
         ("data:;base64", "buffer 0, its data URI: has no comma"),
@@ -436,7 +431,7 @@ fn buffers_that_lie_or_are_missing_are_refused() {
     }
     let message = of_files(&[("a.gltf", model.text(None).as_bytes())]);
     assert!(
-        message.contains("buffer 0, its bytes: are nowhere"),
+        message.contains("buffer 0, its bytes: are missing"),
         "{message}"
     );
 }
@@ -448,7 +443,7 @@ fn files_that_are_cut_off_or_no_models_are_refused() {
         let message = of_files(&[("a.glb", &whole[..end])]);
         let expected = match end {
             0 => "file: is empty",
-            // Without the word that such files begin with it counts as text.
+            // Without its magic word, the file counts as text.
             1..4 => "its JSON: can't be read",
             _ => "is cut off",
         };
@@ -456,7 +451,7 @@ fn files_that_are_cut_off_or_no_models_are_refused() {
     }
     let mut other = whole.clone();
     other[4] = 1;
-    assert!(of_files(&[("a.glb", &other)]).contains("header: tells version 1 of the format"));
+    assert!(of_files(&[("a.glb", &other)]).contains("header: states version 1 of the format"));
     let mut turned = whole.clone();
     turned[16..20].copy_from_slice(b"BIN\0");
     assert!(of_files(&[("a.glb", &turned)]).contains("first chunk: is not JSON"));
@@ -489,7 +484,7 @@ fn small_files_that_ask_for_much_are_refused() {
         zeros.contains("its vertices and indices: would make 300000000"),
         "{zeros}"
     );
-    // One mesh again and again.
+    // One mesh many times.
     let mut model = TestModel::new();
     let corners = 30_000;
     let positions = model.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
@@ -503,7 +498,7 @@ fn small_files_that_ask_for_much_are_refused() {
     }
     let message = scene_of(&model).expect_err("too many");
     assert!(message.contains("its mesh: would make"), "{message}");
-    // One list again and again.
+    // One list many times.
     let primitives = vec![primitive; 5_000];
     many.add("meshes", json!({ "primitives": primitives }));
     many.node(json!({ "mesh": 0 }));
@@ -522,7 +517,7 @@ fn damaged_files_never_panic() {
         for json in damaged(&text, 1_500) {
             let files: FilesInMemory = [("a.glb", glb(&json, &model.bytes))].into_iter().collect();
             if let Ok(scene) = said("a.glb", &files) {
-                // Numbers may be out of range only as far as baking tells.
+                // Numbers may only be out of range if baking reports it.
                 let _ = umbrage_core::Geometry::bake(&scene);
             }
         }

@@ -1,4 +1,4 @@
-//! Meshes against the same built in code.
+//! Tests of meshes against the same meshes built in code.
 
 use super::{
     model::{F32, I8, I16, SQUARE, TestModel, U8, U16, U32, words},
@@ -10,7 +10,7 @@ use umbrage_core::{Geometry, Instance, Mesh, Scene};
 
 const CORNERS: [u16; 6] = [0, 1, 2, 2, 1, 3];
 
-/// The fingerprint of triangles that are placed as they are, each with vertices of its own.
+/// Returns the fingerprint of triangles with separate vertices.
 fn fingerprint(positions: &[f32], triangles: &[[u32; 3]]) -> u64 {
     let positions = positions.as_chunks::<3>().0;
     let corners = triangles.as_flattened().iter();
@@ -70,7 +70,7 @@ fn indices_of_every_width_and_none_give_the_same_triangles() {
 
 #[test]
 fn strips_and_fans_face_one_way() {
-    // A row of five vertices, the strip with a jump in its middle.
+    // A row of five vertices. The strip has a jump in its middle.
     let row: Vec<f32> = (0..5)
         .flat_map(|i| [i as f32, (i % 2) as f32, 0.0])
         .collect();
@@ -133,7 +133,7 @@ fn sparse_elements_replace_those_of_the_base_or_zeros() {
     );
 }
 
-/// Files have them for morph targets that move nothing.
+/// Accessors without bytes occur in files for morph targets that move nothing.
 #[test]
 fn accessors_without_bytes_hold_zeros() {
     let model = model_of(|model| {
@@ -145,14 +145,14 @@ fn accessors_without_bytes_hold_zeros() {
         let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
         json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices })
     });
-    // Normals of zero are none.
+    // Zero normals count as missing.
     let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
     assert_eq!(fingerprint_of(&model), expected);
 }
 
 #[test]
 fn quantised_positions_stand_for_the_specification_s_numbers() {
-    // Each with its normalised and its plain meaning, worked out by hand.
+    // Normalised and plain value of each, computed by hand.
     let cases: [(u32, Vec<u8>, [f32; 3]); 4] = [
         (I8, vec![0x80, 127, 64], [-1.0, 1.0, 64.0 / 127.0]),
         (U8, vec![0, 255, 51], [0.0, 1.0, 0.2]),
@@ -175,7 +175,7 @@ fn quantised_positions_stand_for_the_specification_s_numbers() {
             let element = bytes.len() / 3;
             let turned = [&bytes[element..], &bytes[..element]].concat();
             let twice = [&turned[element..], &turned[..element]].concat();
-            // Elements begin at multiples of four bytes, as the extension asks.
+            // Elements start at multiples of four bytes, as the extension requires.
             let stride = (3 * element).next_multiple_of(4);
             let padded: Vec<u8> = [&bytes, &turned, &twice]
                 .into_iter()
@@ -205,7 +205,7 @@ fn quantised_positions_stand_for_the_specification_s_numbers() {
 
 #[test]
 fn vertices_may_be_interleaved_and_shared() {
-    // Positions and normals in turn, behind some other bytes.
+    // Interleave positions and normals after some other bytes.
     let normal = [0.0_f32, 0.6, 0.8];
     let mut bytes = vec![7; 8];
     for corner in SQUARE.chunks_exact(3) {
@@ -226,8 +226,8 @@ fn vertices_may_be_interleaved_and_shared() {
     assert_eq!(mesh.positions, vectors(&SQUARE));
     assert_eq!(mesh.normals, [Vec3::from_array(normal); 4]);
     assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3]]);
-    // A long list, of which one triangle uses three vertices; a short one of which it uses three of
-    // four.
+    // A long list of which one triangle uses three vertices, and a short one of which it uses three
+    // of four.
     for count in [4, 40] {
         let list: Vec<f32> = (0..3 * count).map(|i| ((i * i) % 17) as f32).collect();
         let model = model_of(|model| {
@@ -263,7 +263,7 @@ fn normals_and_tangents_are_the_file_s_own_if_they_are_usable() {
     assert_eq!(made([0.0; 3]), [], "found by who bakes the mesh");
 }
 
-/// Two walls that share an edge stay two walls.
+/// Two walls with a common edge keep separate normals.
 #[test]
 fn surfaces_without_normals_are_flat() {
     let corner = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];

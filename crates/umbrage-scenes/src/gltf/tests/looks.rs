@@ -1,4 +1,4 @@
-//! Materials and pictures.
+//! Tests of materials and images.
 
 use super::{
     model::{PICTURE, SQUARE, TestModel},
@@ -83,7 +83,7 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
     let mask = |texture, factor, cutoff: f32| json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
     let texture = || json!({ "index": 0 });
     assert_eq!(cut(mask(texture(), 1.0, 0.25)), Ok((holes(0.25), true)));
-    // The factor makes all of the texture less: half of it is cut at twice the cut-off.
+    // The factor scales the whole texture: half of it is cut at twice the cut-off.
     assert_eq!(cut(mask(texture(), 0.5, 0.25)), Ok((holes(0.5), true)));
     assert_eq!(cut(mask(json!(null), 0.5, 0.25)), Ok((None, true)));
     assert_eq!(cut(mask(texture(), 1.0, 0.0)), Ok((None, true)));
@@ -102,7 +102,7 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
     assert_eq!(cut(blend(json!(null), 0.3)), Ok((None, false)), "glass");
 }
 
-/// What a file calls a mask or a blend cuts nothing out where its texture is nowhere clear, as of
+/// A `MASK` or `BLEND` material removes nothing if its texture is opaque everywhere, such as a
 /// JPEG, which has no alpha.
 #[test]
 fn pictures_without_alpha_cut_nothing_out() {
@@ -127,8 +127,8 @@ fn pictures_without_alpha_cut_nothing_out() {
     }
 }
 
-/// Holes repeat. A sampler that clamps or mirrors is refused where a mesh would show other holes by
-/// it, and nowhere else. The texture is two texels, of which the right one is a hole.
+/// Alpha tests repeat. A sampler that clamps or mirrors is refused only if a mesh would show a
+/// difference. The texture has two texels, of which the right one is a hole.
 #[test]
 fn masks_that_do_not_repeat_are_refused_where_it_shows() {
     const CLAMPED: u32 = 33071;
@@ -149,34 +149,34 @@ fn masks_that_do_not_repeat_are_refused_where_it_shows() {
         let is_refused = |scale, offset| match read("MASK", along_u(wrap), scale, offset) {
             Ok(()) => false,
             Err(why) => {
-                let expected = "primitive 0, alpha mask: goes on beyond its texture, which is clamped or mirrored there";
+                let expected = "primitive 0, alpha mask: exceeds its texture, which is clamped or mirrored there";
                 assert!(why.contains(expected), "{why}");
                 true
             }
         };
         assert!(!is_refused([1.0, 1.0], 0.0), "{wrap}");
-        // Less than an eighth of a texel is taken for rounding.
+        // Less than an eighth of a texel counts as rounding.
         assert!(!is_refused([1.05, 1.0], 0.0), "{wrap}");
         assert!(is_refused([1.1, 1.0], 0.0), "{wrap}");
         assert!(is_refused([2.0, 1.0], 0.0), "{wrap}");
         assert!(is_refused([0.5, 1.0], -0.5), "{wrap}");
         assert!(is_refused([1e30, 1.0], 0.0), "{wrap}");
-        // Where 64 bits no longer count texels, all are one.
+        // Where 64 bits no longer resolve texels, all are equal.
         assert!(!is_refused([1e30, 1.0], -2e30), "{wrap}");
-        // Along v there is one texel, whatever is done beyond it.
+        // There is one texel along v, so wrapping has no effect.
         assert!(!is_refused([1.0, 7.0], 0.0), "{wrap}");
         let along_v = json!({ "wrapS": REPEATED, "wrapT": wrap });
         assert_eq!(read("MASK", along_v, [7.0, 7.0], 0.3), Ok(()));
         assert_eq!(read("OPAQUE", along_u(wrap), [7.0, 7.0], 0.3), Ok(()));
         assert!(read("BLEND", along_u(wrap), [7.0, 7.0], 0.3).is_err());
     }
-    // From 1 to 1.5 a clamped texture shows its right half and a repeated one its left half; from 2
-    // to 2.5 a mirrored one shows its left, too.
+    // From 1 to 1.5, a clamped texture shows its right half and a repeated one its left half. From
+    // 2 to 2.5, a mirrored one shows its left half, too.
     assert!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 1.0).is_err());
     assert_eq!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 2.0), Ok(()));
     assert!(read("MASK", along_u(CLAMPED), [0.5, 1.0], 2.0).is_err());
     assert_eq!(read("MASK", along_u(CLAMPED), [0.5, 1.0], 2.5), Ok(()));
-    // What no sampler can say counts as repeated, as where there is none.
+    // An invalid mode counts as repeated, like a missing one.
     assert_eq!(read("MASK", along_u(REPEATED), [7.0, 7.0], 0.3), Ok(()));
     assert_eq!(read("MASK", along_u(5), [7.0, 7.0], 0.3), Ok(()));
 }
@@ -186,13 +186,13 @@ fn coordinates_are_scaled_turned_and_moved() {
     let transform = json!({ "scale": [2, 3], "rotation": FRAC_PI_2, "offset": [10, 20] });
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
     let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
-    // A quarter counter-clockwise takes right to up, and up is towards less v: (u, v) becomes (v,
+    // A quarter turn counter-clockwise takes right to up, which is decreasing v: (u, v) becomes (v,
     // -u).
     for (found, uv) in scene.meshes[0].uvs.iter().zip(UVS.as_chunks::<2>().0) {
         let expected = Vec2::new(3.0 * uv[1] + 10.0, -2.0 * uv[0] + 20.0);
         assert!(found.distance(expected) < 1e-5, "{uv:?} became {found}");
     }
-    // Another set of coordinates is one that the mesh doesn't have.
+    // The mesh doesn't have this other set of coordinates.
     let other = json!({ "index": 0, "texCoord": 1 });
     let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": other } }));
     assert_eq!(scene.materials[0].diffuse_texture, None);
@@ -212,11 +212,11 @@ fn normal_maps_bring_tangents() {
         (Some(0), None)
     );
     assert_eq!(scene.textures[0].texels[0], [1.0; 4]);
-    // u runs along x, v against y: the frame of a picture that hangs on a wall.
+    // u runs along x, v against y: the frame of a picture on a wall.
     assert_eq!(scene.meshes[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
     let mesh: &Mesh = &scene.meshes[0];
     assert!(mesh.normals.iter().all(|n| n.distance(Vec3::Z) < 1e-6));
-    // Of a map that lies otherwise than the colours nothing can be shown.
+    // Normal maps with other coordinates than the colours are not supported.
     let moved =
         json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let both = |normals: &Value, colours: &Value| {
@@ -245,7 +245,7 @@ fn tangents_of_the_file_are_kept() {
     assert_eq!(scene.meshes[0].tangents, [Vec4::from_array(own); 4]);
 }
 
-/// Reads a square whose picture is beside it under a name, or isn't.
+/// Reads a square with or without an image of this name next to it.
 fn beside(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>, String> {
     let pbr = json!({ "baseColorTexture": { "index": 0 } });
     let mut model = square(json!({ "alphaMode": mode, "pbrMetallicRoughness": pbr }));
@@ -276,7 +276,7 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
             textures[0].texels[0]
         );
     }
-    // Without its looks a model is read as one of OBJ is; a mask needs them.
+    // Without looks, a model is read like one of OBJ. An alpha test needs them.
     assert_eq!(beside("bark.png", None, "OPAQUE"), Ok(Vec::new()));
     let message = beside("bark.png", None, "MASK").expect_err("no mask");
     assert!(
@@ -285,7 +285,7 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
     );
     assert_eq!(
         beside("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
-        "node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG picture; save it as one of the two"
+        "node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG image; save it as one of the two"
     );
     let half = &PICTURE[..PICTURE.len() / 2];
     let message = beside("../looks/bark%201.png", Some(half), "OPAQUE").expect_err("cut off");
@@ -304,7 +304,7 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
     );
     let message = beside("data:image/png;base64,UklGRg==", None, "OPAQUE").expect_err("a lie");
     assert!(
-        message.contains("are neither a PNG nor a JPEG picture"),
+        message.contains("are neither a PNG nor a JPEG image"),
         "{message}"
     );
 }

@@ -1,4 +1,4 @@
-//! Files are made here, by [`model`], and read as any file is.
+//! Tests with files from [`model`], which are read like any file.
 
 mod errors;
 mod geometry;
@@ -13,15 +13,14 @@ use model::TestModel;
 use std::path::Path;
 use umbrage_core::{Invalid, Scene};
 
-/// Returns what a file with some others beside it says, without what a model alone gets.
+/// Reads a file with some others next to it, without the additions for a lone model.
 fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
     let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
     let bytes = files.bytes_of(&wanted.file);
     read(&bytes, &wanted, files)
 }
 
-/// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a
-/// file of its own.
+/// Reads a model with each kind of buffer: in a chunk, in a data URI, in a separate file.
 fn scene_of(model: &TestModel) -> Result<Scene, String> {
     let read = |file: &str, bytes: Vec<u8>| {
         let files = [(file, bytes), ("b in.bin", model.bytes.clone())];
@@ -36,7 +35,7 @@ fn scene_of(model: &TestModel) -> Result<Scene, String> {
         let apart = read("model.gltf", model.text(Some(uri)).into_bytes());
         match (&in_chunk, &apart) {
             (Ok(in_chunk), Ok(apart)) => assert_eq!(in_chunk, apart, "{uri}"),
-            // How much is allowed depends on the length of all files together.
+            // Limits depend on the length of all files together.
             (Err(in_chunk), Err(apart)) if in_chunk.contains("would make") => {
                 assert!(apart.contains("would make"), "{apart}");
             }

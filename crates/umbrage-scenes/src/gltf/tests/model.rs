@@ -1,4 +1,4 @@
-//! glTF files made in code, for tests, and for the fuzzer's first inputs (`tests/fuzz`).
+//! glTF files made in code, for tests and for the fuzzer's initial inputs (`tests/fuzz`).
 
 use serde_json::{Value, json};
 
@@ -36,7 +36,7 @@ impl TestModel {
         model
     }
 
-    /// Adds to one of the document's lists, and returns the index.
+    /// Adds an element to one of the document's lists, and returns its index.
     pub(crate) fn add(&mut self, list: &str, value: Value) -> usize {
         let document = self.json.as_object_mut().expect("an object");
         let list = document.entry(list).or_insert_with(|| json!([]));
@@ -45,7 +45,7 @@ impl TestModel {
         list.len() - 1
     }
 
-    /// Adds a root of the first scene.
+    /// Adds a root node to the first scene.
     pub(crate) fn node(&mut self, node: Value) -> usize {
         let index = self.add("nodes", node);
         let roots = self.json["scenes"][0]["nodes"].as_array_mut();
@@ -69,7 +69,7 @@ impl TestModel {
         )
     }
 
-    /// Adds an accessor with bytes of its own.
+    /// Adds an accessor with its bytes.
     pub(crate) fn numbers(
         &mut self,
         component: u32,
@@ -84,13 +84,13 @@ impl TestModel {
         )
     }
 
-    /// Adds an accessor of floats, so many an element.
+    /// Adds an accessor of floats, `width` for each element.
     pub(crate) fn floats(&mut self, kind: &str, width: usize, numbers: &[f32]) -> usize {
         let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
         self.numbers(F32, kind, numbers.len() / width, &bytes)
     }
 
-    /// Returns the document with its buffer, which has this URI or none.
+    /// Returns the document with its buffer. `uri` is the URI of the buffer.
     pub(crate) fn text(&self, uri: Option<&str>) -> String {
         let mut json = self.json.clone();
         if !self.bytes.is_empty() {
@@ -103,13 +103,13 @@ impl TestModel {
         json.to_string()
     }
 
-    /// Returns all in one file.
+    /// Returns the model in one file.
     pub(crate) fn glb(&self) -> Vec<u8> {
         glb(self.text(None).as_bytes(), &self.bytes)
     }
 }
 
-/// Puts a document and a buffer into one file.
+/// Combines a document and a buffer into one file.
 pub(crate) fn glb(json: &[u8], bytes: &[u8]) -> Vec<u8> {
     let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
     for (kind, chunk, filler) in [(b"JSON", json, b' '), (b"BIN\0", bytes, 0)] {
@@ -124,7 +124,7 @@ pub(crate) fn glb(json: &[u8], bytes: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Bytes of 16-bit numbers.
+/// Returns the bytes of 16-bit numbers.
 pub(crate) fn words(numbers: &[u16]) -> Vec<u8> {
     numbers.iter().flat_map(|n| n.to_le_bytes()).collect()
 }
@@ -134,7 +134,7 @@ pub(crate) const SQUARE: [f32; 12] = [
     -1.0, -1.0, 0.0, 1.0, -1.0, 0.0, -1.0, 1.0, 0.0, 1.0, 1.0, 0.0,
 ];
 
-/// Returns models that between them have all that is read, for fuzzers to start from.
+/// Returns models that together cover everything that is read, as initial inputs for fuzzers.
 pub(crate) fn first_inputs() -> Vec<TestModel> {
     vec![
         scene_with_all(),
@@ -178,7 +178,7 @@ fn scene_with_all() -> TestModel {
     model
 }
 
-/// Textures, a mask, normals, tangents, and coordinates that are moved.
+/// Textures, an alpha test, normals, tangents, and transformed coordinates.
 fn looks() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
@@ -205,7 +205,7 @@ fn looks() -> TestModel {
     model
 }
 
-/// Bytes of 8 bits as positions, replaced elements, and a fan without indices.
+/// 8-bit positions, sparse elements, and a fan without indices.
 fn sparse_and_quantised() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.numbers(
@@ -232,7 +232,8 @@ fn sparse_and_quantised() -> TestModel {
     model
 }
 
-/// A PNG file of 2 x 1 texels: grey with alpha, 8 bits; white that is there, black that isn't.
+/// A PNG file of 2 x 1 texels: grey with alpha, 8 bits; an opaque white one, and a transparent
+/// black one.
 pub(crate) const PICTURE: &[u8] = &[
     137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 2, 0, 0, 0, 1, 8, 4, 0,
     0, 0, 94, 43, 183, 1, 0, 0, 0, 13, 73, 68, 65, 84, 120, 218, 99, 248, 255, 159, 129, 1, 0, 6,

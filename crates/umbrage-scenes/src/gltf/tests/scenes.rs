@@ -1,4 +1,4 @@
-//! Nodes, scenes, cameras and lights.
+//! Tests of nodes, scenes, cameras and lights.
 
 use super::{model::TestModel, said, scene_of};
 use crate::{FilesInMemory, scene_of_file::SceneOfFile};
@@ -23,7 +23,7 @@ fn placements_are_the_product_of_matrices() {
     model.node(json!({ "children": [middle], "translation": [10, -20, 30.5], "mesh": 0 }));
     let scene = scene_of(&model).expect("valid");
     let places: Vec<Affine3A> = scene.instances.iter().map(|i| i.world_from_local).collect();
-    // The square's own node, then the root, then its leaf: parents before their children.
+    // The square's node, then the root, then its leaf: parents before their children.
     assert_eq!(places.len(), 3);
     assert_eq!(places[0], Affine3A::IDENTITY);
     let root = DMat4::from_translation(DVec3::new(10.0, -20.0, 30.5));
@@ -84,7 +84,7 @@ fn nodes_of_no_size_are_hidden_and_flat_ones_refused() {
     );
     let message = with_scale(json!([1, 0, 1])).expect_err("flat");
     assert!(
-        message.contains("node 1 `sign`, its place in the world: flattens the mesh"),
+        message.contains("node 1 `sign`, its world transform: flattens the mesh"),
         "{message}"
     );
 }
@@ -113,7 +113,7 @@ fn a_file_s_scenes_are_named_behind_its_path() {
         message,
         "file: has no scene `day`; there are: scene 0, scene 1 `night`; name one after `#`, by its name or number"
     );
-    // Without a default the first is meant.
+    // Without a default, the first scene is used.
     model
         .json
         .as_object_mut()
@@ -122,8 +122,8 @@ fn a_file_s_scenes_are_named_behind_its_path() {
     assert_eq!(scene_of(&model).expect("valid").instances.len(), 1);
 }
 
-/// The first camera of a model with this one, at (1, 2, 9), turned by a quarter about y, in a node
-/// that is twice as large.
+/// Returns the first camera of a model with this one, at (1, 2, 9), turned by a quarter about y, in
+/// a node of twice the size.
 fn camera(camera: Value) -> Result<Camera, String> {
     let mut model = TestModel::square();
     model.add("cameras", camera);
@@ -160,7 +160,7 @@ fn cameras_look_along_their_nodes() {
     assert_near(&found, &made([0.5, 20.0], UVec2::new(720, 360)));
     let endless = json!({ "yfov": 0.75, "znear": 0.5 });
     let found = camera(json!({ "type": "perspective", "perspective": endless })).expect("valid");
-    // Another way to the same limit: as far away as 32-bit floats can tell.
+    // Approach the same limit with a far plane as distant as 32-bit floats allow.
     assert_near(&found, &made([0.5, 1e9], UVec2::new(640, 360)));
     assert_eq!(
         found.clip_from_view * Vec4::new(0.0, 0.0, -1.0, 0.0),
@@ -218,8 +218,8 @@ fn cameras_that_see_nothing_are_refused() {
     }
 }
 
-/// What a model with this light says: at (0, 3, 0), turned so that it shines down, in a node that
-/// is mirrored.
+/// Returns the lights of a model with this one: at (0, 3, 0), turned so that it shines down, in a
+/// mirrored node.
 fn lights(light: Value, extras_of_node: Value) -> Result<Vec<Light>, String> {
     let mut model = TestModel::square();
     model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
@@ -258,7 +258,7 @@ fn lights_shine_along_their_nodes_and_have_blender_s_sizes() {
             radius: 0.5
         }]
     );
-    // The light's own size goes before its node's.
+    // The light's size has precedence over its node's.
     let own = json!({ "shadow_soft_size": 0.25, "radius": 9 });
     let wide = json!({ "type": "spot", "spot": { "outerConeAngle": FRAC_PI_2 }, "extras": own });
     let spot = lights(wide, half).expect("valid");

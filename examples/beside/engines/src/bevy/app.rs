@@ -1,4 +1,4 @@
-//! A program of Bevy's without a window: one scene, one sun, one picture.
+//! A Bevy program without a window: one scene, one sun, one image.
 
 use crate::plugin::{
     AngularDiameter, Casts, MaskOf, MaskedMaterial, ReadsMask, SunShadows, UmbragePlugin,
@@ -37,23 +37,23 @@ use std::{
 };
 use umbrage::{Geometry, Scene, ShadowTechnique};
 
-/// Frames until shaders and meshes are loaded, at most.
+/// Greatest number of frames for loading shaders and meshes.
 const MAX_FRAMES: usize = 200;
-/// A picture is done when this many frames in turn did not change it, or after so many frames where
-/// a filter's noise is another one in each.
+/// An image is done after this many frames without a change, or after the greater number if a
+/// filter's noise changes in each frame.
 const UNCHANGED_FRAMES: usize = 3;
 const MAX_DRAWN_FRAMES: usize = 16;
 
-/// Where the sun's shadows come from.
+/// Source of the sun's shadows.
 #[derive(Clone)]
 pub enum ShadowSource {
-    /// There are none.
+    /// No shadows.
     Nothing,
-    /// There are none, but depth and normals are drawn first, as the plug-in needs them.
+    /// No shadows, but depth and normals are drawn first, as for the plug-in.
     NothingButPrepass,
     /// Bevy's own maps.
     Bevy(BevyShadows),
-    /// This library's technique, and whether its maps are drawn in every frame.
+    /// A technique of this library, and whether its maps are redrawn in every frame.
     Umbrage(Arc<dyn ShadowTechnique>, bool),
 }
 
@@ -64,17 +64,17 @@ pub struct BevyShadows {
     pub size: usize,
     /// Number of cascades.
     pub cascades: usize,
-    /// How far they reach, metres.
+    /// Distance that they cover, metres.
     pub far: f32,
     /// The filter.
     pub filter: ShadowFilteringMethod,
     /// `DirectionalLight::soft_shadow_size`.
     pub soft: Option<f32>,
-    /// Whether contact shadows are on, with Bevy's own settings.
+    /// `true` if contact shadows are on, with Bevy's default settings.
     pub contact: bool,
 }
 
-/// What a readback leaves for the loop outside.
+/// The image of the last readback, for the loop outside.
 type LastPicture = Arc<Mutex<Option<Vec<u8>>>>;
 
 /// The running program.
@@ -87,8 +87,7 @@ pub struct BevyProgram {
 }
 
 impl BevyProgram {
-    /// Starts a program that shows the scene's first camera and its first light, which must be a
-    /// sun.
+    /// Starts a program for the scene's first camera and its first light, which must be a sun.
     pub fn start(scene: &Scene, geometry: &Geometry, source: &ShadowSource) -> Result<Self> {
         let camera = scene.cameras.first();
         let camera = camera.ok_or_else(|| anyhow::anyhow!("the scene has no camera"))?;
@@ -115,7 +114,7 @@ impl BevyProgram {
         })
     }
 
-    /// Draws a frame, waits until it is drawn, and returns how long that took, milliseconds.
+    /// Draws a frame, waits for it, and returns the time, milliseconds.
     pub fn frame(&mut self) -> Result<f64> {
         let start = Instant::now();
         self.app.update();
@@ -124,7 +123,7 @@ impl BevyProgram {
         Ok(start.elapsed().as_secs_f64() * 1000.0)
     }
 
-    /// Draws frames until the picture is done, and returns its red channel.
+    /// Draws frames until the image is done, and returns its red channel.
     pub fn picture(&mut self) -> Result<Vec<f32>> {
         let last = Arc::clone(&self.last);
         let reader = self
@@ -157,10 +156,10 @@ impl BevyProgram {
         anyhow::bail!("nothing was drawn in {MAX_FRAMES} frames")
     }
 
-    /// Returns the bytes of maps and masks, and of the prepass that they need. Bevy's are reckoned
-    /// from its settings: Bevy tells no sizes.
+    /// Returns the bytes of maps and masks, and of the prepass that they need. Bevy doesn't report
+    /// its sizes, so they are computed from its settings.
     pub fn bytes(&mut self) -> u64 {
-        // An image of four bytes a pixel, such as the prepass' depth.
+        // An image of four bytes a pixel, such as the depth of the prepass.
         let image = 4 * u64::from(self.size.x * self.size.y);
         match &self.source {
             ShadowSource::Nothing => 0,
@@ -168,7 +167,7 @@ impl BevyProgram {
             ShadowSource::NothingButPrepass => 2 * image,
             ShadowSource::Bevy(bevy) => {
                 let maps = 4 * (bevy.size * bevy.size * bevy.cascades) as u64;
-                // Contact shadows walk through the prepass' depth.
+                // Contact shadows read the depth of the prepass.
                 maps + if bevy.contact { image } else { 0 }
             }
             ShadowSource::Umbrage(..) => {
@@ -192,7 +191,7 @@ fn headless(source: &ShadowSource) -> App {
             synchronous_pipeline_compilation: true,
             ..RenderPlugin::default()
         })
-        // Several programs run in one process, and each frame is waited for.
+        // Several programs run in one process, and each frame is awaited.
         .disable::<bevy::log::LogPlugin>()
         .disable::<TerminalCtrlCHandlerPlugin>()
         .disable::<AccessibilityPlugin>()
@@ -208,7 +207,7 @@ fn headless(source: &ShadowSource) -> App {
             app.insert_resource(DirectionalLightShadowMap { size: bevy.size });
         }
         ShadowSource::Umbrage(technique, draws_all_again) => {
-            // Nothing is drawn into Bevy's own map, so it may be as small as maps are.
+            // Use the smallest map: nothing is drawn into Bevy's own one.
             app.insert_resource(DirectionalLightShadowMap { size: 16 })
                 .add_plugins(UmbragePlugin {
                     technique: Arc::clone(technique),
@@ -220,7 +219,7 @@ fn headless(source: &ShadowSource) -> App {
     app
 }
 
-/// Waits until plug-ins are ready, as Bevy's runners do.
+/// Waits until plug-ins are ready, like Bevy's runners.
 fn ready(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         std::thread::yield_now();
@@ -315,7 +314,7 @@ fn spawn_camera(
     }
 }
 
-/// Puts all triangles into the world, in parts, in one white material.
+/// Adds all triangles to the world, in parts, with one white material.
 fn spawn_meshes(
     world: &mut World,
     geometry: &Geometry,

@@ -1,5 +1,5 @@
-//! Bevy's own shadows and this library's in the same Bevy scenes, judged by ray-traced truth: see
-//! `README.md`.
+//! Bevy's own shadows and this library's in the same Bevy scenes, compared with the ray-traced
+//! reference: see `README.md`.
 
 mod app;
 mod plugin;
@@ -73,8 +73,8 @@ impl Rival for BevyProgram {
     }
 }
 
-/// Returns Bevy's default, and the settings that might better it in a view that ends `farthest`
-/// metres away.
+/// Returns Bevy's default, and settings that might improve it in a view with this `farthest`
+/// distance, metres.
 fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
     let default = BevyShadows {
         size: 2048,
@@ -93,7 +93,7 @@ fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
         ("as far as is seen".to_owned(), reaching),
     ];
     if is_soft {
-        // The unit of Bevy's setting is none of length or angle, so several values are tried.
+        // Bevy's setting is in a unit of neither length nor angle, so test several values.
         for soft in [3.0, 10.0, 30.0] {
             let settings = BevyShadows {
                 soft: Some(soft),
@@ -126,8 +126,8 @@ fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
     all
 }
 
-/// Returns the library's settings: cascades as Bevy's, which don't shimmer while the camera moves,
-/// the same fitted tightly, and `exact`.
+/// Returns the library's settings: cascades like Bevy's, which don't shimmer while the camera
+/// moves, tightly fitted cascades, and `exact`.
 fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn ShadowTechnique>)> {
     let tight = ShadowMap {
         size: 2048,

@@ -1,12 +1,12 @@
-//! The plug-in: umbrage's shadows of the sun in Bevy's own 3D scenes.
+//! The plug-in: umbrage's shadows of the sun in Bevy's 3D scenes.
 //!
-//! Between the prepass and the main pass a [`LightSet`] draws the maps from the vertex buffers that
-//! Bevy has, and a mask from Bevy's depth and normals; the material reads the mask into
-//! `directional_shadow_factor`. Bevy multiplies that in only where the sun's own shadow maps are
-//! on: so they are on, and nothing is drawn into them ([`NotShadowCaster`]).
+//! Between the prepass and the main pass, a [`LightSet`] draws the maps from Bevy's vertex buffers,
+//! and a mask from Bevy's depth and normals. The material reads the mask into
+//! `directional_shadow_factor`. Bevy only applies that factor if the sun's own shadow maps are on.
+//! They are therefore on, and nothing is drawn into them ([`NotShadowCaster`]).
 //!
-//! It serves one sun and one camera. Casters are opaque meshes of triangle lists that no skin,
-//! morph or shader of the program's moves.
+//! The plug-in supports one sun and one camera. Casters are opaque meshes of triangle lists without
+//! skins, morphs or vertex shaders of the program.
 
 use bevy::{
     asset::{AssetId, embedded_asset},
@@ -36,21 +36,21 @@ use bevy::{
 use std::{ops::Range, sync::Arc};
 use umbrage::{
     Aabb, BackendError, Camera, Light, ShadowTechnique, glam,
-    wgpu::{
+    gpu::{
         CasterMesh, DepthBuffer, Indices, LightId, LightSet, LightSetOptions, MaskFormat,
-        MaskInputs, NormalCoding, PositionFormat, SetFrame, SetLight, SetNormals, SetReceivers,
-        VertexLayout,
+        MaskInputs, MaskReceivers, NormalCoding, PositionFormat, SetFrame, SetNormals,
+        ShadowedLight, VertexLayout,
     },
 };
 
-/// A material that takes the sun's shadow from a mask.
+/// A material with the sun's shadow from a mask.
 pub type MaskedMaterial = ExtendedMaterial<StandardMaterial, ReadsMask>;
 
 /// Adds shadows to all cameras with a [`MaskOf`].
 pub struct UmbragePlugin {
-    /// How the sun's shadows are made.
+    /// The technique for the sun's shadows.
     pub technique: Arc<dyn ShadowTechnique>,
-    /// Whether all maps are drawn in every frame, also where nothing moved: for those who time it.
+    /// `true` if all maps are redrawn in every frame, even without motion, for measuring times.
     pub draws_all_again: bool,
 }
 
@@ -59,16 +59,16 @@ pub struct UmbragePlugin {
 #[require(NotShadowCaster)]
 pub struct Casts;
 
-/// On a camera: the picture that takes its mask, `R32Float` of the camera's size, usage `COPY_DST`.
+/// The image of a camera that receives its mask, `R32Float` of the camera's size, usage `COPY_DST`.
 #[derive(Component, Clone, Debug)]
 #[require(DepthPrepass, NormalPrepass)]
 pub struct MaskOf(pub Handle<Image>);
 
-/// On a sun: how wide it is in the sky, radians. Without it the sun is a point.
+/// The angular diameter of a sun, radians. A sun without it is a point.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct AngularDiameter(pub f32);
 
-/// What the material needs besides the standard one's.
+/// Additions to the standard material.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
 pub struct ReadsMask {
     /// The camera's mask.
@@ -107,7 +107,7 @@ impl Plugin for UmbragePlugin {
 
     fn finish(&self, app: &mut App) {
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            // `exact` has the device list the casters, from buffers that shaders read.
+            // `exact` lists the casters on the device, from buffers that shaders read.
             let usage = bevy::render::render_resource::BufferUsages::STORAGE;
             let mut settings = render_app
                 .world_mut()
@@ -117,7 +117,7 @@ impl Plugin for UmbragePlugin {
     }
 }
 
-/// What casts in the main world, and the sun.
+/// The casters in the main world, and the sun.
 #[derive(Resource, Default)]
 struct SeenScene {
     casters: Vec<SeenCaster>,
@@ -167,7 +167,7 @@ fn extract(
     seen.mask = cameras.iter().next().map(|mask| mask.0.id());
 }
 
-/// The light set, and what it was made from.
+/// The light set, and the data that it was built from.
 #[derive(Resource)]
 pub struct SunShadows {
     technique: Arc<dyn ShadowTechnique>,
@@ -183,7 +183,7 @@ struct Made {
     places: Vec<MeshPlace>,
 }
 
-/// Where a caster's vertices and indices lie in Bevy's buffers.
+/// Location of a caster's vertices and indices in Bevy's buffers.
 #[derive(PartialEq)]
 struct MeshPlace {
     vertices: Option<Range<u32>>,
@@ -202,8 +202,8 @@ impl MeshPlace {
 }
 
 impl SunShadows {
-    /// Returns the bytes of maps and masks, and of what the prepass draws for them. Lists of
-    /// casters are not among them.
+    /// Returns the bytes of maps and masks, and of the prepass images for them. Lists of casters
+    /// are not included.
     pub fn bytes(&self, size: UVec2) -> u64 {
         let maps = self.made.as_ref().map_or(0, |made| made.set.map_bytes());
         // Depth and normals of the prepass, the mask, and the copy of it that the material reads:
@@ -213,8 +213,8 @@ impl SunShadows {
 }
 
 impl Made {
-    /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers; none
-    /// while Bevy has not loaded them all.
+    /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers. `None`
+    /// until Bevy has loaded them all.
     fn new(
         technique: &Arc<dyn ShadowTechnique>,
         seen: &SeenScene,
@@ -263,7 +263,7 @@ impl Made {
             })?;
             set.add_caster(mesh, affine(&caster.world_from_local))?;
         }
-        let light = set.add_light(SetLight {
+        let light = set.add_light(ShadowedLight {
             light: light_of(&sun),
             technique: Arc::clone(technique),
             priority: 1.0,
@@ -285,7 +285,7 @@ fn light_of(sun: &SeenSun) -> Light {
     }
 }
 
-/// Bevy's matrices are of another version of the same crate.
+/// Converts Bevy's matrices, which are of another version of the same crate.
 fn affine(place: &GlobalTransform) -> glam::Affine3A {
     let matrix = place.to_matrix().to_cols_array();
     glam::Affine3A::from_mat4(glam::Mat4::from_cols_array(&matrix))
@@ -367,7 +367,7 @@ fn draw_masks(
 }
 
 impl Made {
-    /// Records what the camera's mask needs, and returns it.
+    /// Records the passes for the camera's mask, and returns it.
     #[expect(
         clippy::too_many_arguments,
         reason = "what a frame of the caller's is made of"
@@ -396,7 +396,7 @@ impl Made {
         let clip_from_world = camera.clip_from_view * view_from_world;
         let inputs = MaskInputs {
             size: camera.size,
-            receivers: SetReceivers::Depth {
+            receivers: MaskReceivers::Depth {
                 depth: DepthBuffer {
                     depth,
                     world_from_clip: clip_from_world.inverse(),

@@ -1,4 +1,4 @@
-//! OpenGL without a window: a context on a device of EGL's.
+//! OpenGL without a window: a context on an EGL device.
 
 use anyhow::{Context as _, Result, anyhow};
 use glutin::{
@@ -10,14 +10,14 @@ use glutin::{
 use std::{ffi::CString, sync::Arc};
 use three_d::{Context, HasContext as _, context};
 
-/// What three-d's shaders ask for: `#version 330 core`.
+/// OpenGL version of three-d's shaders: `#version 330 core`.
 const OPENGL: Version = Version { major: 3, minor: 3 };
 
-/// Returns a context of OpenGL's on the first device that has one, and three-d's around it. The
-/// first has to live as long as the second.
+/// Returns an OpenGL context on the first device that has one, and three-d's context for it. The
+/// first must outlive the second.
 ///
 /// # Errors
-/// Errors if no device has OpenGL 3.3.
+/// Returns an error if no device has OpenGL 3.3.
 pub fn headless() -> Result<(PossiblyCurrentContext, Context)> {
     let devices = Device::query_devices().context(
         "EGL lists no devices: install a driver, such as Debian's packages libegl1 and libgl1-mesa-dri",
@@ -33,32 +33,32 @@ pub fn headless() -> Result<(PossiblyCurrentContext, Context)> {
 }
 
 fn on_device(device: &Device) -> Result<(PossiblyCurrentContext, Context)> {
-    // SAFETY: no handle of a display server's is given.
+    // SAFETY: no handle of a display server is passed.
     let display = unsafe { Display::with_device(device, None) }?;
     let template = ConfigTemplateBuilder::new()
         .with_surface_type(ConfigSurfaceTypes::empty())
         .build();
-    // SAFETY: the template holds no handle of a window's.
+    // SAFETY: the template has no window handle.
     let mut configs = unsafe { display.find_configs(template) }?;
     let config = configs.next().context("no configuration")?;
     let attributes = ContextAttributesBuilder::new()
         .with_context_api(ContextApi::OpenGl(Some(OPENGL)))
         .build(None);
-    // SAFETY: the attributes hold no handle of a window's.
+    // SAFETY: the attributes have no window handle.
     let context = unsafe { display.create_context(&config, &attributes) }?;
     let current = context.make_current_surfaceless()?;
     let load = |name: &str| {
         let name = CString::new(name).expect("names of functions have no zero");
         display.get_proc_address(&name)
     };
-    // SAFETY: the context is current on this thread, and stays so: the program makes no other.
+    // SAFETY: the context is current on this thread and stays so, since the program makes no other.
     let functions = unsafe { context::Context::from_loader_function(load) };
     let three_d = Context::from_gl_context(Arc::new(functions))?;
     Ok((current, three_d))
 }
 
-/// Returns the name of what draws.
+/// Returns the name of the OpenGL renderer.
 pub fn renderer_name(context: &Context) -> String {
-    // SAFETY: asks for a text alone.
+    // SAFETY: only reads a string.
     unsafe { context.get_parameter_string(context::RENDERER) }
 }

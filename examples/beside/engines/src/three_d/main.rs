@@ -1,5 +1,5 @@
-//! three-d's own shadow maps and this library's masks in the same scenes, judged by ray-traced
-//! truth: see `README.md`.
+//! three-d's shadow maps and this library's masks in the same scenes, compared with the ray-traced
+//! reference: see `README.md`.
 
 mod context;
 mod program;
@@ -16,17 +16,16 @@ use umbrage::{
     techniques::{Exact, MapFilter as _, Pcf, ShadowMap},
 };
 
-/// How much of what is seen has to be seen alike. The rest are edges, which two rasterisers place
-/// differently.
+/// Least fraction of equal pixels. The rest are edges, which two rasterisers place differently.
 const SEEN_ALIKE: f64 = 0.99;
 /// Sides of three-d's map, texels.
 const SIZES: [u32; 3] = [1024, 2048, 4096];
 
-/// Where the sun's shadows come from.
+/// Source of the sun's shadows.
 pub enum ShadowSetting {
-    /// three-d's own map, this many texels on each side.
+    /// three-d's own map with this number of texels on each side.
     ThreeD(u32),
-    /// This library's technique.
+    /// A technique of this library.
     Umbrage(Arc<dyn ShadowTechnique>),
 }
 
@@ -36,7 +35,7 @@ enum Sun {
     Umbrage(UmbrageSun),
 }
 
-/// What changes from frame to frame.
+/// Changes from frame to frame.
 #[derive(Clone, Copy, PartialEq)]
 enum Moves {
     Camera,
@@ -53,8 +52,8 @@ impl Rival for ThreeDProgram {
     const NAME: &'static str = "three_d";
     const COLUMNS: &'static [&'static str] =
         &["ms without", "ms more, all moves", "camera moves", "MiB"];
-    /// three-d lights what faces away from the sun by a thousandth of what faces it. What is darker
-    /// than this is such a surface.
+    /// Upper limit for surfaces that face away from the sun. three-d lights them by a thousandth of
+    /// the light of surfaces that face it.
     const DARK: f32 = 1.1e-3;
 
     fn start(judged: &JudgedScene) -> Result<Self> {
@@ -70,7 +69,7 @@ impl Rival for ThreeDProgram {
         );
         ensure!(
             alike >= SEEN_ALIKE,
-            "three-d's image of `{}` shows something else than umbrage sees, so its shadows can't be judged",
+            "three-d's image of `{}` differs from umbrage's view, so its shadows can't be compared",
             judged.scene.name
         );
         Ok(program)
@@ -105,8 +104,7 @@ impl Rival for ThreeDProgram {
                 (Moves::All, &mut all_move),
                 (Moves::Camera, &mut camera_moves),
             ] {
-                // A program whose casters move has new triangles, and nothing that was made for
-                // them before.
+                // Discard all derived data: a program with moving casters has new triangles.
                 let fresh = (moves == Moves::All).then(|| judged.geometry.without_hierarchies());
                 let geometry = fresh.as_ref().unwrap_or(&judged.geometry);
                 let start = Instant::now();
@@ -146,7 +144,7 @@ impl Sun {
         Ok(sun)
     }
 
-    /// Makes the shadows for a frame. A map of three-d's is the same for every camera.
+    /// Updates the shadows for a frame. A map of three-d's is the same for every camera.
     fn update(
         &mut self,
         moves: Moves,
@@ -184,7 +182,7 @@ impl Sun {
     }
 }
 
-/// Returns the settings that are played, with their names in the table.
+/// Returns the settings to run, with their names in the table.
 fn settings() -> Vec<(String, ShadowSetting)> {
     let mut all = Vec::new();
     for size in SIZES {

@@ -1,4 +1,4 @@
-//! A program of three-d's without a window: one scene, one camera, one picture.
+//! A three-d program without a window: one scene, one camera, one image.
 
 use crate::context::{headless, renderer_name};
 use anyhow::{Context as _, Result, ensure};
@@ -11,12 +11,13 @@ use three_d::{
 };
 use umbrage::{Geometry, Receivers, Scene, glam};
 
-/// How bright the sun is: three-d's white surfaces send back one part in pi.
+/// Intensity of the sun. three-d's white surfaces reflect one part in pi.
 pub const INTENSITY: f32 = std::f32::consts::PI;
-/// How far away the point is that three-d's camera is told to look at, metres: the farther, the
-/// less does its rounding turn the camera.
+/// Distance of the target of three-d's camera, metres. The rounding of a distant target turns the
+/// camera less.
 const TARGET_DISTANCE: f32 = 1000.0;
-/// Two programs see the same in a pixel if its distances differ by less than this share.
+/// Greatest relative difference of distances for which two programs show the same surface in a
+/// pixel.
 const SAME_DISTANCE: f32 = 1e-3;
 
 type Object = Gm<Mesh, PhysicalMaterial>;
@@ -25,22 +26,21 @@ type Object = Gm<Mesh, PhysicalMaterial>;
 pub struct ThreeDProgram {
     camera: Camera,
     casters: Vec<Object>,
-    /// What casts no shadow.
+    /// Objects that cast no shadow.
     others: Vec<Object>,
     direction: Vec3,
     colors: Texture2D,
     depths: DepthTexture2D,
     context: Context,
-    /// Is dropped last.
+    /// The context, which must be dropped last.
     _current: PossiblyCurrentContext,
 }
 
 impl ThreeDProgram {
-    /// Starts a program that shows the scene's first camera under its first light, which must be a
-    /// sun.
+    /// Starts a program for the scene's first camera and its first light, which must be a sun.
     ///
     /// # Errors
-    /// Errors if there is no OpenGL, no camera with perspective, or no sun.
+    /// Returns an error without OpenGL, without a perspective camera, or without a sun.
     pub fn start(scene: &Scene, geometry: &Geometry) -> Result<Self> {
         let (direction, _) = sun(scene)?;
         let camera = scene.cameras.first().context("the scene has no camera")?;
@@ -82,17 +82,17 @@ impl ThreeDProgram {
         &self.context
     }
 
-    /// Returns the name of what draws.
+    /// Returns the name of the OpenGL renderer.
     pub fn renderer_name(&self) -> String {
         renderer_name(&self.context)
     }
 
-    /// Returns where the sun's light goes, a unit vector.
+    /// Returns the direction of the sun's light, a unit vector.
     pub fn direction(&self) -> Vec3 {
         self.direction
     }
 
-    /// Returns the sun, without shadows yet.
+    /// Returns the sun, initially without shadows.
     pub fn sun(&self) -> DirectionalLight {
         DirectionalLight::new(&self.context, INTENSITY, Srgba::WHITE, self.direction)
     }
@@ -100,38 +100,39 @@ impl ThreeDProgram {
     /// Draws three-d's map of the sun, `size` texels on each side.
     ///
     /// # Errors
-    /// Errors if three-d does.
+    /// Returns an error if three-d does.
     pub fn draw_map(&self, sun: &mut DirectionalLight, size: u32) -> Result<()> {
         let casters = self.casters.iter().map(|object| &object.geometry);
         sun.generate_shadow_map(size, casters)?;
         Ok(())
     }
 
-    /// Draws a frame, and waits until it is drawn.
+    /// Draws a frame, and waits for it.
     pub fn frame(&self, light: &dyn Light) {
         let target = self.target();
         target.clear(ClearState::color_and_depth(0.0, 0.0, 0.0, 1.0, 1.0));
         let objects = self.casters.iter().chain(&self.others);
         target.render(&self.camera, objects, &[light]);
-        // SAFETY: takes nothing, and waits.
+        // SAFETY: has no arguments, and only waits.
         unsafe { self.context.finish() };
     }
 
     /// Draws a frame, and returns its red channel, linear, rows from the top.
     ///
     /// # Errors
-    /// Errors if OpenGL reports a fault.
+    /// Returns an error if OpenGL reports one.
     pub fn picture(&self, light: &dyn Light) -> Result<Vec<f32>> {
         self.frame(light);
         let target = self.target();
         let pixels: Vec<[f32; 4]> = target.read_color();
-        // The target is still bound: without a window there is no other, which would be a fault.
+        // The target is still bound. Without a window there is no default target, which would be an
+        // error.
         self.context.error_check()?;
         Ok(pixels.iter().map(|pixel| pixel[0]).collect())
     }
 
-    /// Returns the share of the seen pixels, 0..=1, that show in the last frame what umbrage sees
-    /// there.
+    /// Returns the fraction of visible pixels, 0..=1, in which the last frame shows the same
+    /// surface as umbrage.
     pub fn share_seen_alike(&self, seen: &Receivers, camera: &umbrage::Camera) -> f64 {
         let depths = self.target().read_depth();
         let forward = -glam::Vec3::from(camera.world_from_view.matrix3.z_axis);
@@ -162,7 +163,7 @@ impl ThreeDProgram {
         )
     }
 
-    /// Takes all triangles, in one white and rough material.
+    /// Adds all triangles, with one white and rough material.
     fn add_meshes(&mut self, geometry: &Geometry) {
         for part in mesh_parts(geometry) {
             let vectors = |all: Vec<glam::Vec3>| all.into_iter().map(vector).collect();
@@ -188,7 +189,7 @@ fn camera_of(camera: &umbrage::Camera) -> Result<Camera> {
     let projection = camera.clip_from_view;
     ensure!(
         projection.w_axis.w == 0.0,
-        "the camera has no perspective: use a scene whose first camera has"
+        "the camera has no perspective: use a scene with a perspective first camera"
     );
     // Depth is -(a z + b) / z, which is 0 at near and 1 at far.
     let a = projection.z_axis.z;

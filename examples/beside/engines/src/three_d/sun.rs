@@ -1,33 +1,33 @@
-//! A sun for three-d whose shadow is umbrage's.
+//! A sun for three-d with umbrage's shadow.
 //!
-//! three-d asks a light for the text that shades with it ([`Light`] is a public trait), so a light
-//! may multiply in what it likes: here a mask of the picture's size. three-d draws with OpenGL and
-//! umbrage with wgpu, so no buffer can be shared; the mask comes from umbrage's backend for the
-//! CPU, which also finds for itself what each pixel shows, and goes up as a texture.
+//! three-d requests shader text from each light ([`Light`] is a public trait), so a light may apply
+//! any factor, here a mask of the image's size. three-d draws with OpenGL and umbrage with wgpu, so
+//! they can't share a buffer. Umbrage's CPU backend computes the mask, including the visible
+//! surface of each pixel, and the mask is uploaded as a texture.
 
 use anyhow::Result;
 use std::sync::Arc;
 use three_d::{Context, Interpolation, Light, LightId, Program, Texture2D, Vec3, Wrapping};
 use umbrage::{Backend as _, ShadowTechnique, View, cpu::Cpu};
 
-/// Not three-d's own: those are 0x80 and above.
+/// Id of the light. three-d's own ids are 0x80 and above.
 const ID: LightId = LightId(0x01);
 
-/// A sun with a mask of the picture.
+/// A sun with a mask of the image.
 pub struct UmbrageSun {
     technique: Arc<dyn ShadowTechnique>,
     cpu: Cpu,
-    /// Linear.
+    /// Linear colour.
     color: Vec3,
-    /// Where its light goes, a unit vector.
+    /// Direction of its light, a unit vector.
     direction: Vec3,
     mask: Texture2D,
     bytes: u64,
 }
 
 impl UmbrageSun {
-    /// Returns a sun for pictures of `size` pixels; everything is lit until [`UmbrageSun::update`]
-    /// is called.
+    /// Returns a sun for images of `size` pixels. Everything is lit before the first
+    /// [`UmbrageSun::update`].
     pub fn new(
         context: &Context,
         technique: Arc<dyn ShadowTechnique>,
@@ -56,21 +56,21 @@ impl UmbrageSun {
         }
     }
 
-    /// Makes the mask of a view, of the size that [`UmbrageSun::new`] was given, and uploads it.
+    /// Computes the mask of a view with the size of [`UmbrageSun::new`], and uploads it.
     ///
     /// # Errors
-    /// Errors if the technique does not serve the view.
+    /// Returns an error if the technique does not support the view.
     pub fn update(&mut self, view: &View<'_>) -> Result<()> {
         let recipe = self.technique.recipe(view)?;
         let shadows = self.cpu.render(view, &recipe)?;
-        // three-d takes rows from the top, as masks have them.
+        // Both three-d and masks have rows from the top.
         self.mask.fill(&shadows.mask);
-        // The mask is there twice: in main memory, and as a texture.
+        // The mask is in main memory and in a texture.
         self.bytes = shadows.bytes + 2 * 4 * shadows.mask.len() as u64;
         Ok(())
     }
 
-    /// Returns the bytes of maps, of what pixels show, and of the mask.
+    /// Returns the bytes of maps, of visible surfaces, and of the mask.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
@@ -78,8 +78,8 @@ impl UmbrageSun {
 
 impl Light for UmbrageSun {
     fn shader_source(&self, i: u32) -> String {
-        // `calculate_light` is three-d's, as its own sun calls it. Row 0 of OpenGL's pictures and
-        // textures is the bottom one.
+        // `calculate_light` is three-d's, called like that of its own sun. Row 0 of OpenGL's images
+        // and textures is at the bottom.
         format!(
             "
             uniform vec3 color{i};

@@ -1,9 +1,9 @@
-// Lit surfaces. `shadow` is the light set's, whose text stands before this one.
+// Lit surfaces. The light set's text, which precedes this one, defines `shadow`.
 
 struct Lamp {
     // Position (w = 1), or direction to the light (w = 0).
     place: vec4f,
-    // The way a spot points; w: cosine of the angle where its light ends.
+    // Axis of a spot; w: cosine of the angle where its light ends.
     axis: vec4f,
     // Linear colour; w: the light's index in the set.
     color: vec4f,
@@ -14,10 +14,10 @@ struct Frame {
     clip_from_world: mat4x4f,
     // w: number of lamps.
     eye: vec4f,
-    // Light from all around: from above, from below.
+    // Ambient light: from above, from below.
     sky: vec4f,
     ground: vec4f,
-    // Through the pixels: the fields of the library's `CameraRays`.
+    // Rays through the pixels: the fields of the library's `CameraRays`.
     rays: array<vec4f, 6>,
     lamps: array<Lamp, 16>,
 }
@@ -43,7 +43,7 @@ struct Surface {
     return Surface(frame.clip_from_world * vec4f(position, 1.0), position, normal, uv);
 }
 
-// The share of a lamp's light that its cone lets through.
+// Returns the fraction of a lamp's light within its cone.
 fn cone_of(lamp: Lamp, to_light: vec3f) -> f32 {
     return smoothstep(lamp.axis.w, lamp.cone.x, dot(-to_light, lamp.axis.xyz));
 }
@@ -51,7 +51,7 @@ fn cone_of(lamp: Lamp, to_light: vec3f) -> f32 {
 fn lit(seen: Surface) -> vec4f {
     let to_eye = frame.eye.xyz - seen.position;
     let view = normalize(to_eye);
-    // The triangle's own normal, on the side that is seen: shadows ask for it.
+    // The triangle's geometric normal on the visible side, for the shadow lookup.
     var flat_normal = normalize(cross(dpdx(seen.position), dpdy(seen.position)));
     flat_normal *= select(-1.0, 1.0, dot(flat_normal, view) > 0.0);
     var normal = normalize(seen.normal);

@@ -1,4 +1,4 @@
-// Triangles with holes, after forward.wgsl and the library's rule for holes, whose names begin with
+// Alpha-tested triangles. Follows forward.wgsl and the library's alpha test, whose names start with
 // `holes_`.
 
 struct Leaf {

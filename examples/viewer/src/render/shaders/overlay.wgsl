@@ -1,8 +1,7 @@
-// A picture laid over the image: its texels as large as they come out.
+// An overlay of the image.
 
 struct Cover {
-    // x: where the part begins that is covered, y: where it ends, as fractions of the width; z:
-    // opacity.
+    // x, y: start and end of the covered part, as fractions of the width; z: opacity.
     part: vec4f,
 }
 @group(0) @binding(0) var<uniform> cover: Cover;

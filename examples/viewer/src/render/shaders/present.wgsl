@@ -1,5 +1,5 @@
-// The picture in the window. `ENCODES` stands before this text: whether the window encodes colours
-// as it is drawn to.
+// The image in the window. `ENCODES` precedes this text: whether the window's format encodes
+// colours.
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var picture_sampler: sampler;
