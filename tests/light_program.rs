@@ -208,6 +208,7 @@ impl Forward {
 
 impl ForwardProgram {
     fn compile(&self, set_text: &str, revision: u64, set_layout: &BindGroupLayout) -> Drawn {
+        // Compile the set's text with the program's shader.
         let device = &self.d.device;
         let text = format!("{set_text}{OWN_SHADER}");
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -240,6 +241,7 @@ impl ForwardProgram {
             multiview_mask: None,
             cache: None,
         });
+        // Bind the receivers.
         let entries: Vec<_> = (0..)
             .zip([&self.position, &self.normal, &self.triangle])
             .map(|(binding, view)| wgpu::BindGroupEntry {

@@ -65,7 +65,7 @@ impl Deferred {
         let placements = self.boxes.scene.placements(seconds);
         self.boxes.place(graphics, &placements);
         self.shadows.place(&placements)?;
-        // Record the shadows' passes into your encoder: none if nothing changed.
+        // Record the shadow passes into your encoder. Only what changed is drawn again.
         self.shadows.prepare(graphics, &self.boxes)?;
         self.shadows.set.encode(encoder)?;
 

@@ -45,6 +45,7 @@ const OTHER_LIGHT: Light = Light::Point {
 };
 
 fn main() -> anyhow::Result<()> {
+    // Read the arguments.
     let mut arguments = std::env::args().skip(1);
     let mut next = |what| {
         arguments
@@ -62,6 +63,7 @@ fn main() -> anyhow::Result<()> {
         names.extend(large.map(|entry| entry.name.to_owned()));
     }
 
+    // Measure each light without extent, in turn with Embree.
     println!(
         "| scene | casters | Embree build ms | Embree trace ms | exact make ms | exact lookup ms | make | lookup | rays | hidden | \
          differ |"
@@ -104,8 +106,12 @@ fn main() -> anyhow::Result<()> {
             name_of_library.clone_from(&embree.name);
         }
     }
-    ensure!(!ratios.is_empty(), "none of the scenes has a light without extent");
+    ensure!(
+        !ratios.is_empty(),
+        "none of the scenes has a light without extent"
+    );
 
+    // Compare the ratios with the requirement.
     let logarithms: f64 = ratios.iter().map(|ratio| ratio.ln()).sum();
     let mean = (logarithms / ratios.len() as f64).exp();
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
@@ -283,8 +289,14 @@ impl Embree {
             .stdout(Stdio::piped())
             .spawn()
             .with_context(|| format!("{} can't be started", program.display()))?;
-        let orders = child.stdin.take().context("the process has no standard input")?;
-        let answers = child.stdout.take().context("the process has no standard output")?;
+        let orders = child
+            .stdin
+            .take()
+            .context("the process has no standard input")?;
+        let answers = child
+            .stdout
+            .take()
+            .context("the process has no standard output")?;
         let mut out = Self {
             name: String::new(),
             folder: folder.to_owned(),

@@ -47,6 +47,7 @@ impl ByHand {
         casters: umbrage::Aabb,
         lookup: HandLookup,
     ) -> Result<Self> {
+        // Fit the light spaces.
         let mut spaces: Vec<Mat4> = Vec::new();
         for light in &boxes.scene.lights {
             let view = View {
@@ -60,6 +61,7 @@ impl ByHand {
             let recipe = technique.recipe(&view)?;
             spaces.push(recipe.casts[0].space.clip_from_world());
         }
+        // Create the maps, and a matrix for each.
         let lights = spaces.len() as u32;
         let map_array = graphics.target_array(UVec2::splat(lookup.map_size), lights, DEPTH);
         let uniforms = wgpu::BufferUsages::UNIFORM;
@@ -70,6 +72,7 @@ impl ByHand {
             let group = graphics.group(&matrix_layout, &[matrix.as_entire_binding()]);
             maps.push((group, layer));
         }
+        // Create the uniforms of the lookup.
         let mut words: Vec<f32> = spaces.iter().flat_map(Mat4::to_cols_array).collect();
         words.extend([lookup.map_size as f32, lookup.bias, 0.0, 0.0]);
         let words = graphics.buffer(uniforms, bytemuck::cast_slice(&words));

@@ -463,7 +463,10 @@ fn both_backends_agree_on_hashed_holes() {
             }
         }
     }
-    assert!(told >= 20, "only {told} masks differ with hashed alpha tests");
+    assert!(
+        told >= 20,
+        "only {told} masks differ with hashed alpha tests"
+    );
 }
 
 /// Returns the number of pixels at which two masks differ.

@@ -104,7 +104,10 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
             let label = format!("{name}, {}", map.label());
             assert_eq!(single[0], several[0], "{label} on the CPU");
             assert_eq!(single[1], several[1], "{label} on wgpu");
-            assert_ne!(single[0], spoilt[0], "{label}: a displaced layer on the CPU");
+            assert_ne!(
+                single[0], spoilt[0],
+                "{label}: a displaced layer on the CPU"
+            );
             assert_ne!(single[1], spoilt[1], "{label}: a displaced layer on wgpu");
             compared += 1;
         }

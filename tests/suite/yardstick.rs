@@ -33,7 +33,10 @@ fn the_yardstick_is_the_same_work_on_both_backends() {
             .render(&view, &yardstick.recipe)
             .expect("renders")
             .mask;
-        let theirs = gpu().render(&view, &yardstick.recipe).expect("renders").mask;
+        let theirs = gpu()
+            .render(&view, &yardstick.recipe)
+            .expect("renders")
+            .mask;
         // All numbers are integers up to the last division.
         let differing = mine
             .iter()

@@ -50,6 +50,7 @@ fn dispatch(
             contents: bytemuck::cast_slice(&words),
             usage: wgpu::BufferUsages::STORAGE,
         });
+    // Create the output, and a buffer for reading it back.
     let buffer = |label, usage| {
         let size = 4 * outputs as u64;
         on.device.create_buffer(&wgpu::BufferDescriptor {
@@ -81,6 +82,7 @@ fn dispatch(
             },
         ],
     });
+    // Run the wrapper, and read its output.
     let mut encoder = on
         .device
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -77,6 +77,7 @@ impl Gpu {
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
         requirements::check_receivers(&adapter)?;
+        // Open the device with the optional features of the adapter.
         #[cfg(feature = "testing")]
         let of_tests = crate::driver_model::features();
         #[cfg(not(feature = "testing"))]
@@ -93,6 +94,7 @@ impl Gpu {
         let (device, queue) = opened.map_err(|e| BackendError::DeviceLost(e.to_string()))?;
         let errors = DeviceErrors::of(&device);
         let info = adapter.get_info();
+        // Create the resources that all recipes share.
         let scopes = Scopes::open(&device);
         let mut counters = Counters::default();
         let gpu = Self {
@@ -191,6 +193,7 @@ impl Gpu {
         recipe: &Recipe,
     ) -> Result<Option<u32>, BackendError> {
         let mut factory = factory!(self);
+        // Upload the geometry, and the receivers if known.
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut factory, view.camera.size);
         let geometry = match view.geometry {
             Some(geometry) => Some(self.geometries.get(&mut factory, geometry)?),
@@ -205,6 +208,7 @@ impl Gpu {
             }
             (None, None) => return Err(blind()),
         }
+        // Prepare the recipe.
         let casters = geometry.map_or_else(Vec::new, GpuGeometry::casters);
         let everything = geometry.map_or_else(Vec::new, GpuGeometry::everything);
         let holes = geometry.and_then(|g| g.cut_outs.as_ref());
@@ -257,6 +261,7 @@ impl Gpu {
         recipe: &Recipe,
         finds_receivers: bool,
     ) -> Result<Shadows, BackendError> {
+        // Record the copies.
         let stages = StagesWithPasses::new(recipe, finds_receivers);
         let kept = if recipe.keep_images {
             self.readable_images(&mut encoder)
@@ -273,6 +278,7 @@ impl Gpu {
             .timestamps
             .as_ref()
             .map(|queries| queries.read(&mut encoder, stages, &mut back));
+        // Submit, and read the results.
         self.queue.submit([encoder.finish()]);
         back.wait()?;
         let receivers = match receiver_tickets {

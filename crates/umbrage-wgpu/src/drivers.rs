@@ -49,9 +49,9 @@ pub const STEADY_FIRST_WORD: Workaround = Workaround {
 };
 
 impl Gpu {
-    /// Checks that the adapter is the software driver to which the CPU backend is bit-equal:
-    /// lavapipe of Mesa 22.3.6 on a processor with fused multiply-add, which its rasteriser uses if
-    /// available.
+    /// Checks that the adapter is the software driver to which the CPU backend is bit-equal. That
+    /// is lavapipe of Mesa 22.3.6 on a processor with fused multiply-add, which its rasteriser uses
+    /// if available.
     ///
     /// # Errors
     /// Errors with the driver's name if it is another one.

@@ -26,7 +26,7 @@ use wgpu::{
     VertexState,
 };
 
-/// Twin of `Seen` in visibility.wgsl.
+/// Twin of `Seen` in gbuffer_visibility.wgsl.
 #[derive(ShaderType)]
 struct Seen {
     clip_from_world: Mat4,

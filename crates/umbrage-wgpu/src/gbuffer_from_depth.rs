@@ -124,6 +124,7 @@ impl GBufferFromDepth {
         source: &DepthBuffer<'_>,
         camera: &DepthCamera,
     ) {
+        // Fit the textures to the depth buffer.
         let texture = source.depth.texture();
         let size = UVec2::new(texture.width(), texture.height());
         self.samples = source.has_samples();
@@ -138,6 +139,7 @@ impl GBufferFromDepth {
             ..positions
         };
         fit_images(factory, &mut self.images, &[positions, normals], &[]);
+        // Write the camera, and bind the inputs.
         let usage = BufferUsages::UNIFORM;
         let bytes = camera.bytes();
         let uniforms = factory.write(&mut self.uniforms, "umbrage camera", usage, &bytes);
@@ -150,6 +152,7 @@ impl GBufferFromDepth {
         let layout = self
             .binding
             .bind(factory, layouts, stage, "umbrage depth", entries);
+        // Create the pipeline on first use.
         self.pipelines.entry(self.samples).or_insert_with(|| {
             factory.counters.pipelines += 1;
             let text = depth_wgsl(self.samples);

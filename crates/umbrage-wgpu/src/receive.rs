@@ -123,6 +123,7 @@ impl PixelStage {
         seen: Vec<(Slot, Bound)>,
         shader: impl Fn(&str, u32) -> String,
     ) {
+        // Create the image.
         let image = ImageDesc {
             label: pixel.label,
             size: pixel.size,
@@ -130,6 +131,7 @@ impl PixelStage {
             format: pixel.format,
         };
         fit_images(factory, &mut self.image, &[image], &[]);
+        // Bind the kernel's inputs and the receivers.
         let shape = self.kernel.bind(
             factory,
             pipelines,
@@ -143,6 +145,7 @@ impl PixelStage {
         let seen_layout = self
             .gbuffer
             .bind(factory, layouts, stage, "umbrage receivers", seen);
+        // Build the pipeline.
         let gbuffer_group = options.gbuffer_group();
         let text = kernel_wgsl(pixel.kernel, &shape, options.kernel_group);
         let text = shader(&text, gbuffer_group);

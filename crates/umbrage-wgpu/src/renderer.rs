@@ -127,6 +127,7 @@ impl ShadowRenderer {
         frame: FrameWithHoles<'_>,
     ) -> Result<(), BackendError> {
         self.prepared = None;
+        // Check the inputs.
         check_device(device, self.submissions.device())?;
         recipe.make_tables();
         recipe.validate(&self.limits)?;
@@ -135,10 +136,12 @@ impl ShadowRenderer {
         let inputs = frame.inputs;
         check_size(inputs.size, self.limits.image_side)?;
         inputs.validate(recipe, &device.limits())?;
+        // Choose resources that no unsubmitted encoder uses.
         let pairs = pairs(recipe)?;
         let light = self.free_resources(recipe, inputs);
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
+        // Create and write the resources.
         let scopes = Scopes::open(device);
         let mut factory = ResourceFactory {
             device,
@@ -227,12 +230,7 @@ impl ShadowRenderer {
             return Ok(&casts.targets);
         }
         let why = "peel, count or draw a technique's faces, which needs more than the targets";
-        Err(Invalid::new(
-            "casts",
-            why,
-            "call `encode_casts_with` instead",
-        )
-        .into())
+        Err(Invalid::new("casts", why, "call `encode_casts_with` instead").into())
     }
 
     /// Records all casts in order. Draws a technique's faces itself, and calls `draw` for each cast

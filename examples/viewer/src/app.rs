@@ -63,6 +63,7 @@ impl App {
         ctx.set_theme(egui::Theme::Dark);
         // The program's own keys change the zoom.
         ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        // Choose the scene: the requested one, the saved one, or the first.
         let storage = context.storage.filter(|_| !start.is_fresh);
         let saved: Option<Settings> =
             storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY));
@@ -72,6 +73,7 @@ impl App {
         let wanted = wanted.unwrap_or_else(|| FIRST_SCENE.to_owned());
         let settings = Settings::new(saved.as_ref(), &start.techniques);
         let mut viewer = Viewer::new(render, settings)?;
+        // Open it with the saved settings, or as a failure.
         let failure = bookmarks::find(&wanted).filter(|_| start.shows_failure);
         let scene = failure.map_or(wanted.as_str(), |failure| failure.scene);
         let then = match (failure, saved) {

@@ -21,7 +21,8 @@ pub(crate) struct MotionPath {
     /// The width of a texel of the first map, metres.
     texel: f64,
     pub is_playing: bool,
-    /// Position of the motion. `None` before it begins, and after the user moves the camera or the light.
+    /// Position of the motion. `None` before it begins, and after the user moves the camera or the
+    /// light.
     pub under_way: Option<UnderWay>,
 }
 

@@ -522,7 +522,7 @@ def made_beside(viewer):
           f"in {seconds:.1f} s; it told {sorted(steps)}")
     assert camera != before["camera"], "the camera did not move"
     assert frames >= LEAST_FRAMES, frames
-    assert any(word in step for step in steps for word in ["is read", "placed", "handed over"]), steps
+    assert any(word in step for step in steps for word in ["reading", "placing", "handed over"]), steps
     viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
     choose_scene(viewer, "forest")
     viewer.wait(lambda r: r["reading"] == "forest", "the begin of the forest")
@@ -610,7 +610,7 @@ def broken_workers(viewer):
     assert call in script
     for what, instead, words in [
         ("can't be loaded", None, "worker.js can't be loaded"),
-        ("panics", script.replace(call, "umbrage_work('panic', parts);"), "a test asked for a panic"),
+        ("panics", script.replace(call, "umbrage_work('panic', parts);"), "a test requested a panic"),
         ("runs out of memory", script.replace(call, "umbrage_work('memory', parts);"), "no memory is left"),
         ("is asked for something else", script.replace(call, "umbrage_work('dance', parts);"), "`dance`"),
     ]:
@@ -639,7 +639,7 @@ def broken_workers(viewer):
     viewer.click("Button", "Find it")
     report = viewer.wait(lambda r: r["message"], "a message")
     print(f"a browser without workers: {report['message']}")
-    assert "starts no worker (no workers here)" in report["message"], report
+    assert "can't start a worker (no workers here)" in report["message"], report
     choose_scene(viewer, "fence")
     viewer.wait(lambda r: r["scene"] == "fence", "a scene that is made without a worker")
     viewer.shot("without-workers")

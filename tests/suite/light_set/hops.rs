@@ -249,10 +249,7 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
     });
     let [in_shadow, spoilt] = [in_shadow, spoilt].map(|count| count.get());
     assert!(in_shadow > 2000, "only {in_shadow} pixels in shadow");
-    assert!(
-        spoilt >= 18,
-        "only {spoilt} of 24 wrong sets are detected"
-    );
+    assert!(spoilt >= 18, "only {spoilt} of 24 wrong sets are detected");
 }
 
 const FOUR_LAMPS: [Lamp; 4] = [

@@ -68,6 +68,7 @@ impl Receivers {
     /// shadows.
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
+        // Check the lengths of the arrays.
         let lengths = [
             self.x.len(),
             self.y.len(),
@@ -89,6 +90,7 @@ impl Receivers {
                 format!("give every array {pixels} entries"),
             ));
         }
+        // Find the first number that is not finite, row by row.
         let width = (self.size.x as usize).max(1);
         let fault = (0..pixels / width)
             .into_par_iter()

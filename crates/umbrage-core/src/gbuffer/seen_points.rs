@@ -118,6 +118,7 @@ impl<'a> SeenPoints<'a> {
 fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
     let width = receivers.size.x as usize;
     let height = receivers.size.y as usize;
+    // Handle tiles at the border of the image point by point.
     let is_cut_off = (column + 1) * TILE > width || (row + 1) * TILE > height;
     if is_cut_off {
         return Aabb::around(points_in(receivers, column, row));

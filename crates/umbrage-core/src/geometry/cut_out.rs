@@ -276,6 +276,7 @@ impl CutOuts {
         let Some(record) = self.record(triangle) else {
             return Some(false);
         };
+        // Find the box around the uvs, in texels.
         let uvs = record.uvs.map(|uv| uv.as_dvec2());
         let size = record.size.as_dvec2();
         let mut low = glam::DVec2::INFINITY;
@@ -294,6 +295,7 @@ impl CutOuts {
         if !is_near || count.element_product() > MAX_TEXELS {
             return None;
         }
+        // Compare all texels in the box.
         let first = low.as_i64vec2();
         let last = high.as_i64vec2();
         let size = record.size.as_i64vec2();
@@ -324,6 +326,7 @@ impl CutOuts {
         if count == 0 {
             return Ok(None);
         }
+        // Reserve the header and the records.
         let header = [runs[0].start, runs[0].end, runs[1].start, runs[1].end];
         let mut rows = vec![header];
         rows.resize(1 + 2 * count, [0; 4]);
@@ -344,6 +347,7 @@ impl CutOuts {
                     row
                 }
             };
+            // Write the record of the triangle.
             let record = Record {
                 uvs: placed.triangles[id as usize].map(|v| placed.uvs[v as usize]),
                 size: texture.size,

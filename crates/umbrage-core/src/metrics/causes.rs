@@ -141,6 +141,7 @@ impl Causes {
                 gaps.push(truth.blocker[i]);
             }
         }
+        // Convert the sums to means.
         let counted = truth
             .pixels
             .iter()
@@ -156,6 +157,7 @@ impl Causes {
         ] {
             *out.share(cause) /= counted;
         }
+        // Compute the 95th percentile of the gaps.
         gaps.sort_by(f32::total_cmp);
         out.gap_metres = gaps
             .get(gaps.len() * 19 / 20)

@@ -342,6 +342,7 @@ impl Recipe {
     /// Errors with the first fault found: sizes of zero or beyond the limits, invalid ids, formats
     /// that don't fit a stage, numbers that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
+        // Check images and tables against the limits.
         for image in &self.images {
             check_image(image, limits)?;
         }
@@ -362,6 +363,7 @@ impl Recipe {
                 ));
             }
         }
+        // Check the stages.
         for (i, cast) in self.casts.iter().enumerate() {
             check_numbers(cast).map_err(|e| e.within(format!("cast {i}")))?;
             self.check_cast(cast)?;
@@ -405,7 +407,7 @@ impl Recipe {
             return Ok(());
         }
         let why = format!("writes image {}", filter.output);
-        let help = "write an image that is not an input and has neither a depth nor a stencil format";
+        let help = "write an image that is no input and has neither a depth nor a stencil format";
         Err(Invalid::new("filter", why, help))
     }
 
@@ -419,7 +421,7 @@ impl Recipe {
             CastMode::Depth => {
                 if !image.format.is_depth() {
                     let why = format!("writes image {}", cast.image);
-                    return Err(Invalid::new("cast", why, "use an image with a depth format"));
+                    return Err(Invalid::new("cast", why, "use an image of depth format"));
                 }
                 true
             }

@@ -165,6 +165,7 @@ impl Material {
     /// Errors with the first fault found: an invalid texture index, a number that is negative or
     /// not finite, a setting or a cut-off out of range.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
+        // Check colours.
         for (what, color) in [
             ("diffuse colour", self.diffuse),
             ("specular colour", self.specular),
@@ -175,6 +176,7 @@ impl Material {
             }
         }
         let relief = self.displacement;
+        // Check texture indices.
         for (what, id) in [
             ("diffuse texture", self.diffuse_texture),
             ("normal map", self.normal_map),
@@ -190,6 +192,7 @@ impl Material {
                 ));
             }
         }
+        // Check the other settings.
         at_most(
             "shininess",
             self.shininess_log2,

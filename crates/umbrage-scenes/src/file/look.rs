@@ -49,6 +49,7 @@ pub(super) fn read<'a>(
     if KEYS.iter().all(|key| table.get(key).is_none()) || filter_of_model(table)?.is_some() {
         return Ok(None);
     }
+    // Read the textures.
     let mut texture = |key: &str, meaning| -> Result<Option<usize>, SceneError> {
         let Some(item) = table.get(key) else {
             return Ok(None);
@@ -75,6 +76,7 @@ pub(super) fn read<'a>(
     let normal_map = texture("normal_map", Meaning::Data)?;
     let height_map = texture("height_map", Meaning::Data)?;
     let alpha_map = texture("alpha_map", Meaning::Alpha)?;
+    // Build the material from the other keys and the defaults.
     let plain = Material {
         diffuse_texture,
         normal_map,

@@ -68,6 +68,7 @@ pub(crate) fn parse(
         file: path.display().to_string(),
         text,
     };
+    // Parse the text, and check the keys.
     let document = DeTable::parse(text).map_err(|e| syntax(&source, &e))?;
     let root = Table::root(&source, &document);
     root.only(&["name", "anchor", "camera", "light", "object"])?;
@@ -76,6 +77,7 @@ pub(crate) fn parse(
         name: obj::name_of(path),
         ..Scene::default()
     };
+    // Read the name.
     if let Some(name) = root.get("name") {
         scene.name = name.text()?.to_owned();
         name.require(
@@ -91,6 +93,7 @@ pub(crate) fn parse(
             &help,
         )?;
     }
+    // Read lights, objects and the camera, in this order.
     scene.lights = root
         .tables("light")?
         .iter()

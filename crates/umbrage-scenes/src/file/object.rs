@@ -48,6 +48,7 @@ pub(super) fn read_all(
     let mut textures = TextureFiles::new(files);
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
+        // Make the parts of the model, or reuse them.
         let (source, item) = shape_or_mesh(table, folder)?;
         let look = look::read(table, folder, &mut textures, scene)?;
         let needs = Needs::of(look.as_ref());
@@ -58,6 +59,7 @@ pub(super) fn read_all(
         }
         let parts = &known[&key];
         check_coordinates(look.as_ref(), parts, scene)?;
+        // Add the material of the object's look.
         let own = look.map(|look| {
             scene.materials.push(look.material);
             scene.materials.len() - 1
@@ -71,6 +73,7 @@ pub(super) fn read_all(
                 "leave it out, or add alpha_map = \"leaf.png\"",
             )?;
         }
+        // Add an instance for each part.
         let casts = table.flag_or_true("casts")?;
         let receives = table.flag_or_true("receives")?;
         let world_from_model = placement(table, anchor)?;

@@ -56,6 +56,7 @@ fn part(
     materials: &mut Materials<'_>,
     scene: &mut Scene,
 ) -> Result<Option<ModelPart>, Invalid> {
+    // Read the triangles and the look.
     let Some(shape) = PrimitiveShape::read(primitive, data)? else {
         return Ok(None);
     };
@@ -70,6 +71,7 @@ fn part(
     } = look;
     let material_of_scene = material.map(|i| scene.materials[i]);
     let needs_tangents = material_of_scene.is_some_and(|m| m.normal_map.is_some());
+    // Read normals, texture coordinates and tangents, as far as the look uses them.
     let normals: Vec<[f32; 3]> = shape.attribute(primitive, &Semantic::Normals, data)?;
     let mut mesh = Mesh {
         normals: normals.into_iter().map(Vec3::from_array).collect(),
@@ -102,6 +104,7 @@ fn part(
     if !mesh.tangents.iter().all(is_tangent) {
         mesh.tangents.clear();
     }
+    // Compute missing normals and tangents.
     if mesh.normals.is_empty() {
         mesh = flat(&mesh);
     }

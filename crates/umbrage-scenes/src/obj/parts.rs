@@ -26,6 +26,7 @@ pub(super) fn add(
     files: Option<&mut TextureFiles<'_>>,
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
+    // Read the materials. Without any, keep one mesh.
     let entries = match &files {
         Some(files) => entries(&model.looks, path, files.files)?,
         None => Vec::new(),
@@ -34,6 +35,7 @@ pub(super) fn add(
         scene.meshes.push(model.mesh);
         return Ok(vec![ModelPart::new(scene.meshes.len() - 1, None)]);
     };
+    // Add a mesh for each material.
     let mut parts = Vec::new();
     for (entry, mut mesh) in model.split(&entries) {
         let material = match entry {

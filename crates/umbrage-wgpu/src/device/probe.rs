@@ -102,8 +102,8 @@ fn edge_start(strip: usize) -> f64 {
     (strip as f64 + 0.5) / 512.0
 }
 
-/// Returns the number of rows, at the bottom of the image, in which a triangle's right edge is
-/// right of its column of pixel centres; 0 if it covers no pixel there.
+/// Returns the number of bottom rows of the image in which a triangle's right edge is right of its
+/// column of pixel centres. Returns 0 if the triangle covers no pixel there.
 fn rows_right_of_centers(depths: &[f32], strip: usize) -> usize {
     let column = strip * STRIP + 3;
     let first = (0..ROWS).find(|row| depths[row * STRIPS * STRIP + column] > 0.0);
@@ -118,9 +118,9 @@ fn upper_end(rows: usize) -> f64 {
     0.375 - 0.125 * ROWS as f64 / rows as f64
 }
 
-/// Returns the depth of a triangle's plane at the first row's pixel left of the column, if the
-/// triangle's right edge starts `start` pixels right of the grid point. Coordinates are relative to
-/// the column's centres and the image's upper edge.
+/// Returns the depth of a triangle's plane at the first row's pixel left of the column. `start` is
+/// the start of the triangle's right edge, pixels right of the grid point. Coordinates are relative
+/// to the column's centres and the image's upper edge.
 fn depth_beside(start: f64) -> f64 {
     // Upper and lower end of the right edge, which have the same depth, and the left corner.
     let upper = DVec2::new(start - 0.25, 0.0);

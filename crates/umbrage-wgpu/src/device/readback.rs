@@ -35,7 +35,7 @@ struct Copy {
     row: usize,
     /// Bytes from one row to the next in the buffer.
     padded_row: usize,
-    /// Whether mapping succeeded; empty before it is done.
+    /// True if mapping succeeded; empty before it is done.
     mapped: Arc<OnceLock<bool>>,
 }
 

@@ -30,7 +30,7 @@ pub(crate) struct Records {
     /// Bytes of a record.
     stride: usize,
     bytes: Vec<u8>,
-    /// Whether each record is in use.
+    /// True for records in use.
     used: Vec<bool>,
     /// Records that the buffer doesn't contain yet.
     changed: Vec<usize>,
@@ -195,7 +195,7 @@ impl LightNumbers {
             NumberSpace::Storage
         };
         // Grow each list by the same factor, so that lights can be added for a while without
-        // changing shaders: to the whole uniform buffer, or to twice the needed size.
+        // changing shaders. Use the whole uniform buffer, or twice the needed size.
         let room = if fits {
             self.most_uniform_bytes
         } else {

@@ -228,6 +228,7 @@ impl CasterLists {
         casters: &Casters,
         tables: &mut SharedTables,
     ) -> bool {
+        // Drop the lists of lights that no longer use any.
         self.lights
             .retain(|id, _| lights.get(id).is_some_and(wants_lists));
         if !lights.values().any(wants_lists) {
@@ -246,13 +247,14 @@ impl CasterLists {
             let Some(lists) = self.lights.get_mut(id) else {
                 continue;
             };
+            // Compute the needed capacity, and reject lights that exceed the device's limits.
             let room = lists.wanted_room(made, triangles, self.limits);
             let rows = room.rows(made);
             let tables_bytes = 16 * rows.iter().sum::<u64>() + tables.bytes_without(id);
             let bytes = tables_bytes.max(room.scratch_bytes(made));
             if bytes > most {
                 let why = format!(
-                    "its lists of {triangles} triangles need {} MiB, and shaders of the device read {} MiB at once; request a device with a greater `max_storage_buffer_binding_size`",
+                    "its lists of {triangles} triangles need {} MiB, and shaders of the device can bind {} MiB; request a device with a greater `max_storage_buffer_binding_size`",
                     bytes >> 20,
                     most >> 20
                 );
@@ -262,6 +264,7 @@ impl CasterLists {
                 changed = true;
                 continue;
             }
+            // Reserve the capacity.
             if lists.room != room {
                 lists.room = room;
                 lists.buffers = None;
@@ -303,6 +306,7 @@ impl CasterLists {
             let Some(made) = lights.get(id).and_then(shown_lists) else {
                 continue;
             };
+            // Find the pipelines of the list, or create them.
             let known = self
                 .kinds
                 .iter()
@@ -311,6 +315,7 @@ impl CasterLists {
                 self.kinds.push(ListKind::new(factory, pipelines, made));
                 self.kinds.len() - 1
             });
+            // Write the inputs of lists that are out of date.
             lists.is_stale |= lists.grid != made.uniforms;
             if lists.is_stale {
                 let rows = [
@@ -540,6 +545,7 @@ impl LightLists {
         rows: [u32; 4],
         tables: &Buffer,
     ) {
+        // Create the buffers on first use.
         let room = self.room;
         let buffers = self.buffers.get_or_insert_with(|| {
             let storage = BufferUsages::STORAGE;
@@ -577,6 +583,7 @@ impl LightLists {
                 ),
             }
         });
+        // Write the uniforms.
         self.grid.clone_from(&made.uniforms);
         let [tiles, cells, items, corners] = rows;
         let place = [
@@ -593,6 +600,7 @@ impl LightLists {
         factory
             .queue
             .write_buffer(&buffers.place, 0, bytemuck::cast_slice(&place));
+        // Bind the buffers.
         let all = [
             &buffers.grid,
             &buffers.place,

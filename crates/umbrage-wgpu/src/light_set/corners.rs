@@ -55,6 +55,7 @@ impl CornerStage {
         let Some(instances) = casters.instances() else {
             return;
         };
+        // Write the uniforms of each mesh with casters.
         let mut row = first_row;
         let placed = &mut self.placed;
         let numbers = casters.meshes().filter_map(|(id, mesh)| {
@@ -70,6 +71,7 @@ impl CornerStage {
         let Some(numbers) = self.numbers.write(factory, "umbrage corners", numbers) else {
             return;
         };
+        // Create the pipeline on first use.
         let slots = [
             Slot::Window(NUMBERS),
             Slot::Table,
@@ -91,6 +93,7 @@ impl CornerStage {
                 &[Some(&layout)],
             )
         });
+        // Bind the buffers of each mesh.
         for &(id, _) in &self.placed {
             let Some(mesh) = casters.mesh(id) else {
                 continue;
@@ -111,6 +114,7 @@ impl CornerStage {
                 binding.set(factory, "umbrage corners", &layout, bound);
             }
         }
+        // Drop the bindings of removed meshes.
         self.bindings.retain(|id, _| casters.mesh(id).is_some());
     }
 

@@ -71,6 +71,7 @@ impl LightSet {
         }
         self.dropped_encoders.watch(encoder);
         let mut timer = timer;
+        // Record the lists.
         self.lists.encode(encoder, |id| timer.as_mut()?.lists(id));
         let mut clock = PassClock {
             meter: match &timer {
@@ -79,6 +80,7 @@ impl LightSet {
             },
             timer,
         };
+        // Record the casts and filters of each light.
         let mut filtered: Option<LightId> = None;
         let mut names = self.passes.names().enumerate().peekable();
         while let Some((pass, name)) = names.next() {
@@ -108,6 +110,7 @@ impl LightSet {
         if let Some(meter) = clock.meter {
             meter.end(encoder);
         }
+        // Mark the recorded layers as up to date.
         for name in self.passes.names() {
             let cast = &mut self.lights[name.light].maps.casts[name.cast];
             match (name.part, &mut cast.still) {

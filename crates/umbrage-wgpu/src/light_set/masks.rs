@@ -160,7 +160,9 @@ impl MaskInputs<'_> {
     pub(crate) fn validate(&self) -> Result<(), BackendError> {
         if self.size.min_element() == 0 {
             let why = format!("are {} x {} pixels", self.size.x, self.size.y);
-            return Err(Invalid::new("masks", why, "use at least one pixel in each direction").into());
+            return Err(
+                Invalid::new("masks", why, "use at least one pixel in each direction").into(),
+            );
         }
         match &self.receivers {
             MaskReceivers::Positions(gbuffer) => gbuffer.validate(self.size)?,
@@ -184,10 +186,7 @@ impl MaskInputs<'_> {
             return Ok(());
         }
         let why = format!("has {} x {} pixels", size.x, size.y);
-        let help = format!(
-            "make it {} x {}, like the masks",
-            self.size.x, self.size.y
-        );
+        let help = format!("make it {} x {}, like the masks", self.size.x, self.size.y);
         Err(Invalid::new(what, why, help))
     }
 }
@@ -214,6 +213,7 @@ impl MaskStage {
         inputs: &MaskInputs<'_>,
         lights: impl Iterator<Item = (LightId, Option<u32>)>,
     ) -> Result<(), BackendError> {
+        // Write the per-frame data.
         self.lights.clear();
         self.lights.extend(lights);
         if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
@@ -222,6 +222,7 @@ impl MaskStage {
         if self.is_made_for(shader, inputs) {
             return Ok(());
         }
+        // Replace texture and bindings.
         self.fit_texture(factory, inputs);
         let key = MaskKey::of(shader, inputs);
         let layout = self.bind(factory, pipelines, &inputs.receivers);
@@ -229,6 +230,7 @@ impl MaskStage {
         if self.made_for == Some(key) && self.pipeline.is_some() {
             return Ok(());
         }
+        // Build the pipeline.
         let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared)?;
         let own_group = own_group(shader.group());
         let mut groups = [None, None, None, None];

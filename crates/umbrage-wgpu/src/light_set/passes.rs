@@ -142,6 +142,7 @@ impl PassList {
             PassCasters::Moving => Wanted::Moving(moving),
         };
         let first_draw = self.draws.len();
+        // Append a draw for each mesh with visible casters.
         let mut triangles = 0;
         for (id, mesh) in sources.casters.meshes() {
             let first_run = self.runs.len();
@@ -211,6 +212,7 @@ impl PassList {
             triangles,
         } = &self.passes[pass_index];
         let part = name.part;
+        // Copy the still casters.
         if let (PassCasters::Moving, Some(still)) = (part, &cast.still) {
             let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
             let copy = |encoder: &mut CommandEncoder| copy_still_layer(encoder, still, cast);
@@ -219,6 +221,7 @@ impl PassList {
                 None => copy(encoder),
             }
         }
+        // Begin the pass.
         let target = match (part, &cast.still) {
             (PassCasters::Still, Some(still)) => &still.target,
             _ => &cast.target,
@@ -234,6 +237,7 @@ impl PassList {
         if let Some(buffer) = casters.instances() {
             pass.set_vertex_buffer(1, buffer.slice(..));
         }
+        // Draw the meshes.
         let mut last = None;
         for draws in &self.draws[draws.clone()] {
             let Some(mesh) = casters.mesh(draws.mesh) else {

@@ -75,6 +75,7 @@ impl LightPlan {
     /// Errors with `Unsupported` and a reason if the set can't execute it.
     fn new(recipe: Recipe) -> Result<Self, RecipeError> {
         check_casts(&recipe)?;
+        // Check the number of bindings.
         let receive = &recipe.receive;
         let kernel = &*receive.kernel;
         let images = receive.inputs.len();
@@ -91,6 +92,7 @@ impl LightPlan {
             );
             return Err(RecipeError::unsupported(why));
         }
+        // Describe the kernel.
         let block = kernel.uniforms();
         let kind = KernelKind {
             modules: kernel.modules(),

@@ -129,6 +129,7 @@ impl LightSet {
 
     /// Replaces the plans that may have changed.
     fn plan_lights(&mut self, frame: &SetFrame<'_>) {
+        // Compare the inputs with those of the last plan.
         let now = PlannedFor {
             camera: *frame.camera,
             casters: self.casters_box(),
@@ -149,6 +150,7 @@ impl LightSet {
             recipes: &self.limits,
             unlisted: self.unlisted.as_deref(),
         };
+        // Replace the plans of lights with changed inputs.
         for light in self.lights.values_mut() {
             let settings = &light.settings;
             let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
@@ -175,6 +177,7 @@ impl LightSet {
         if !std::mem::take(&mut self.layers_changed) {
             return;
         }
+        // Select the lights that fit into the budget, by priority.
         let mut order: Vec<LightId> = self.lights.keys().collect();
         order.sort_by(|&a, &b| {
             let a = &self.lights[a];
@@ -201,6 +204,7 @@ impl LightSet {
                 fitting.push(id);
             }
         }
+        // Allocate the layers.
         let most_layers = self.limits.layers.min(MAX_NAMED_LAYERS);
         for id in fitting {
             take_layers(&mut self.lights[id], &mut self.pool, most_layers);

@@ -348,6 +348,7 @@ impl SetShader {
     /// them, exceed what a shader can bind.
     fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, HeldLight>, most: u64) {
         let mut bytes = self.tables.made_bytes();
+        // Add up the tables by priority, counting shared ones once.
         let mut order: Vec<LightId> = lights.keys().collect();
         order.sort_by(|&a, &b| {
             let priority = |id: LightId| lights[id].settings.priority;

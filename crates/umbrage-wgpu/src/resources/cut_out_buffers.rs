@@ -52,9 +52,8 @@ impl CutOutBuffers {
         };
         let stage = device.limits().max_storage_buffers_per_shader_stage;
         if stage < MOST_BUFFERS {
-            let why = format!(
-                "need up to {MOST_BUFFERS} storage buffers, and the device allows {stage}"
-            );
+            let why =
+                format!("need up to {MOST_BUFFERS} storage buffers, and the device allows {stage}");
             let help =
                 format!("request `max_storage_buffers_per_shader_stage` of {MOST_BUFFERS} or more");
             return Err(Invalid::new("alpha-tested triangles", why, help));

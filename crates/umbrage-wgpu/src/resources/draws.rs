@@ -46,6 +46,7 @@ impl DrawList {
             inputs: frame,
             holes,
         } = frame;
+        // Append the draws that all casts share.
         let mut draws = Vec::new();
         let casters_with_holes =
             holes.and_then(|holes| Draw::with_holes(holes, std::slice::from_ref(&holes.casters)));
@@ -60,6 +61,7 @@ impl DrawList {
         } else {
             0..0
         };
+        // Append the draws of single casts.
         let mut ranges = Vec::with_capacity(casts.len());
         for cast in casts {
             let first = draws.len();

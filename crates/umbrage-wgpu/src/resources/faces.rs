@@ -35,11 +35,13 @@ impl FaceBuffers {
         factory: &mut ResourceFactory<'_>,
         faces: &Arc<Faces>,
     ) -> FaceBuffer {
+        // Return cached buffers.
         for uploaded in &self.uploaded {
             if Arc::ptr_eq(&uploaded.faces, faces) {
                 return uploaded.buffer.clone();
             }
         }
+        // Find spare buffers that are large enough.
         let vertices = vertex_bytes(faces);
         let indices = index_bytes(faces);
         let fitting = self.spare.iter().position(|spare| {
@@ -53,6 +55,7 @@ impl FaceBuffers {
             spare_vertices = Some(spare.vertices);
             spare_indices = Some(spare.indices);
         }
+        // Upload the faces.
         let buffer = FaceBuffer {
             vertices: factory.write(
                 &mut spare_vertices,

@@ -39,6 +39,7 @@ impl GpuGeometry {
         };
         let coverage = geometry.cut_outs().and_then(|c| c.coverage_rows());
         let coverage: Option<&[u8]> = coverage.map(|rows| bytemuck::cast_slice(rows));
+        // Check the sizes.
         let lists = [
             ("vertices", positions),
             ("triangles", indices),
@@ -48,8 +49,9 @@ impl GpuGeometry {
         for (what, bytes) in lists {
             let bytes = bytes.len() as u64;
             if bytes > most {
-                let why =
-                    format!("take {bytes} bytes, and this graphics adapter supports at most {most}");
+                let why = format!(
+                    "take {bytes} bytes, and this graphics adapter supports at most {most}"
+                );
                 return Err(Invalid::new(
                     what,
                     why,
@@ -57,6 +59,7 @@ impl GpuGeometry {
                 ));
             }
         }
+        // Upload the lists.
         let vertex_usage = BufferUsages::VERTEX;
         let index_usage = BufferUsages::INDEX;
         let positions = upload(factory, "umbrage positions", vertex_usage, positions);

@@ -88,9 +88,9 @@ impl Peel {
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
     casts: HashMap<CastKey, RenderPipeline>,
-    /// By shader text, which declares the bindings, and target format.
+    /// Pipelines by shader text, which declares the bindings, and target format.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
-    /// By the kind of alpha test, if any.
+    /// Shaders by the kind of alpha test, if any.
     cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
 }
@@ -237,6 +237,7 @@ fn cast_pipeline(
     groups: &[Option<&BindGroupLayout>],
 ) -> RenderPipeline {
     let options = PipelineCompilationOptions::default;
+    // Choose the vertex shader and its buffers.
     let (entry, format) = match key.vertex {
         Vertex::World => ("from_world", key.layout.format.vertex_format()),
         Vertex::Local => ("from_local", key.layout.format.vertex_format()),
@@ -271,6 +272,7 @@ fn cast_pipeline(
         compilation_options: options(),
         buffers,
     };
+    // Create the pipeline.
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("umbrage cast"),
         layout: Some(&pipeline_layout(device, groups)),

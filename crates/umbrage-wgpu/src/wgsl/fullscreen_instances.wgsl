@@ -1,4 +1,4 @@
-// Vertex shader of one triangle per instance, each of which covers the target.
+// Vertex shader of one triangle per instance. Each triangle covers the target.
 
 struct UmbragePixel {
     @builtin(position) at: vec4f,

@@ -189,6 +189,7 @@ pub(crate) fn image_functions(
             }
         };
     };
+    // Define the expressions that access a texture.
     let load =
         |name: &str, layer: &str| kind.channels(&format!("textureLoad({name}, texel,{layer} 0)"));
     let size = |name: &str, _: &str| format!("vec2i(textureDimensions({name}))");
@@ -197,6 +198,7 @@ pub(crate) fn image_functions(
         |name: &str, layer: &str| format!("textureSampleCompareLevel{}", arguments(name, layer));
     let gather =
         |name: &str, layer: &str| format!("textureGatherCompare{}", arguments(name, layer));
+    // Declare the functions.
     add(
         &format!("load_{i}(texel: vec2i, layer: i32) -> vec4f"),
         "vec4f()",

@@ -58,6 +58,7 @@ impl TextParts<'_> {
         self.declare_bindings(&mut text);
         let rows: [_; MAX_TABLES] = std::array::from_fn(rows_of_table);
         let mut cases = String::new();
+        // Append the text of each kind of kernel, with its names prefixed.
         for (index, kind) in self.kinds.iter().enumerate() {
             let number = index + 1;
             let mut own = String::new();
@@ -80,6 +81,7 @@ impl TextParts<'_> {
             );
         }
         let lights = format!("{}u", self.numbers.entries.capacity());
+        // Append the dispatch by kind, and `shadow`.
         text += &format!(
             "fn shadow_of_kind(kind: u32, r: Receiver) -> f32 {{
     switch kind {{{cases} default: {{ return 1.0; }} }}
@@ -91,6 +93,7 @@ impl TextParts<'_> {
 
     /// Appends the declarations of the shared resources, in binding order.
     fn declare_bindings(&self, text: &mut String) {
+        // Declare the structs of the uniforms.
         let mut fields = String::new();
         for (i, (kind, list)) in self.kinds.iter().zip(&self.numbers.kernels).enumerate() {
             let Some((name, _)) = kind.uniforms else {
@@ -118,6 +121,7 @@ impl TextParts<'_> {
             text,
             "struct ShadowSet {{\n    lights: array<ShadowLight, {lights}>,\n{fields}}}"
         );
+        // Declare the bindings.
         let mut variables = vec![
             format!("var<{space}> shadow_set: ShadowSet"),
             "var<storage> shadow_tables: array<vec4u>".to_owned(),

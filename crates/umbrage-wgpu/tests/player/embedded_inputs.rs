@@ -1,5 +1,5 @@
-//! Buffers, textures and matrices of the caller that can't be used: each is an error of ours before
-//! wgpu has one of its own.
+//! Tests of invalid buffers, textures and matrices of the caller. Each is reported as an error of
+//! this crate before wgpu reports its own.
 
 use crate::{embedded::Embedded, foreign::Foreign, scene::Stage};
 use glam::{Affine3A, Mat4, Vec3};
@@ -10,7 +10,7 @@ use umbrage_wgpu::{
     wgpu::{BufferUsages, TextureFormat, TextureUsages, TextureView},
 };
 
-/// The `Invalid` that a frame is refused with; it names what is wrong.
+/// Checks that a frame is rejected with an `Invalid` error that contains `words`.
 fn refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
     let mut renderer = e.renderer(RendererOptions::default());
     let prepared = renderer.prepare(
@@ -290,7 +290,7 @@ fn depth_buffers_can_be_read() {
     }
 }
 
-/// With perspective, usual and reversed, with and without a far plane.
+/// Covers perspective, usual and reversed, with and without a far plane.
 #[test]
 fn empty_depth_is_not_the_nearest() {
     let stage = Stage::new();
@@ -327,8 +327,8 @@ fn empty_depth_is_not_the_nearest() {
     }
 }
 
-/// Without perspective nothing tells which end is near: what is said of empty depth is taken for
-/// true.
+/// Without perspective, the matrix doesn't reveal which end is near, so every value of `empty` is
+/// accepted.
 #[test]
 fn flat_cameras_take_either_empty_depth() {
     let stage = Stage::new();
@@ -339,7 +339,7 @@ fn flat_cameras_take_either_empty_depth() {
         &vec![0; 97 * 61 * 4],
     );
     for space in [stage.space(), stage.tilted()] {
-        // Inverted in 32 bits, as programs do.
+        // Invert in 32 bits, as programs do.
         let world_from_clip = space.clip_from_world().inverse();
         for empty in [0.0, 1.0] {
             let source = DepthBuffer {

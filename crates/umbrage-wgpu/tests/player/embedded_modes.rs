@@ -84,7 +84,7 @@ fn callers_may_draw_casters_while_the_player_draws_faces() {
     assert!(peeled.iter().any(|&d| d < 1.0) && counts.contains(&255.0) && counts.contains(&0.0));
     let error = renderer
         .cast_targets()
-        .expect_err("targets alone don't tell what to draw");
+        .expect_err("the targets are not enough");
     assert!(error.to_string().contains("encode_casts_with"), "{error}");
 }
 

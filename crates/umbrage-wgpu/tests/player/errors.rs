@@ -55,7 +55,7 @@ fn memory_that_is_not_there_is_an_error_and_does_no_harm() {
     });
     let error = gpu
         .render(&stage.view(), &recipe)
-        .expect_err("nobody has that much");
+        .expect_err("no device has that much");
     assert!(matches!(error, BackendError::OutOfMemory(_)), "{error:?}");
     assert!(error.to_string().contains("vast"), "{error}");
     assert!(gpu.render(&stage.view(), &stage.recipe(16)).is_ok());

@@ -47,7 +47,7 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
     let stage = Stage::new();
     let [fine, coarse, loaded] =
         <[Image; 3]>::try_from(stage.render(&mut gpu(), &two_depths(&stage)).images)
-            .expect("three images were asked for");
+            .expect("three images were requested");
     assert_eq!(
         coarse.texels, loaded.texels,
         "what is handed out is what shaders load"
@@ -183,7 +183,7 @@ impl FilterKernel for Scatter {
     }
 }
 
-/// The same rule applies to bytes of colour.
+/// The pinned driver rounds bytes of colour like depth.
 #[test]
 fn the_pinned_driver_rounds_colour_by_a_known_rule() {
     let stage = Stage::new();

@@ -63,6 +63,7 @@ impl PendingMask {
         light: LightId,
         receivers: &ReceiverTextures,
     ) -> Result<Self> {
+        // Prepare the mask of the light.
         let size = receivers.size;
         let inputs = MaskInputs {
             size,
@@ -76,6 +77,7 @@ impl PendingMask {
         };
         set.prepare_masks(queue, &inputs)?;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        // Record its passes, with timestamps if available.
         let clock = Timestamps::new(device, queue, 2);
         let mut passes = Vec::new();
         let mask = match &clock {
@@ -88,6 +90,7 @@ impl PendingMask {
             }
             None => set.encode_masks(&mut encoder)?,
         };
+        // Copy the mask and the timestamps to buffers.
         let bytes_per_row = (4 * size.x).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = Readback::buffer(device, u64::from(bytes_per_row) * u64::from(size.y));
         let to = wgpu::TexelCopyBufferInfo {
@@ -104,6 +107,7 @@ impl PendingMask {
             let stamps = clock.resolve(device, &mut encoder, 2);
             (clock, stamps)
         });
+        // Submit, and start to read back.
         queue.submit([encoder.finish()]);
         Ok(Self {
             size,

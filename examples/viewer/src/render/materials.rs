@@ -28,6 +28,7 @@ pub(super) fn groups(
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..wgpu::SamplerDescriptor::default()
     });
+    // Upload the used textures, and a white one.
     let white = upload(
         device,
         queue,
@@ -43,6 +44,7 @@ pub(super) fn groups(
         .map(|(i, texture)| is_used(i).then(|| upload(device, queue, texture)))
         .collect();
     let none = Material::default();
+    // Build a bind group for each material.
     let one = |material: &Material| -> Result<wgpu::BindGroup> {
         let shininess = (1_u32 << material.shininess_log2) as f32;
         let numbers: [[f32; 4]; 3] = [

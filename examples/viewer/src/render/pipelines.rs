@@ -79,6 +79,7 @@ pub(crate) fn forward(
         Some(set_layout),
         alpha_test.map(|test| &test.layout),
     ];
+    // Describe the vertex buffers and the reversed depth.
     let buffers = [
         Some(wgpu::VertexBufferLayout {
             array_stride: 12,
@@ -114,6 +115,7 @@ pub(crate) fn forward(
             COLOR.into(),
         )
     };
+    // Append the library's alpha test for alpha-tested triangles.
     let alpha_tested = match alpha_test {
         Some(test) => {
             let rule = test.buffers.wgsl(HOLES_GROUP, HOLES_PREFIX)?;

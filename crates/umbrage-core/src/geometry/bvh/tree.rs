@@ -52,6 +52,7 @@ impl Bvh {
                 depth: OnceLock::new(),
             };
         }
+        // Build both hierarchies over the padded boxes.
         let boxes = boxes_of(geometry, &ids);
         let (narrow, tree) = build::trees(&boxes);
         // Store triangles in leaf order: one indirection less per test.

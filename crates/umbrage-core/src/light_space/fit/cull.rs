@@ -263,6 +263,7 @@ impl<'a> Need<'a> {
         if all.is_empty() {
             return None;
         }
+        // Divide the area of possible lookups into cells.
         let column = all.column(reach.across);
         let side = (column.max - column.min).truncate();
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
@@ -279,6 +280,7 @@ impl<'a> Need<'a> {
             last: vec![f64::NEG_INFINITY; CELLS * CELLS],
             seen: None,
         };
+        // Write the ranks of visible points.
         if let Some(points) = receivers.seen {
             let [certain, possible] = out.last_of_tiles(&points);
             out.last = possible;
@@ -290,6 +292,7 @@ impl<'a> Need<'a> {
                 exact: OnceCell::new(),
             });
         }
+        // Write the ranks of boxes.
         for b in &receivers.boxes {
             for i in out.cells(b) {
                 out.last[i] = out.last[i].max(b.max.z);

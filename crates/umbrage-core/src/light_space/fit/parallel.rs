@@ -77,6 +77,7 @@ pub(super) fn tight_part(
     size: u32,
     margin: f32,
 ) -> Result<Option<LightSpace>, Invalid> {
+    // Intersect the casters with the receivers.
     let casters = match input.view.geometry {
         Some(geometry) => {
             needed_casters(input, geometry, &view_from_world, receivers, size, margin)
@@ -100,6 +101,7 @@ pub(super) fn tight_part(
     };
     let b = with_depths(&reached.intersection(receivers), b.min.z, b.max.z);
     let shown = with_border(&b, size, margin);
+    // Extend the depth range to the first caster in the column.
     let space = MapSpace {
         view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
         nearest: None,

@@ -91,6 +91,7 @@ fn bins(input: &CascadeInput<'_>) -> Option<Bins> {
     let last = bin_of(range.end).clamp(first, first + MAX_BINS - 1);
     let mut bins = vec![Bin::EMPTY; (last - first + 1) as usize];
     let light_from_world = DAffine3::from_mat4(input.view_from_world.as_dmat4());
+    // Add each receiver to the bin of its distance.
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
         let position = receivers.position(i);
         let distance = input.frustum.distance(position.as_dvec3());

@@ -65,8 +65,8 @@ pub(crate) fn displaced_wall() -> Scene {
     around(wall("displaced-wall", BRICKS.carved(SUBDIVISIONS)))
 }
 
-/// Bricks of the same relief as a normal map: the wall and its shadows are flat. A bias along the shading
-/// normal would bend them.
+/// Bricks of the same relief as a normal map: the wall and its shadows are flat. A bias along the
+/// shading normal would bend them.
 pub(crate) fn normal_mapped_wall() -> Scene {
     around(wall("normal-mapped-wall", BRICKS.bumpy()))
 }

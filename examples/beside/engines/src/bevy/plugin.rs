@@ -226,6 +226,7 @@ impl Made {
     ) -> std::result::Result<Option<Self>, BackendError> {
         let mut set = LightSet::new(device.wgpu_device(), LightSetOptions::default())?;
         for caster in &seen.casters {
+            // Find the caster in Bevy's buffers. Wait if it is not loaded.
             let slice = allocator.mesh_vertex_slice(&caster.mesh);
             let (Some(slice), Some(mesh)) = (slice, meshes.get(caster.mesh)) else {
                 return Ok(None);
@@ -244,6 +245,7 @@ impl Made {
                 Some(indexed) => (indexed.range, slice.range.start as i32),
                 None => (slice.range, 0),
             };
+            // Add it to the set.
             let mesh = set.add_mesh(&CasterMesh {
                 label: "mesh of Bevy's",
                 vertices: slice.buffer,
@@ -306,6 +308,7 @@ fn draw_masks(
     queue: Res<RenderQueue>,
     mut ctx: RenderContext,
 ) -> Result {
+    // Skip frames without a sun, a mask or a prepass.
     let (view, prepass) = view.into_inner();
     let (Some(sun), Some(mask)) = (seen.sun, seen.mask) else {
         return Ok(());
@@ -316,6 +319,7 @@ fn draw_masks(
     let Some(mask) = images.get(mask) else {
         return Ok(());
     };
+    // Rebuild the set if casters, their buffers or the sun changed.
     let place = |caster: &SeenCaster| MeshPlace::of(&caster.mesh, &allocator);
     let places: Vec<MeshPlace> = seen.casters.iter().map(place).collect();
     let moved_buffers = allocator.meshes_displaced_by_slab_growth().next().is_some();
@@ -337,6 +341,7 @@ fn draw_masks(
     let Some(made) = &mut shadows.made else {
         return Ok(());
     };
+    // Convert the camera.
     let world_from_view = affine(&view.world_from_view);
     let projection = view.clip_from_view.to_cols_array();
     let camera = Camera {
@@ -344,6 +349,7 @@ fn draw_masks(
         clip_from_view: glam::Mat4::from_cols_array(&projection),
         size: glam::UVec2::new(view.viewport.z, view.viewport.w),
     };
+    // Draw the mask, and copy it to the image that the material reads.
     let encoder = ctx.command_encoder();
     let texture = made.draw(
         &camera,
