@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the figures of docs/others.md again, into target/others, and the images that the page shows into docs/others.
-# Bevy (whose build is long) and three-d are built, too; `--without-bevy` and `--without-three-d` leave them out.
+# Writes the figures of docs/others.md to target/others, and the images of the page to docs/others.
+# Also builds Bevy (a long build) and three-d; `--without-bevy` and `--without-three-d` omit them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 with_bevy=yes
@@ -10,17 +10,17 @@ for argument in "$@"; do
     --without-bevy) with_bevy=no ;;
     --without-three-d) with_three_d=no ;;
     *)
-      echo "docs/others.sh: '$argument' is no option: use --without-bevy, --without-three-d" >&2
+      echo "docs/others.sh: unknown option '$argument': use --without-bevy, --without-three-d" >&2
       exit 2
       ;;
   esac
 done
 report=target/others
 mkdir -p "$report/presets"
-# Graphics drivers look for a display's socket there at each start, and complain where it isn't set.
+# Graphics drivers look for a display's socket there at each start, and print a warning if it isn't set.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-$(mktemp -d)}"
 
-# One setting of contact shadows: how many pixels, how thick.
+# Writes a preset of contact shadows: number of pixels, thickness.
 contact() {
   printf 'technique = "contact"\nradius = 1\npixels = %s\nthickness = %s\n\n[map]\nsize = 1024\nlayout = { cascades = { count = 4 } }\n' \
     "$1" "$2" > "$report/presets/contact-$1-$2.preset.toml"
@@ -38,7 +38,7 @@ done
 cargo run --release --example measure -- compare street forest valley hovering-feet thin-plate \
   --technique contact,hard --map-sizes 1024 "${presets[@]}" --out "$report/contact"
 
-# Puts the place with the balconies of several images into one file: its name, how many in a row, the images.
+# Writes the part of several images with the balconies to one file. Arguments: its name, images a row, the images.
 balconies() {
   cargo run --quiet --release --example gallery -- sheet "docs/others/$1.png" --columns "$2" --crop 60,170 "${@:3}"
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the images of the README and of the pages in docs, the figures of docs/failures.md, and docs/which.md again: some half an hour.
-# (docs/viewer.png is made by examples/viewer/try.py.)
+# Writes the images of the README and of docs, the figures of docs/failures.md, and docs/which.md. Takes about half an hour.
+# (examples/viewer/try.py writes docs/viewer.png.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures

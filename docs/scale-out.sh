@@ -1,13 +1,13 @@
 #!/bin/sh
-# The comparison as a Slurm job array, a shard a task, and a job that joins the shards when all are done:
+# Runs the comparison as a Slurm job array, one shard a task, and a job that merges the shards when all are done:
 #
 #   docs/scale-out.sh FOLDER SHARDS [options and scenes of `cargo xtask compare`]
 #
-# Run it from the repository's root, in a folder that all nodes see. A shard that is stopped goes on where it was when it
-# is submitted again: the same command line does it.
+# Run it in the repository's root, with a FOLDER that all nodes share. To continue interrupted shards, submit the same
+# command line again.
 set -eu
 
-# Slurm runs this same file as the jobs, with the arguments as they were typed: none is quoted and unquoted on the way.
+# Slurm runs this file for the jobs, too, and passes the arguments unchanged, without quoting.
 case ${1-} in
     --as-shard)
         xtask=$2 folder=$3 shards=$4
@@ -16,7 +16,7 @@ case ${1-} in
         ;;
     --as-merge)
         xtask=$2 folder=$3 shards=$4
-        # These and no others: an earlier run may have left more of them.
+        # Only these: an earlier run may have left more folders.
         set --
         for k in $(seq "$shards"); do set -- "$@" "$folder/shard-$k"; done
         exec "$xtask" merge "$@" --out "$folder/report"
@@ -37,10 +37,10 @@ case $shards in
         ;;
 esac
 mkdir -p "$folder"
-# Built once, here, so that the tasks don't all wait for the first.
+# Build once, so that the tasks don't wait for each other.
 cargo build --profile measure --package xtask-measure
 xtask="${CARGO_TARGET_DIR:-target}/measure/xtask-measure"
-# Slurm would read a per cent sign as a field.
+# Escape per cent signs, which Slurm would expand.
 logs=$(printf '%s' "$folder" | sed 's/%/%%/g')
 
 array=$(sbatch --parsable --job-name umbrage --array "1-$shards" --output "$logs/%a.log" --requeue \

@@ -10,7 +10,8 @@ use umbrage_examples::failures::failures;
 use umbrage_lab::{card, stability};
 
 /// The pages that quote code, and their least number of quotations.
-const QUOTING: [(&str, usize); 2] = [
+const QUOTING: [(&str, usize); 3] = [
+    ("README.md", 2),
     ("docs/add_shadows.md", 9),
     ("docs/write_a_technique.md", 16),
 ];

@@ -5,6 +5,7 @@ pub(crate) mod files;
 mod rules;
 mod rust;
 mod wgsl;
+mod words;
 
 use crate::run::root;
 use anyhow::{Result, bail};
@@ -56,6 +57,7 @@ pub(crate) fn tidy() -> Result<()> {
 /// Measures files, and checks sizes, names and text.
 fn examine(sources: &[Source]) -> Result<Findings> {
     let mut out = Findings::default();
+    let mut prose = words::Prose::default();
     for source in sources {
         match source.extension() {
             "rs" => rust::examine(source, &mut out)?,
@@ -66,7 +68,9 @@ fn examine(sources: &[Source]) -> Result<Findings> {
             _ => {}
         }
         out.faults.extend(rules::faults(source));
+        prose.add(source);
     }
+    out.faults.extend(prose.faults());
     for (name, places) in out.types.iter().filter(|(_, places)| places.len() > 1) {
         out.faults.push(format!(
             "{}: the type name `{name}` is also defined at {}; rename one of them",
