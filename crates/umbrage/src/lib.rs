@@ -1,22 +1,32 @@
 //! Shadows for wgpu programs, measured.
 //!
-//! This crate re-exports the others: one dependency, with three ways to choose a backend.
+//! **In a renderer**, start with `umbrage::gpu::LightSet`. It keeps casters and lights from frame to
+//! frame, draws only what changed, and provides one WGSL function,
+//! `shadow(light, position, normal, pixel)`, or masks for a G-buffer. `umbrage::gpu::ShadowRenderer`
+//! computes the mask of one light. Both work on the device and in the encoder of the caller. The
+//! guide is [`docs/add_shadows.md`](https://github.com/umbrage-rs/umbrage/blob/main/docs/add_shadows.md).
 //!
-//! * by name or at run time: [`backend`] with a [`BackendChoice`], as `Box<dyn Backend>`;
-//! * by type: `umbrage::cpu::Cpu` or `umbrage::gpu::Gpu`, both [`Backend`]s, in functions generic
-//!   over it;
-//! * at compile time: the features `cpu` and `wgpu`, both on by default.
+//! **Without a renderer**, [`backend`] opens a [`Backend`] at run time. `umbrage::cpu::Cpu` and
+//! `umbrage::gpu::Gpu` are backends by type.
 //!
-//! Four more are on by default: `presets` (settings as TOML, `serde` for data types), `rays`
-//! (`traced` and `soft`), `parallel` (threads) and `simd` (vector instructions). A wgpu renderer
-//! can use `default-features = false, features = ["wgpu"]`. It then builds no threads, hierarchies
-//! or parsers, and CPU preparation runs on one thread.
+//! [`techniques`] has the shadow techniques, each a plain struct with its settings.
 //!
-//! Three features are off by default. `scenes` adds `umbrage::scenes`: the built-in scenes, and
-//! loaders for scene files and OBJ models. `gltf` adds glTF models. `plan` adds `umbrage::auto`,
-//! which measures to find the cheapest technique that a scene needs.
+//! # Features
 //!
-//! Programs with their own device and encoder use `umbrage::gpu::ShadowRenderer`.
+//! | feature | what it adds | what it builds |
+//! |---|---|---|
+//! | `wgpu` (default) | `umbrage::gpu` | wgpu |
+//! | `cpu` | `umbrage::cpu`: the CPU backend | |
+//! | `parallel` | threads, where the CPU prepares much | rayon |
+//! | `simd` | vector instructions | pulp |
+//! | `presets` | settings as TOML | serde, toml |
+//! | `rays` | the techniques `traced` and `soft` | obvhs, rdst |
+//! | `scenes` | `umbrage::scenes`: built-in scenes, scene files, OBJ models | image, tobj, rstar |
+//! | `gltf` | glTF models | gltf, zune-jpeg |
+//! | `plan` | `umbrage::auto`: finds the cheapest technique for a scene | the CPU backend's needs |
+//!
+//! # A mask without a device
+//!
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
 //! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View};

@@ -49,13 +49,14 @@ fn the_renderer_needs_no_scenes_and_no_planner() {
         "umbrage-cpu",
         "umbrage-lab",
     ];
-    assert_without("wgpu", &unwanted);
-    // The default features add parallelism, SIMD, ray tracing and settings as TOML.
+    assert_without("default", &unwanted);
+    // Parallelism, SIMD, ray tracing and settings as TOML are chosen by name.
     let unwanted = ["rayon", "obvhs", "pulp", "rdst", "toml", "serde"];
-    assert_without("wgpu", &unwanted);
-    let of_default = packages("default");
+    assert_without("default", &unwanted);
+    assert!(packages("default").contains("wgpu"));
+    let of_all = packages("default,parallel,presets,rays,simd");
     for name in unwanted {
-        assert!(of_default.contains(name), "{name}");
+        assert!(of_all.contains(name), "{name}");
     }
 }
 
