@@ -5,7 +5,7 @@ use umbrage_tests::technique_table::{check, path, table, with_table};
 #[test]
 fn the_readme_lists_every_technique() {
     if let Err(why) = check() {
-        panic!("{why}\nto write it anew: `cargo xtask bless techniques`");
+        panic!("{why}\nrewrite it: `cargo xtask bless techniques`");
     }
 }
 

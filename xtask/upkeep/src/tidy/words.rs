@@ -54,9 +54,10 @@ impl Prose {
             } else {
                 line.to_owned()
             };
-            let words = lower_words(&prose);
+            let prose = prose.to_lowercase();
             for ((group, _), places) in WORDS.iter().zip(&mut self.words) {
-                places.extend(std::iter::repeat_n(place(), count(&words, group)));
+                let count: usize = group.iter().map(|words| count(&prose, words)).sum();
+                places.extend(std::iter::repeat_n(place(), count));
             }
             let text = line.trim_start();
             if is_rust && text.starts_with("//") {
@@ -118,18 +119,16 @@ fn prose_of(line: &str) -> String {
     strings.collect::<Vec<_>>().join(" ")
 }
 
-/// Returns the words in lower case. An identifier with underscores is one word.
-fn lower_words(text: &str) -> Vec<String> {
-    let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
-    let words = words.filter(|word| !word.is_empty());
-    words.map(str::to_lowercase).collect()
-}
-
-/// Returns how often words or pairs of words occur.
-fn count(words: &[String], group: &[&str]) -> usize {
-    let single = words.iter().filter(|word| group.contains(&word.as_str()));
-    let pairs = words.windows(2).map(|pair| pair.join(" "));
-    single.count() + pairs.filter(|pair| group.contains(&pair.as_str())).count()
+/// Returns how often words occur in a text, not as parts of longer words or of identifiers.
+fn count(text: &str, words: &str) -> usize {
+    let is_inner = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    let places = text.match_indices(words);
+    let whole = places.filter(|(at, _)| {
+        let before = text[..*at].chars().next_back();
+        let after = text[at + words.len()..].chars().next();
+        !is_inner(before) && !is_inner(after)
+    });
+    whole.count()
 }
 
 #[cfg(test)]
@@ -151,6 +150,7 @@ mod tests {
         assert_eq!(faults("a.rs", "// It plays.", 1), 1);
         assert_eq!(faults("a.rs", "f(\"It plays.\");", 1), 1);
         assert_eq!(faults("a.md", "None if it plays.", 1), 2);
+        assert_eq!(faults("a.md", "`None` if it displays play_time.", 1), 0);
         assert_eq!(faults("a.toml", "# It plays.", 1), 0);
     }
 
