@@ -93,6 +93,6 @@ pub(super) fn read_files(parts: &Array, on_step: OnStep<'_>) -> Result<MadeStage
     let scene = parts.get(0).as_string().context("there is no file")?;
     Ok(MadeStage {
         stage: Stage::read(&scene, &files)?,
-        missing: files.missing(),
+        missing: files.missing_files(),
     })
 }
