@@ -68,7 +68,7 @@ pub fn path() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if the file can't be read.
-pub fn kept_texts() -> Result<Vec<(String, String)>, String> {
+pub fn kept_checksums() -> Result<Vec<(String, String)>, String> {
     let path = path();
     let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let lines = text.lines().filter_map(|line| line.split_once(' '));
@@ -94,7 +94,7 @@ impl Assembled {
     /// # Errors
     /// Returns an error with the difference to the kept text.
     pub fn check(&self) -> Result<(), String> {
-        let kept = kept_texts()?;
+        let kept = kept_checksums()?;
         let sum = kept.iter().find(|(name, _)| *name == self.name);
         let name = &self.name;
         let Some((_, sum)) = sum else {
@@ -133,7 +133,7 @@ impl Assembled {
     /// # Errors
     /// Returns an error if a file can't be written.
     pub fn bless(&self) -> Result<(), String> {
-        let mut kept = kept_texts().unwrap_or_default();
+        let mut kept = kept_checksums().unwrap_or_default();
         kept.retain(|(name, _)| *name != self.name);
         kept.push((self.name.clone(), checksum(&self.text)));
         kept.sort();

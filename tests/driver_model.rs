@@ -205,12 +205,12 @@ impl<'a> Rewriter<'a> {
         }
         let mut out = function.clone();
         for (_, local) in out.local_variables.iter_mut() {
-            local.init = local.init.map(|init| self.new_handle(init));
+            local.init = local.init.map(|init| self.replacement_of(init));
         }
         out.named_expressions = function
             .named_expressions
             .iter()
-            .map(|(&handle, name)| (self.new_handle(handle), name.clone()))
+            .map(|(&handle, name)| (self.replacement_of(handle), name.clone()))
             .collect();
         self.block(&mut out.body);
         out.expressions = self.new;
@@ -218,7 +218,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// Returns the replacement of an old expression.
-    fn new_handle(&self, old: Handle<Expression>) -> Handle<Expression> {
+    fn replacement_of(&self, old: Handle<Expression>) -> Handle<Expression> {
         self.made[old.index()].1
     }
 
@@ -288,7 +288,7 @@ impl<'a> Rewriter<'a> {
                     );
                     let moves = if is_root { 2 } else { 1 };
                     let exact = self.copy_expression(old);
-                    return self.move_statement(exact, self.new_handle(*operand), size, moves);
+                    return self.move_by_units(exact, self.replacement_of(*operand), size, moves);
                 }
                 _ => {}
             }
@@ -298,7 +298,9 @@ impl<'a> Rewriter<'a> {
 
     fn copy_expression(&mut self, old: &Expression) -> Handle<Expression> {
         let mut copy = old.clone();
-        for_each_operand(&mut copy, |operand| *operand = self.new_handle(*operand));
+        for_each_operand(&mut copy, |operand| {
+            *operand = self.replacement_of(*operand)
+        });
         self.push(copy)
     }
 
@@ -327,15 +329,19 @@ impl<'a> Rewriter<'a> {
             return None;
         }
         let exact_operand = |this: &mut Self, factors: [Handle<Expression>; 2]| {
-            let [a, b] = factors.map(|factor| this.convert_to_width(this.new_handle(factor), 8));
+            let [a, b] =
+                factors.map(|factor| this.convert_to_width(this.replacement_of(factor), 8));
             this.binary(BinaryOperator::Multiply, a, b)
         };
         let [wide_left, wide_right] = if let Some(factors) = self.factors(left) {
             let product = exact_operand(self, factors);
-            [product, self.convert_to_width(self.new_handle(right), 8)]
+            [
+                product,
+                self.convert_to_width(self.replacement_of(right), 8),
+            ]
         } else if let Some(factors) = self.factors(right) {
             let product = exact_operand(self, factors);
-            [self.convert_to_width(self.new_handle(left), 8), product]
+            [self.convert_to_width(self.replacement_of(left), 8), product]
         } else {
             return None;
         };
@@ -371,9 +377,9 @@ impl<'a> Rewriter<'a> {
             return None;
         };
         let (first, second, right) = (
-            self.new_handle(first),
-            self.new_handle(second),
-            self.new_handle(right),
+            self.replacement_of(first),
+            self.replacement_of(second),
+            self.replacement_of(right),
         );
         let last = self.binary(op, second, right);
         Some(self.binary(BinaryOperator::Add, first, last))
@@ -382,7 +388,7 @@ impl<'a> Rewriter<'a> {
     /// Returns a number that differs by `moves` times 1 or 2 units in the last place; 0 and
     /// non-finite numbers stay unchanged. The direction and size depend on the number of 1 bits of
     /// the operand, so that quotients that are powers of 2 are changed in both directions.
-    fn move_statement(
+    fn move_by_units(
         &mut self,
         exact: Handle<Expression>,
         operand: Handle<Expression>,
@@ -451,15 +457,17 @@ impl<'a> Rewriter<'a> {
     }
 
     fn statement(&self, statement: &mut Statement) {
-        let replace = |handle: &mut Handle<Expression>| *handle = self.new_handle(*handle);
+        let replace = |handle: &mut Handle<Expression>| *handle = self.replacement_of(*handle);
         match statement {
             Statement::Emit(range) => {
                 let mut emitted = range.clone();
                 let first = emitted.next();
                 let last = emitted.last().or(first);
                 if let (Some(first), Some(last)) = (first, last) {
-                    *range =
-                        Range::new_from_bounds(self.made[first.index()].0, self.new_handle(last));
+                    *range = Range::new_from_bounds(
+                        self.made[first.index()].0,
+                        self.replacement_of(last),
+                    );
                 }
             }
             Statement::Block(block) => self.block(block),

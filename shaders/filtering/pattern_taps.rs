@@ -50,7 +50,7 @@ impl PixelRotation {
     ///
     /// Panics if the table has no turn `max_turn`.
     #[inline(always)]
-    pub(crate) fn taps_at(
+    pub(crate) fn rotation_at(
         table: &PatternTable,
         max_turn: u32,
         first: UVec2,
@@ -88,7 +88,7 @@ impl AxisLanes {
 
     /// Returns each receiver's half axes times its own factor.
     #[inline(always)]
-    pub(crate) fn scaled_taps(&self, factors: &Lanes<f32>) -> Self {
+    pub(crate) fn scaled_axes(&self, factors: &Lanes<f32>) -> Self {
         let mut axes = self.clone();
         for i in 0..BATCH {
             axes.u_x[i] *= factors[i];

@@ -386,7 +386,7 @@ impl Search<'_> {
         }
         // Rotate the light's half axes by the pixel's noise.
         let rotation =
-            PixelRotation::taps_at(&self.kernel.pattern, u.turns, self.span.first, offset);
+            PixelRotation::rotation_at(&self.kernel.pattern, u.turns, self.span.first, offset);
         let cos_sin = rotation.cos_sin;
         let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), cos_sin);
         let texel = texel_depth(reach_along(u.square, axes));

@@ -11,14 +11,14 @@ use umbrage_lab::{
 use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::{
     driver_model::{DriverModel, is_chosen, nth_case, runs_all_cases},
-    gpu::named_adapter,
+    gpu::adapter_by_name,
 };
 use umbrage_wgpu::Gpu;
 
 /// The CPU and the driver.
 fn backends() -> Backends {
     DriverModel::install();
-    let adapter = named_adapter().expect(
+    let adapter = adapter_by_name().expect(
         "these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME",
     );
     Backends::both(&adapter).unwrap_or_else(|why| panic!("{why}"))
@@ -153,7 +153,7 @@ impl Backend for MisreportingBackend {
 /// Negative control: a wrong grid must be detected.
 #[test]
 fn a_wrong_grid_is_noticed_on_the_second_driver() {
-    let gpu = Gpu::new(&named_adapter().expect("as above")).expect("an adapter");
+    let gpu = Gpu::new(&adapter_by_name().expect("as above")).expect("an adapter");
     let mut backends = Backends::from_backends(vec![
         Box::new(Cpu::new()),
         Box::new(MisreportingBackend(gpu)),

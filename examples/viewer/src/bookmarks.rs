@@ -518,7 +518,7 @@ mod tests {
     }
 
     /// Returns the failures that a text links to.
-    fn linked_texts(text: &str) -> impl Iterator<Item = &str> {
+    fn linked_failures(text: &str) -> impl Iterator<Item = &str> {
         let links = text.split("live.md?failure=").skip(1);
         links.map(|after| after.split(['&', ')']).next().expect("a part"))
     }
@@ -527,7 +527,7 @@ mod tests {
     /// their section.
     #[test]
     fn pages_link_to_what_they_describe() {
-        for name in linked_texts(&page("live.md")) {
+        for name in linked_failures(&page("live.md")) {
             assert!(find(name).is_some(), "docs/live.md: {name}");
         }
         let text = page("failures.md");
@@ -538,7 +538,7 @@ mod tests {
             let words = section.split("\n|---|---|").next().unwrap_or("");
             let left = words.lines().last().unwrap_or("");
             let left = left.split('|').nth(1).unwrap_or("");
-            for name in linked_texts(section) {
+            for name in linked_failures(section) {
                 let bookmark = find(name).unwrap_or_else(|| panic!("{title}: {name}"));
                 let side = bookmark.fault(1.0);
                 let shown = format!("{}, {}", side.label(), side.fit.name());

@@ -126,7 +126,7 @@ impl Welded {
                     }
                 }
                 Role::Backs => {
-                    let cap = flip_cap(corners);
+                    let cap = flipped_cap(corners);
                     if self.faces_away(cap.corners, light) == Some(false) {
                         caps.push(cap);
                     }
@@ -134,7 +134,7 @@ impl Welded {
                 Role::All => match away {
                     None => {}
                     Some(true) => {
-                        let cap = flip_cap(corners);
+                        let cap = flipped_cap(corners);
                         // Test the flipped triangle again, since its rounding may differ.
                         if self.faces_away(cap.corners, light).is_some() {
                             open_caps.push(cap);
@@ -177,7 +177,7 @@ impl Welded {
 }
 
 /// Returns the cap of a triangle whose back faces the light.
-fn flip_cap(corners: [u32; 3]) -> Cap {
+fn flipped_cap(corners: [u32; 3]) -> Cap {
     let [a, b, c] = corners;
     Cap {
         corners: [a, c, b],

@@ -1,7 +1,7 @@
 //! Release checks in addition to `ci`: they need more programs and take longer.
 
 use crate::{
-    ci::{Step, published_pages, run_all},
+    ci::{Step, published_packages, run_all},
     cli::{ReleaseOptions, ReleaseStep},
     run::{cargo, root, run, target_folder},
     web::build_page,
@@ -112,7 +112,7 @@ fn versions() -> Result<()> {
     needs("semver-checks", "cargo-semver-checks")?;
     let mut check = cargo();
     check.args(["semver-checks", "--baseline-rev", &tag]);
-    for package in published_pages()? {
+    for package in published_packages()? {
         check.args(["--package", &package.name]);
     }
     run(&mut check)
@@ -151,7 +151,7 @@ fn miri() -> Result<()> {
 fn publish() -> Result<()> {
     let mut command = cargo();
     command.args(["publish", "--dry-run"]);
-    for package in published_pages()? {
+    for package in published_packages()? {
         command.args(["--package", &package.name]);
     }
     run(&mut command)

@@ -161,7 +161,7 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     if !runs_second_driver(options) {
         return Ok(None);
     }
-    let there = SwiftShader::unpack_driver()?;
+    let there = SwiftShader::unpacked_driver()?;
     if there.is_none() {
         println!(
             "no tests on SwiftShader, a second driver with other rounding: {}",

@@ -193,7 +193,7 @@ impl Group {
 
     #[inline(always)]
     fn emit(&mut self, rules: &SetupRules, out: &mut Bins) {
-        let mut drawn = self.drawn_count();
+        let mut drawn = self.drawn_bits();
         while drawn != 0 {
             out.push(self.record(drawn.trailing_zeros() as usize, rules.mode));
             drawn &= drawn - 1;
@@ -203,7 +203,7 @@ impl Group {
 
     /// Returns a bit for each triangle that must be drawn.
     #[inline(always)]
-    fn drawn_count(&self) -> u64 {
+    fn drawn_bits(&self) -> u64 {
         let mut bits = 0;
         for i in 0..GROUP {
             bits |= u64::from(self.lanes.sign[i] != 0) << i;

@@ -156,7 +156,7 @@ impl ListsBench<'_> {
         // Use the CPU's rays as reference: the hierarchy may exceed the adapter's capacity.
         let expected = cpu.render(view, &rays)?.mask;
         let fault = wrong_answers(&expected, &gpu.render(view, &exact)?.mask);
-        let has_rays = is_supported(gpu.render(view, &rays))?;
+        let has_rays = fits_memory(gpu.render(view, &rays))?;
         let gpu = RefCell::new(gpu);
         let time = |recipe: &Recipe| receive_time(&mut **gpu.borrow_mut(), view, recipe);
         let mut out = Vec::new();
@@ -238,7 +238,7 @@ pub(super) fn receive_time(
 }
 
 /// Reports whether a recipe fits into an adapter's memory.
-pub(super) fn is_supported<T>(rendered: Result<T, BackendError>) -> Result<bool, LabError> {
+pub(super) fn fits_memory<T>(rendered: Result<T, BackendError>) -> Result<bool, LabError> {
     match rendered {
         Ok(_) => Ok(true),
         Err(BackendError::Invalid(_)) => Ok(false),

@@ -1,7 +1,7 @@
 //! Times `soft` against rays with the same error, under the area lights of full-size scenes.
 
 use super::{
-    lists::{is_supported, plan, receive_time},
+    lists::{fits_memory, plan, receive_time},
     paired::{Pair, Paired, Repetitions, measure_pairs},
 };
 use crate::error::LabError;
@@ -136,7 +136,7 @@ impl SoftBench<'_> {
             tell(self.pair(&what, &who, on_cpu, CPU_BAR));
             if number == 0
                 && let Some(gpu) = gpu.as_deref_mut()
-                && is_supported(gpu.render(&self.view, &traced))?
+                && fits_memory(gpu.render(&self.view, &traced))?
             {
                 let on_gpu = turns(gpu, &self.view, self.repetitions, [&soft, &traced])?;
                 tell(self.pair(&format!("on wgpu, {what}"), &who, on_gpu, GPU_BAR));

@@ -215,7 +215,7 @@ impl LightOverHorizon {
             .map_or(self.direction, |center| center - position);
         match self.query {
             KernelQuery::Center => {
-                let above = self.position_above(normal, to_center);
+                let above = self.side_of_tangent_plane(normal, to_center);
                 VisibilityRange {
                     min: f32::from(u8::from(above.surely)),
                     max: 1.0,
@@ -253,8 +253,8 @@ impl LightOverHorizon {
     fn sees(&self, position: Vec3, normal: Vec3, uv: Vec2) -> Above {
         let on_surface = segment(&self.light, position + normal * 0.0, uv, 1.0);
         let lifted = segment(&self.light, position + normal * self.lift, uv, 1.0);
-        let from_surface = self.position_above(normal, on_surface);
-        let from_lifted = self.position_above(normal, lifted);
+        let from_surface = self.side_of_tangent_plane(normal, on_surface);
+        let from_lifted = self.side_of_tangent_plane(normal, lifted);
         Above {
             surely: from_surface.surely && from_lifted.surely,
             maybe: from_surface.maybe || from_lifted.maybe,
@@ -262,7 +262,7 @@ impl LightOverHorizon {
     }
 
     /// Reports whether a vector to the light points above the tangent plane.
-    fn position_above(&self, normal: Vec3, to_light: Vec3) -> Above {
+    fn side_of_tangent_plane(&self, normal: Vec3, to_light: Vec3) -> Above {
         let height = normal.as_dvec3().dot(to_light.as_dvec3());
         let margin = self.margin(to_light);
         Above {

@@ -133,7 +133,7 @@ pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageG
         strip: group.shortlist(STRIP),
         advised: group
             .choice()
-            .map_or_else(Vec::new, |choice| choice.named_indices()),
+            .map_or_else(Vec::new, |choice| choice.named_settings()),
     }
 }
 

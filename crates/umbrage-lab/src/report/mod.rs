@@ -173,13 +173,13 @@ impl Report {
     ) -> Result<(Comparison, PathBuf), LabError> {
         let mut scenes = Vec::new();
         for &place in &self.run.places {
-            scenes.push(self.stored_file(place)?);
+            scenes.push(self.read_stored(place)?);
         }
         assemble::write(&self.path, &self.folder, &scenes, stability)
     }
 
     /// Reads the figures of a place's scene.
-    fn stored_file(&self, place: usize) -> Result<Stored, LabError> {
+    fn read_stored(&self, place: usize) -> Result<Stored, LabError> {
         let name = self.run.plan.scenes.get(place).map_or("", String::as_str);
         let path = self.path.join(name);
         Stored::read(&path)?.ok_or_else(|| LabError::Write {

@@ -1,6 +1,6 @@
 //! Reference data of a case: truth, and the mask of a perfect map.
 
-use super::texels::{Texels, clamp_to_triangle, point_at, to_center};
+use super::texels::{Texels, last_point_inside, point_at, to_center};
 use crate::error::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
@@ -250,7 +250,7 @@ fn ideal(
         to_center,
         |i, place| {
             let triangle = geometry.corners(receivers.triangle[i]);
-            clamp_to_triangle(receivers.position(i), place, triangle)
+            last_point_inside(receivers.position(i), place, triangle)
         },
     )?;
     // Find the pixels near true edges, by distance.

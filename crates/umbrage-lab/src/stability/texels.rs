@@ -145,7 +145,7 @@ pub(super) fn point_at(
 
 /// Returns the last point within a triangle on the segment from `p` to `q`, both on its plane; `p`
 /// itself if it is outside.
-pub(super) fn clamp_to_triangle(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
+pub(super) fn last_point_inside(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     let edge_1 = triangle[1] - triangle[0];
     let edge_2 = triangle[2] - triangle[0];
     let normal = edge_1.cross(edge_2);
@@ -222,11 +222,11 @@ mod tests {
             (Vec3::new(5.0, 0.0, 5.0), Vec3::new(2.0, 0.0, 2.0)),
         ] {
             assert!(
-                clamp_to_triangle(p, q, triangle).distance(expected) < 1e-6,
+                last_point_inside(p, q, triangle).distance(expected) < 1e-6,
                 "{q}"
             );
         }
-        assert_eq!(clamp_to_triangle(-p, p * -2.0, triangle), -p);
+        assert_eq!(last_point_inside(-p, p * -2.0, triangle), -p);
     }
 
     #[test]

@@ -19,7 +19,7 @@ use super::{
     row::StabilityCase,
     rows::PLATE,
     run::{StabilityOptions, case_truth, some_backend},
-    sweeps::curve::{failed_point, render_point},
+    sweeps::curve::{render_point, sweep_error},
     threads::{self, SharedBackends},
     verdict::Verdict,
 };
@@ -255,7 +255,7 @@ impl Trial<'_> {
                 Ok(rendered) => rendered,
                 Err(NoMask::Unsupported(_)) => return Ok(None),
                 Err(NoMask::Fault(what)) => {
-                    return Err(failed_point(&stage.case_truth, &technique, &what));
+                    return Err(sweep_error(&stage.case_truth, &technique, &what));
                 }
             };
             self.disagreeing = all_backends::sum(self.disagreeing, rendered.disagreeing);

@@ -154,7 +154,7 @@ impl Planner<'_> {
             let mut tried = 0;
             for candidate in (0..self.families[family].candidates.len()).rev() {
                 let place = LadderPlace { family, candidate };
-                let Some(candidate) = self.supported_presets(place, [f64::INFINITY; 2])? else {
+                let Some(candidate) = self.priced_candidate(place, [f64::INFINITY; 2])? else {
                     continue;
                 };
                 if !bounds.affords(candidate.milliseconds, 0) {
@@ -243,7 +243,7 @@ impl Planner<'_> {
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         for candidate in place.candidate..self.families[place.family].candidates.len() {
-            let found = self.supported_presets(LadderPlace { candidate, ..place }, last_errors)?;
+            let found = self.priced_candidate(LadderPlace { candidate, ..place }, last_errors)?;
             if found.is_some() {
                 return Ok(found);
             }
@@ -252,7 +252,7 @@ impl Planner<'_> {
     }
 
     /// Returns the candidate at `place` with its price, or `None` if it is not supported.
-    fn supported_presets(
+    fn priced_candidate(
         &mut self,
         place: LadderPlace,
         last_errors: [f64; 2],

@@ -34,7 +34,7 @@ impl Item<'_> {
     }
 
     /// Reads a finite number that passes a check of core's.
-    pub(super) fn check_number(
+    pub(super) fn read_checked_number(
         &self,
         check: fn(&str, f32) -> Result<(), Invalid>,
     ) -> Result<f32, SceneError> {
@@ -110,8 +110,9 @@ impl Table<'_> {
 
     /// Reads metres or degrees, not negative; 0 if absent.
     pub(super) fn size_or_zero(&self, key: &str) -> Result<f32, SceneError> {
-        self.get(key)
-            .map_or(Ok(0.0), |item| item.check_number(invalid::not_negative))
+        self.get(key).map_or(Ok(0.0), |item| {
+            item.read_checked_number(invalid::not_negative)
+        })
     }
 
     pub(super) fn flag_or_true(&self, key: &str) -> Result<bool, SceneError> {

@@ -293,7 +293,7 @@ fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
 }
 
 /// Returns what a filter loads from a given image.
-fn replay_format(given: &Image, loaded: Format) -> Image {
+fn loaded_image(given: &Image, loaded: Format) -> Image {
     let stage = BackendScene::new();
     let same = Same(stage.numbers(Vec4::ZERO));
     let output = ImageDesc {
@@ -344,7 +344,7 @@ fn given_images_of_all_formats_are_loaded_as_given() {
                 count,
                 unit,
             );
-            let once = replay_format(&given, loaded);
+            let once = loaded_image(&given, loaded);
             for (have, wanted) in once.texels.iter().zip(&given.texels) {
                 // Drivers differ in the last bit of a step's float.
                 assert!(
@@ -352,7 +352,7 @@ fn given_images_of_all_formats_are_loaded_as_given() {
                     "{format:?}: {have} for {wanted}"
                 );
             }
-            let again = replay_format(
+            let again = loaded_image(
                 &Image {
                     desc: given.desc,
                     texels: once.texels.clone(),

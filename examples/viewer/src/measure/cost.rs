@@ -33,7 +33,7 @@ impl Cost {
     ///
     /// # Errors
     /// Returns an error if the technique refuses the light.
-    pub(crate) fn of_backend(
+    pub(crate) fn of_settings(
         preset: &TechniquePreset,
         subject: &Subject,
         receivers: &Receivers,

@@ -22,7 +22,7 @@ pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Techniq
             setting(ui, &table, &[name], value);
         }
     }
-    taken_preset(&table, &changed)
+    changed_preset(&table, &changed)
 }
 
 /// Shows the settings of a technique's map except its size, fit and number of layers. Returns the
@@ -44,11 +44,11 @@ pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Tech
             setting(ui, &table, &[MAP, "layout", CASCADES, name], value);
         }
     }
-    taken_preset(&table, &changed)
+    changed_preset(&table, &changed)
 }
 
 /// Returns the preset if the user changed it, and its reader accepts it.
-fn taken_preset(before: &Table, after: &Table) -> Option<TechniquePreset> {
+fn changed_preset(before: &Table, after: &Table) -> Option<TechniquePreset> {
     if before == after {
         return None;
     }
@@ -158,7 +158,7 @@ mod tests {
     }
 
     /// Shows a map's settings without user input.
-    fn shown_preset(preset: &TechniquePreset) -> Option<TechniquePreset> {
+    fn show_preset(preset: &TechniquePreset) -> Option<TechniquePreset> {
         let mut changed = None;
         let context = egui::Context::default();
         let mut output = context.run_ui(egui::RawInput::default(), |ui| {
@@ -174,7 +174,7 @@ mod tests {
         // Beyond the range of dragging.
         let far = "technique = 'pcf'\n[map.layout.cascades]\ncount = 3\nnearest = 1000.0\n";
         let preset = TechniquePreset::from_toml(far).expect("a preset");
-        assert_eq!(shown_preset(&preset), None);
+        assert_eq!(show_preset(&preset), None);
     }
 
     #[test]

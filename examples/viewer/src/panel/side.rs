@@ -156,7 +156,7 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
 const NARROWEST: f32 = 80.0;
 
 /// Draws a text of at most this width, points.
-fn wrapped_row(
+fn draw_wrapped_text(
     painter: &egui::Painter,
     corner: egui::Pos2,
     anchor: egui::Align2,
@@ -234,8 +234,8 @@ pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
             egui::vec2(-1.0, 1.0),
             egui::vec2(1.0, -1.0),
         ] {
-            wrapped_row(&painter, corner + offset, anchor, &text, black, most);
+            draw_wrapped_text(&painter, corner + offset, anchor, &text, black, most);
         }
-        wrapped_row(&painter, corner, anchor, &text, egui::Color32::WHITE, most);
+        draw_wrapped_text(&painter, corner, anchor, &text, egui::Color32::WHITE, most);
     }
 }

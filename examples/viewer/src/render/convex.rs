@@ -98,7 +98,7 @@ mod tests {
 
     /// Returns the number of an object's triangles in closed convex parts, and the number of all
     /// its triangles.
-    fn counted_edges(object: &str) -> (usize, usize) {
+    fn count_convex(object: &str) -> (usize, usize) {
         let text = format!(
             "[[light]]\nkind = \"directional\"\ndirection = [1, -2, 0.5]\n[[object]]\n{object}"
         );
@@ -110,12 +110,12 @@ mod tests {
 
     #[test]
     fn boxes_are_closed_and_planes_are_not() {
-        assert_eq!(counted_edges("shape = \"box\""), (12, 12));
+        assert_eq!(count_convex("shape = \"box\""), (12, 12));
         assert_eq!(
-            counted_edges("shape = \"box\"\nscale = [-1, 2, 3]\nrotate_degrees = [10, 20, 30]"),
+            count_convex("shape = \"box\"\nscale = [-1, 2, 3]\nrotate_degrees = [10, 20, 30]"),
             (12, 12)
         );
-        let (closed, all) = counted_edges("shape = \"plane\"");
+        let (closed, all) = count_convex("shape = \"plane\"");
         assert!(closed == 0 && all > 0, "{closed} of {all}");
     }
 

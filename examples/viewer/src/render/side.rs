@@ -78,7 +78,7 @@ impl Side {
     /// Applies settings to the set's lights. `nth` is this side, 0 or 1. Returns whether their maps
     /// change.
     pub(super) fn apply(&mut self, settings: &Settings, nth: usize) -> Result<bool> {
-        let wanted: Vec<Light> = lit_lights(settings).collect();
+        let wanted: Vec<Light> = enabled_lights(settings).collect();
         let settings = &settings.sides[nth];
         // Another kind of light needs another technique, since only directional lights have
         // cascades.
@@ -154,7 +154,7 @@ impl Side {
     pub(crate) fn is_ready_for(&self, camera: &Camera, settings: &Settings, nth: usize) -> bool {
         self.camera.as_ref() == Some(camera)
             && self.settings == settings.sides[nth]
-            && lit_lights(settings).eq(self.lights.iter().copied())
+            && enabled_lights(settings).eq(self.lights.iter().copied())
     }
 
     /// Returns the names of the techniques that the set refuses for a kind of light, with their
@@ -242,7 +242,7 @@ impl Side {
 }
 
 /// Returns the lights that are on.
-fn lit_lights(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
+fn enabled_lights(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
     let lights = settings.lights.iter().filter(|light| light.is_on);
     lights.map(|light| light.light)
 }

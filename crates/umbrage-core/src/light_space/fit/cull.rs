@@ -155,7 +155,7 @@ impl<'a> Receiving<'a> {
     }
 
     /// Returns receivers that fill a box.
-    pub(super) fn within_bounds(b: MapBounds) -> Self {
+    pub(super) fn from_bounds(b: MapBounds) -> Self {
         Self {
             seen: None,
             boxes: vec![b],

@@ -218,7 +218,7 @@ pub(super) fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds
     let need = Need::new(
         *space,
         geometry,
-        &Receiving::within_bounds(*column),
+        &Receiving::from_bounds(*column),
         &no_reach,
     );
     need.map_or(f64::INFINITY, |need| need.first_rank())

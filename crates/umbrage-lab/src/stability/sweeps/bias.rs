@@ -4,7 +4,7 @@
 //! Both are drawn in one chart, in units of their own limits: each passes up to 1. The best bias
 //! minimises the worse of the two.
 
-use super::curve::{Curve, Sweep, failed_point, render_point};
+use super::curve::{Curve, Sweep, render_point, sweep_error};
 use crate::{
     error::LabError,
     stability::{
@@ -194,7 +194,7 @@ fn masks(
         let executed = render_point(case_truth, &Hard {}.on(map), backends, i, values.len());
         // Return an error without a mask: omitting the point would hide that the setting has none.
         executed.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
-            failed_point(case_truth, &Hard {}.on(map), &why)
+            sweep_error(case_truth, &Hard {}.on(map), &why)
         })
     });
     executed.into_iter().collect()

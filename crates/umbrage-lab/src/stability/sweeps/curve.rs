@@ -89,7 +89,7 @@ pub(crate) fn render_point(
 }
 
 /// Returns the error of a sweep with a setting that could not be rendered.
-pub(crate) fn failed_point(
+pub(crate) fn sweep_error(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     why: &str,

@@ -2,7 +2,7 @@
 //! grows or moves away, or the map shrinks.
 
 use super::{
-    curve::{Curve, Sweep, failed_point, render_point},
+    curve::{Curve, Sweep, render_point, sweep_error},
     variants::{move_scene, scale_scene, under_sun},
 };
 use crate::{
@@ -149,7 +149,7 @@ pub(super) fn sweep(
                 }
                 Err(NoMask::Unsupported(_)) => {}
                 Err(NoMask::Fault(what)) => {
-                    return Err(failed_point(&case_truth, technique, &what));
+                    return Err(sweep_error(&case_truth, technique, &what));
                 }
             }
         }
