@@ -258,7 +258,7 @@ const ALL: &[FailureExample] = &[
 ];
 
 /// Both sides, compared with the reference.
-pub struct PlayedFailure {
+pub struct RenderedFailure {
     /// Errors of a mask without shadows.
     pub no_shadow: Errors,
     /// Errors of the artefact.
@@ -274,7 +274,7 @@ impl FailureExample {
     ///
     /// # Errors
     /// Returns an error if the scene or a setting is invalid.
-    pub fn play(&self, size: UVec2) -> Result<PlayedFailure> {
+    pub fn render(&self, size: UVec2) -> Result<RenderedFailure> {
         let judged = JudgedScene::by_argument(self.scene, Some(size), &TruthOptions::default())?;
         let render = |side: &FailureSide| {
             judged.judge(judged.render(&mut Cpu::new(), &*(side.technique)())?.mask)
@@ -290,7 +290,7 @@ impl FailureExample {
         }
         let [fault, cure] = sides.map(|side| side.errors);
         let lit = vec![1.0; judged.truth.visibility.len()];
-        Ok(PlayedFailure {
+        Ok(RenderedFailure {
             no_shadow: judged.judge(lit)?.errors,
             fault,
             cure,

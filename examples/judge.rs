@@ -37,7 +37,7 @@ impl JudgedScene {
     pub fn by_argument(name: &str, size: Option<UVec2>, options: &TruthOptions) -> Result<Self> {
         let mut scene = umbrage::scenes::by_argument(name)?;
         if let Some(size) = size {
-            scene.cameras[0] = scene.cameras[0].resized(size);
+            scene.cameras[0] = scene.cameras[0].with_size(size);
         }
         Self::new(scene, options)
     }

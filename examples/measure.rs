@@ -10,7 +10,7 @@ use umbrage_plan::catalogue::CatalogueEntry;
 
 fn main() -> Result<ExitCode, Invalid> {
     let program = Program::default()
-        .with(CatalogueEntry::of::<Variance>())?
-        .with(CatalogueEntry::of::<ContactShadows>())?;
+        .with(CatalogueEntry::for_technique::<Variance>())?
+        .with(CatalogueEntry::for_technique::<ContactShadows>())?;
     Ok(program.run())
 }

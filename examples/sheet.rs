@@ -49,7 +49,7 @@ impl Sheet {
 
     /// Adds a mask: white is lit.
     pub fn push_mask(&mut self, size: UVec2, mask: &[f32]) {
-        self.push(colored(size, |i| [(mask[i] * 255.0).round() as u8; 3]));
+        self.push(color_image(size, |i| [(mask[i] * 255.0).round() as u8; 3]));
     }
 
     /// Writes all images into a file, as grey if none has colours.
@@ -99,6 +99,6 @@ impl Sheet {
 }
 
 /// Returns an image from the colour of each pixel, by its index.
-pub fn colored(size: UVec2, color: impl Fn(usize) -> [u8; 3]) -> RgbImage {
+pub fn color_image(size: UVec2, color: impl Fn(usize) -> [u8; 3]) -> RgbImage {
     RgbImage::from_fn(size.x, size.y, |x, y| Rgb(color((y * size.x + x) as usize)))
 }

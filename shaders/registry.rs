@@ -24,7 +24,7 @@ macro_rules! registry {
         #[expect(clippy::vec_init_then_push, reason = "elements of `vec!` take no conditions")]
         fn built_in() -> Vec<TechniqueEntry> {
             let mut out = Vec::new();
-            $($(#[$condition])* out.push(TechniqueEntry::of::<technique_type!($technique $(in $wrapper)?)>());)*
+            $($(#[$condition])* out.push(TechniqueEntry::for_technique::<technique_type!($technique $(in $wrapper)?)>());)*
             out
         }
 

@@ -98,7 +98,7 @@ fn maps_can_be_exchanged_wherever_there_is_one() {
 }
 
 #[test]
-fn wrong_files_are_told_what_to_write() {
+fn wrong_files_are_refused_with_what_to_write() {
     for text in [
         "technique = 'pfc'",
         "radius = 1",

@@ -155,7 +155,7 @@ pub fn scene() -> impl Strategy<Value = Scene> {
 }
 
 /// Returns settings with some of their numbers replaced. `None` if the reader refuses them.
-pub fn spoilt(preset: &TechniquePreset, places: &[(usize, f32)]) -> Option<TechniquePreset> {
+pub fn spoil_preset(preset: &TechniquePreset, places: &[(usize, f32)]) -> Option<TechniquePreset> {
     let mut table: toml::Table = preset.to_toml().ok()?.parse().ok()?;
     for &(place, number) in places {
         let mut left = place;

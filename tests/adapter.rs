@@ -45,7 +45,7 @@ pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     adapters.sort_by_key(|a| preference(&a.get_info()));
-    let name = crate::gpu::named()
+    let name = crate::gpu::adapter_by_name()
         .and_then(|choice| choice.name)
         .unwrap_or_default();
     let fits = |a: &&wgpu::Adapter| {

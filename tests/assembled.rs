@@ -68,7 +68,7 @@ pub fn path() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if the file can't be read.
-pub fn kept() -> Result<Vec<(String, String)>, String> {
+pub fn kept_checksums() -> Result<Vec<(String, String)>, String> {
     let path = path();
     let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let lines = text.lines().filter_map(|line| line.split_once(' '));
@@ -94,7 +94,7 @@ impl Assembled {
     /// # Errors
     /// Returns an error with the difference to the kept text.
     pub fn check(&self) -> Result<(), String> {
-        let kept = kept()?;
+        let kept = kept_checksums()?;
         let sum = kept.iter().find(|(name, _)| *name == self.name);
         let name = &self.name;
         let Some((_, sum)) = sum else {
@@ -115,16 +115,16 @@ impl Assembled {
 
     fn keep_text(&self) -> Result<(), String> {
         let path = self.kept_text();
-        let told = |e: std::io::Error| format!("{}: {e}", path.display());
+        let reported = |e: std::io::Error| format!("{}: {e}", path.display());
         if fs::read_to_string(&path).is_ok_and(|text| text == self.text) {
             return Ok(());
         }
         let folder = path.parent().expect("a folder");
-        fs::create_dir_all(folder).map_err(told)?;
+        fs::create_dir_all(folder).map_err(reported)?;
         // Write and rename, so that a test on another thread never reads a partial file.
-        let mut whole = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
-        whole.write_all(self.text.as_bytes()).map_err(told)?;
-        whole.persist(&path).map_err(|e| told(e.error))?;
+        let mut whole = tempfile::NamedTempFile::new_in(folder).map_err(reported)?;
+        whole.write_all(self.text.as_bytes()).map_err(reported)?;
+        whole.persist(&path).map_err(|e| reported(e.error))?;
         Ok(())
     }
 
@@ -133,7 +133,7 @@ impl Assembled {
     /// # Errors
     /// Returns an error if a file can't be written.
     pub fn bless(&self) -> Result<(), String> {
-        let mut kept = kept().unwrap_or_default();
+        let mut kept = kept_checksums().unwrap_or_default();
         kept.retain(|(name, _)| *name != self.name);
         kept.push((self.name.clone(), checksum(&self.text)));
         kept.sort();

@@ -195,7 +195,7 @@ impl<'a> Rewriter<'a> {
     fn finish(mut self, function: &Function) -> Function {
         for (handle, expression) in self.old.expressions.iter() {
             let before = self.new.len();
-            let stands_for_it = self.rewritten(handle, expression);
+            let stands_for_it = self.rewrite_expression(handle, expression);
             let first = self
                 .new
                 .iter()
@@ -205,12 +205,12 @@ impl<'a> Rewriter<'a> {
         }
         let mut out = function.clone();
         for (_, local) in out.local_variables.iter_mut() {
-            local.init = local.init.map(|init| self.of(init));
+            local.init = local.init.map(|init| self.replacement_of(init));
         }
         out.named_expressions = function
             .named_expressions
             .iter()
-            .map(|(&handle, name)| (self.of(handle), name.clone()))
+            .map(|(&handle, name)| (self.replacement_of(handle), name.clone()))
             .collect();
         self.block(&mut out.body);
         out.expressions = self.new;
@@ -218,7 +218,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// Returns the replacement of an old expression.
-    fn of(&self, old: Handle<Expression>) -> Handle<Expression> {
+    fn replacement_of(&self, old: Handle<Expression>) -> Handle<Expression> {
         self.made[old.index()].1
     }
 
@@ -248,17 +248,21 @@ impl<'a> Rewriter<'a> {
         }
     }
 
-    fn rewritten(&mut self, handle: Handle<Expression>, old: &Expression) -> Handle<Expression> {
+    fn rewrite_expression(
+        &mut self,
+        handle: Handle<Expression>,
+        old: &Expression,
+    ) -> Handle<Expression> {
         let size = self.float_size(handle);
         if let (Some(size), model) = (size, self.model) {
             match (model, old) {
                 (DriverModel::Fused, Expression::Binary { op, left, right }) => {
-                    if let Some(fused) = self.fused(*op, *left, *right) {
+                    if let Some(fused) = self.fuse_multiply_add(*op, *left, *right) {
                         return fused;
                     }
                 }
                 (DriverModel::Reassociated, Expression::Binary { op, left, right }) => {
-                    if let Some(sum) = self.reassociated(*op, *left, *right) {
+                    if let Some(sum) = self.reassociate_sum(*op, *left, *right) {
                         return sum;
                     }
                 }
@@ -283,18 +287,20 @@ impl<'a> Rewriter<'a> {
                         }
                     );
                     let moves = if is_root { 2 } else { 1 };
-                    let exact = self.copied(old);
-                    return self.moved(exact, self.of(*operand), size, moves);
+                    let exact = self.copy_expression(old);
+                    return self.move_by_units(exact, self.replacement_of(*operand), size, moves);
                 }
                 _ => {}
             }
         }
-        self.copied(old)
+        self.copy_expression(old)
     }
 
-    fn copied(&mut self, old: &Expression) -> Handle<Expression> {
+    fn copy_expression(&mut self, old: &Expression) -> Handle<Expression> {
         let mut copy = old.clone();
-        for_each_operand(&mut copy, |operand| *operand = self.of(*operand));
+        for_each_operand(&mut copy, |operand| {
+            *operand = self.replacement_of(*operand)
+        });
         self.push(copy)
     }
 
@@ -313,7 +319,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// Returns a sum or difference whose product is not rounded. `None` if it has no product.
-    fn fused(
+    fn fuse_multiply_add(
         &mut self,
         op: BinaryOperator,
         left: Handle<Expression>,
@@ -323,24 +329,28 @@ impl<'a> Rewriter<'a> {
             return None;
         }
         let exact_operand = |this: &mut Self, factors: [Handle<Expression>; 2]| {
-            let [a, b] = factors.map(|factor| this.converted(this.of(factor), 8));
+            let [a, b] =
+                factors.map(|factor| this.convert_to_width(this.replacement_of(factor), 8));
             this.binary(BinaryOperator::Multiply, a, b)
         };
         let [wide_left, wide_right] = if let Some(factors) = self.factors(left) {
             let product = exact_operand(self, factors);
-            [product, self.converted(self.of(right), 8)]
+            [
+                product,
+                self.convert_to_width(self.replacement_of(right), 8),
+            ]
         } else if let Some(factors) = self.factors(right) {
             let product = exact_operand(self, factors);
-            [self.converted(self.of(left), 8), product]
+            [self.convert_to_width(self.replacement_of(left), 8), product]
         } else {
             return None;
         };
         let sum = self.binary(op, wide_left, wide_right);
-        Some(self.converted(sum, 4))
+        Some(self.convert_to_width(sum, 4))
     }
 
     /// Converts a float to one of this number of bytes.
-    fn converted(&mut self, expr: Handle<Expression>, bytes: u8) -> Handle<Expression> {
+    fn convert_to_width(&mut self, expr: Handle<Expression>, bytes: u8) -> Handle<Expression> {
         self.push(Expression::As {
             expr,
             kind: ScalarKind::Float,
@@ -349,7 +359,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// Returns `a + (b + c)` for `(a + b) + c`, or `a + (b - c)`. `None` for other expressions.
-    fn reassociated(
+    fn reassociate_sum(
         &mut self,
         op: BinaryOperator,
         left: Handle<Expression>,
@@ -366,7 +376,11 @@ impl<'a> Rewriter<'a> {
         else {
             return None;
         };
-        let (first, second, right) = (self.of(first), self.of(second), self.of(right));
+        let (first, second, right) = (
+            self.replacement_of(first),
+            self.replacement_of(second),
+            self.replacement_of(right),
+        );
         let last = self.binary(op, second, right);
         Some(self.binary(BinaryOperator::Add, first, last))
     }
@@ -374,7 +388,7 @@ impl<'a> Rewriter<'a> {
     /// Returns a number that differs by `moves` times 1 or 2 units in the last place; 0 and
     /// non-finite numbers stay unchanged. The direction and size depend on the number of 1 bits of
     /// the operand, so that quotients that are powers of 2 are changed in both directions.
-    fn moved(
+    fn move_by_units(
         &mut self,
         exact: Handle<Expression>,
         operand: Handle<Expression>,
@@ -443,14 +457,17 @@ impl<'a> Rewriter<'a> {
     }
 
     fn statement(&self, statement: &mut Statement) {
-        let replace = |handle: &mut Handle<Expression>| *handle = self.of(*handle);
+        let replace = |handle: &mut Handle<Expression>| *handle = self.replacement_of(*handle);
         match statement {
             Statement::Emit(range) => {
                 let mut emitted = range.clone();
                 let first = emitted.next();
                 let last = emitted.last().or(first);
                 if let (Some(first), Some(last)) = (first, last) {
-                    *range = Range::new_from_bounds(self.made[first.index()].0, self.of(last));
+                    *range = Range::new_from_bounds(
+                        self.made[first.index()].0,
+                        self.replacement_of(last),
+                    );
                 }
             }
             Statement::Block(block) => self.block(block),

@@ -39,7 +39,7 @@ pub fn add_triangle(
         indices: None,
         range: 0..3,
         base_vertex: 0,
-        bounds: Aabb::around(corners.map(Vec3::from_array)),
+        bounds: Aabb::from_points(corners.map(Vec3::from_array)),
     };
     set.add_mesh(&mesh).expect("valid")
 }

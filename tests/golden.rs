@@ -50,14 +50,14 @@ pub fn all() -> Vec<Golden> {
     let list: [(&str, Make); 11] = [
         ("cubes", hard),
         ("cubes", pcf),
-        ("cubes", dithered),
-        ("cubes", traced),
+        ("cubes", dithered_pcf),
+        ("cubes", traced_shadows),
         ("figure", pcf),
         ("teapot-lamp", pcf),
-        ("teapot-lamp", traced),
+        ("teapot-lamp", traced_shadows),
         ("thin-plate", hard),
         ("bar-at-lamp", hard),
-        ("low-sun-5", unbiased),
+        ("low-sun-5", unbiased_hard),
         ("stairs", pcf),
     ];
     list.into_iter()
@@ -70,7 +70,7 @@ fn hard() -> Box<dyn ShadowTechnique> {
     Box::new(Hard {}.on(ShadowMap { bias, ..MAP }))
 }
 
-fn unbiased() -> Box<dyn ShadowTechnique> {
+fn unbiased_hard() -> Box<dyn ShadowTechnique> {
     let bias = Bias::NONE;
     Box::new(Hard {}.on(ShadowMap { bias, ..MAP }))
 }
@@ -79,11 +79,11 @@ fn pcf() -> Box<dyn ShadowTechnique> {
     Box::new(Pcf { radius: 1 }.on(MAP))
 }
 
-fn dithered() -> Box<dyn ShadowTechnique> {
+fn dithered_pcf() -> Box<dyn ShadowTechnique> {
     Box::new(PcfDithered {}.on(MAP))
 }
 
-fn traced() -> Box<dyn ShadowTechnique> {
+fn traced_shadows() -> Box<dyn ShadowTechnique> {
     Box::new(Traced { samples: 16 })
 }
 
@@ -109,7 +109,7 @@ impl Golden {
         let entry = umbrage_scenes::find(self.scene).ok_or_else(|| say(&"no such scene"))?;
         let scene = (entry.build)();
         let geometry = Geometry::bake(&scene).map_err(|e| say(&e))?;
-        let camera = scene.cameras[0].resized(UVec2::splat(SIDE));
+        let camera = scene.cameras[0].with_size(UVec2::splat(SIDE));
         let view = View::new(&camera, &scene.lights[0], &geometry);
         let recipe = (self.technique)().recipe(&view).map_err(|e| say(&e))?;
         let shadows = Cpu::new().render(&view, &recipe).map_err(|e| say(&e))?;

@@ -82,7 +82,7 @@ impl Drop for SharedGpu {
 }
 
 /// Returns the adapter of `WGPU_ADAPTER_NAME`. `None` if the variable is not set.
-pub fn named() -> Option<AdapterChoice> {
+pub fn adapter_by_name() -> Option<AdapterChoice> {
     Some(AdapterChoice::from_env()).filter(|choice| choice.name.is_some())
 }
 
@@ -90,7 +90,7 @@ pub fn named() -> Option<AdapterChoice> {
 /// since those can be required to be bit-equal.
 fn open() -> Result<Gpu, BackendError> {
     DriverModel::install();
-    if let Some(named) = named() {
+    if let Some(named) = adapter_by_name() {
         return Gpu::new(&named);
     }
     let software = AdapterChoice {

@@ -56,7 +56,7 @@ pub struct ForwardProgram {
 
 /// A pipeline that contains a set's text, and its render target.
 #[derive(Debug)]
-struct Drawn {
+struct SetPipeline {
     revision: u64,
     pipeline: RenderPipeline,
     own_group: BindGroup,
@@ -65,7 +65,7 @@ struct Drawn {
 /// A program's renderer of one set.
 #[derive(Debug, Default)]
 pub struct Forward {
-    drawn: Option<Drawn>,
+    drawn: Option<SetPipeline>,
 }
 
 impl ForwardProgram {
@@ -207,7 +207,7 @@ impl Forward {
 }
 
 impl ForwardProgram {
-    fn compile(&self, set_text: &str, revision: u64, set_layout: &BindGroupLayout) -> Drawn {
+    fn compile(&self, set_text: &str, revision: u64, set_layout: &BindGroupLayout) -> SetPipeline {
         // Compile the set's text with the program's shader.
         let device = &self.d.device;
         let text = format!("{set_text}{OWN_SHADER}");
@@ -254,7 +254,7 @@ impl ForwardProgram {
             layout: &own_layout,
             entries: &entries,
         });
-        Drawn {
+        SetPipeline {
             revision,
             pipeline,
             own_group,

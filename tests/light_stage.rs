@@ -68,14 +68,14 @@ impl Stage {
     /// # Panics
     /// Panics if a position is not finite.
     pub fn new(budget: SetBudget, places: &[f32]) -> Self {
-        Self::on(device(), budget, StillLayers::Auto, places)
+        Self::on_device(device(), budget, StillLayers::Auto, places)
     }
 
     /// Returns a set like that of [`Stage::new`] on another device.
     ///
     /// # Panics
     /// Panics if a position is not finite.
-    pub fn on(
+    pub fn on_device(
         d: &'static TestDevice,
         budget: SetBudget,
         still_layers: StillLayers,
@@ -87,7 +87,7 @@ impl Stage {
         let mesh = foreign::add_triangle(program.d, &mut set, BufferUsages::VERTEX, corners);
         let casters = places
             .iter()
-            .map(|&x| set.add_caster(mesh, at(x)).expect("valid"))
+            .map(|&x| set.add_caster(mesh, translation_along_x(x)).expect("valid"))
             .collect();
         Self {
             program,
@@ -121,15 +121,15 @@ impl Stage {
     }
 
     /// Returns the lights that cast no shadows.
-    pub fn unserved(&self) -> Vec<LightId> {
-        self.set.unserved().map(|(id, _)| id).collect()
+    pub fn unserved_ids(&self) -> Vec<LightId> {
+        self.set.unserved_lights().map(|(id, _)| id).collect()
     }
 
     /// Returns the number of receivers in a light's shadow.
     ///
     /// # Panics
     /// Panics if there is no such light.
-    pub fn shadowed(&self, id: LightId) -> usize {
+    pub fn shadowed_pixels(&self, id: LightId) -> usize {
         let index = self.set.index_of(id).expect("is there");
         let mask = Forward::default().mask(&self.program, &self.set, index);
         mask.iter().filter(|&&v| v < 1.0).count()
@@ -137,6 +137,6 @@ impl Stage {
 }
 
 /// Returns the placement of a triangle.
-pub fn at(x: f32) -> Affine3A {
+pub fn translation_along_x(x: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, 2.0, 0.0))
 }

@@ -320,7 +320,7 @@ fn maps() -> impl Strategy<Value = ShadowMap> {
         fits_and_layouts(),
         surfaces,
         formats(),
-        outside(),
+        any_outside(),
     )
         .prop_map(
             |(size, bias, (fit, layout), surface, format, (border, beyond_far))| ShadowMap {
@@ -365,7 +365,7 @@ fn cascades() -> impl Strategy<Value = Cascades> {
     )
 }
 
-fn outside() -> impl Strategy<Value = (Border, BeyondFar)> {
+fn any_outside() -> impl Strategy<Value = (Border, BeyondFar)> {
     let borders = prop_oneof![4 => Just(Border::Lit), 1 => Just(Border::Clamp)];
     (
         borders,

@@ -93,7 +93,7 @@ impl BoxScene {
     }
 
     /// Returns 10,000 boxes under the lights of [`BoxScene::large`].
-    pub fn crowded() -> Result<Self> {
+    pub fn crowded_scene() -> Result<Self> {
         Ok(Self {
             boxes_per_side: 100,
             spacing: 0.4,

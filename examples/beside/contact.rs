@@ -99,7 +99,7 @@ impl CataloguedTechnique for ContactShadows {
     }
 
     /// Returns each map without the walk, with a walk of Aldridge's length, and with a long one.
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut all = Vec::new();
         for &size in map_sizes {
             let map = ShadowMap {
@@ -133,7 +133,7 @@ impl ShadowTechnique for ContactShadows {
         let clip_from_world = space.clip_from_world();
         // Without perspective, clip depth is not proportional to the distance from the camera.
         if space.clip_from_view.row(3) == Vec4::W {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "contact shadows need a perspective camera: thickness is a fraction of the distance from the camera",
             ));
         }
@@ -289,7 +289,7 @@ impl Taps for MapAndWalk<'_> {
 }
 
 /// The path of a ray towards the light on the camera's image, in steps of a pixel.
-struct Walk {
+struct ContactWalk {
     /// Step: 1 or -1 along x or y, and at most as much along the other axis.
     step: [f32; 2],
     /// Depth at the receiver.
@@ -326,7 +326,7 @@ impl MapAndWalk<'_> {
     /// Returns the path of the ray from `p` to the light. `None` if it does not extend over the
     /// image.
     #[inline(always)]
-    fn walk(&self, p: Vec3) -> Option<Walk> {
+    fn walk(&self, p: Vec3) -> Option<ContactWalk> {
         let u = self.uniforms;
         let x = row_times_point(u.x_from_world, p);
         let y = row_times_point(u.y_from_world, p);
@@ -350,7 +350,7 @@ impl MapAndWalk<'_> {
             let pixels_to_light = longer / (w * light.w);
             steps = steps.min(pixels_to_light.min(MAX_PIXELS as f32) as i32);
         }
-        Some(Walk {
+        Some(ContactWalk {
             step: [right / longer, down / longer],
             start_depth: z / w,
             depth_step: deeper / longer,

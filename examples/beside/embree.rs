@@ -23,7 +23,7 @@ use umbrage::{
     scenes::Kind,
     techniques::Exact,
 };
-use umbrage_lab::bench::{Paired, Repetitions, paired};
+use umbrage_lab::bench::{Paired, Repetitions, measure_pairs};
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
 const LOOKUPS: Repetitions = Repetitions {
@@ -75,20 +75,20 @@ fn main() -> anyhow::Result<()> {
     for name in &names {
         let scene = umbrage::scenes::by_argument(name)?;
         let geometry = Geometry::bake(&scene)?;
-        let camera = scene.cameras[0].resized(SIZE);
+        let camera = scene.cameras[0].with_size(SIZE);
         let receivers = cpu.receivers(&camera, &geometry)?;
         for (number, light) in scene.lights.iter().enumerate() {
             if !light.is_ideal() {
                 continue;
             }
             let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
-            let rays = Rays::of(&view, &geometry, &receivers);
+            let rays = EmbreeRays::of_view(&view, &geometry, &receivers);
             write_folder(&folder, &geometry, &rays)?;
             let mut embree = Embree::start(&program, &library, &folder)?;
             let row = measure(&mut embree, &mut cpu, &view, &geometry, &rays)?;
-            let asked = rays.asked.iter().filter(|&&asked| asked).count();
+            let requested = rays.queried.iter().filter(|&&requested| requested).count();
             println!(
-                "| `{}`, {} light {} | {} | {:.0} | {:.1} | {:.0} | {:.1} | {:.2} | {:.2} | {asked} | {} | {} |",
+                "| `{}`, {} light {} | {} | {:.0} | {:.1} | {:.0} | {:.1} | {:.2} | {:.2} | {requested} | {} | {} |",
                 name,
                 light.kind(),
                 number + 1,
@@ -139,44 +139,44 @@ fn measure(
     cpu: &mut Cpu,
     view: &View<'_>,
     geometry: &Geometry,
-    rays: &Rays,
+    rays: &EmbreeRays,
 ) -> anyhow::Result<Row> {
-    let makes = paired(
+    let makes = measure_pairs(
         BUILDS,
-        || make_anew(view, geometry),
-        || embree.asked("build"),
+        || time_rebuild(view, geometry),
+        || embree.run_command("build"),
     )?;
     let recipe = Exact {}.recipe(view)?;
-    let lookups = paired(
+    let lookups = measure_pairs(
         LOOKUPS,
         || {
             let timings = cpu.render(view, &recipe)?.timings;
             timings.receive.context("the CPU times its lookups")
         },
-        || embree.asked("trace"),
+        || embree.run_command("trace"),
     )?;
 
     let mask = cpu.render(view, &recipe)?.mask;
     let ours: Vec<bool> = mask.iter().map(|&lit| lit < 1.0).collect();
     let theirs = embree.answers()?;
-    let differ = count_other(&ours, &theirs, &rays.asked);
-    check_comparison(&ours, &theirs, &rays.asked)?;
-    let asked = rays.asked.iter().filter(|&&asked| asked).count();
+    let differ = count_other(&ours, &theirs, &rays.queried);
+    check_comparison(&ours, &theirs, &rays.queried)?;
+    let requested = rays.queried.iter().filter(|&&requested| requested).count();
     ensure!(
-        differ as f64 <= MOST_OTHER * asked as f64,
-        "{differ} of {asked} rays have different results: the rays are not the same"
+        differ as f64 <= MOST_OTHER * requested as f64,
+        "{differ} of {requested} rays have different results: the rays are not the same"
     );
     let none = vec![false; ours.len()];
     Ok(Row {
         makes,
         lookups,
-        hidden: count_other(&ours, &none, &rays.asked),
+        hidden: count_other(&ours, &none, &rays.queried),
         differ,
     })
 }
 
 /// Builds the lists from scratch, and returns the time.
-fn make_anew(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
+fn time_rebuild(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
     let fresh = geometry.without_hierarchies();
     // Do the work of a new scene first: its boxes, the extent of receivers, the table of corners.
     let warm = View::new(view.camera, &OTHER_LIGHT, &fresh);
@@ -193,48 +193,52 @@ fn make_anew(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
 }
 
 /// Returns the number of rays with different results.
-fn count_other(ours: &[bool], theirs: &[bool], asked: &[bool]) -> usize {
-    let answers = ours.iter().zip(theirs).zip(asked);
+fn count_other(ours: &[bool], theirs: &[bool], requested: &[bool]) -> usize {
+    let answers = ours.iter().zip(theirs).zip(requested);
     answers
-        .filter(|&((ours, theirs), &asked)| asked && ours != theirs)
+        .filter(|&((ours, theirs), &requested)| requested && ours != theirs)
         .count()
 }
 
 /// Returns an error if the comparison doesn't detect that every seventh result is wrong.
-fn check_comparison(ours: &[bool], theirs: &[bool], asked: &[bool]) -> anyhow::Result<()> {
+fn check_comparison(ours: &[bool], theirs: &[bool], requested: &[bool]) -> anyhow::Result<()> {
     let is_spoilt = |i: usize| i.is_multiple_of(7);
     let spoilt: Vec<bool> = (0..theirs.len())
         .map(|i| theirs[i] != is_spoilt(i))
         .collect();
-    let found = count_other(theirs, &spoilt, asked);
+    let found = count_other(theirs, &spoilt, requested);
     let expected = (0..theirs.len())
-        .filter(|&i| asked[i] && is_spoilt(i))
+        .filter(|&i| requested[i] && is_spoilt(i))
         .count();
     ensure!(
-        found == expected && count_other(ours, ours, asked) == 0,
+        found == expected && count_other(ours, ours, requested) == 0,
         "{found} of {expected} wrong results were detected"
     );
     Ok(())
 }
 
 /// The rays that `exact` replaces, pixel by pixel.
-struct Rays {
+struct EmbreeRays {
     /// Origins, and vectors from there to the light.
     rays: Vec<[Vec3; 2]>,
     /// `true` for results that require a ray.
-    asked: Vec<bool>,
+    queried: Vec<bool>,
 }
 
-impl Rays {
-    fn of(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Self {
+impl EmbreeRays {
+    fn of_view(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Self {
         let eye = view.camera.eye();
         let light = LightSampler::new(view.light);
         let extent = geometry.max_receiver_extent();
         // A length beyond all triangles from every origin, for directional lights.
-        let far = 2.0 * geometry.bounds().union(&Aabb::around([eye])).diagonal();
+        let far = 2.0
+            * geometry
+                .bounds()
+                .union(&Aabb::from_points([eye]))
+                .diagonal();
         let mut out = Self {
             rays: Vec::with_capacity(receivers.len()),
-            asked: Vec::with_capacity(receivers.len()),
+            queried: Vec::with_capacity(receivers.len()),
         };
         for i in 0..receivers.len() {
             let normal = receivers.normal(i);
@@ -242,14 +246,14 @@ impl Rays {
             let ray = segment(&light, origin, unit_square(0, 0), far);
             let faces_light = dot3(normal, ray) > 0.0;
             out.rays.push([origin, ray]);
-            out.asked.push(receivers.receives[i] && faces_light);
+            out.queried.push(receivers.receives[i] && faces_light);
         }
         out
     }
 }
 
 /// Writes casters and rays in the format of `embree.c`, little-endian.
-fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Result<()> {
+fn write_folder(folder: &Path, geometry: &Geometry, rays: &EmbreeRays) -> anyhow::Result<()> {
     let casters = geometry.run(&geometry.casters());
     let counts = format!(
         "vertices {} triangles {} width {} height {}\n",
@@ -259,7 +263,11 @@ fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Resu
         SIZE.y
     );
     let flat = rays.rays.as_flattened();
-    let asked: Vec<u8> = rays.asked.iter().map(|&asked| u8::from(asked)).collect();
+    let requested: Vec<u8> = rays
+        .queried
+        .iter()
+        .map(|&requested| u8::from(requested))
+        .collect();
     fs::write(folder.join("counts.txt"), counts)?;
     fs::write(
         folder.join("vertices.f32"),
@@ -267,7 +275,7 @@ fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Resu
     )?;
     fs::write(folder.join("triangles.u32"), bytemuck::cast_slice(casters))?;
     fs::write(folder.join("rays.f32"), bytemuck::cast_slice(flat))?;
-    fs::write(folder.join("asked.u8"), asked)?;
+    fs::write(folder.join("asked.u8"), requested)?;
     Ok(())
 }
 
@@ -316,7 +324,7 @@ impl Embree {
     }
 
     /// Sends a command, and returns the time that it reports.
-    fn asked(&mut self, order: &str) -> anyhow::Result<Duration> {
+    fn run_command(&mut self, order: &str) -> anyhow::Result<Duration> {
         writeln!(self.orders, "{order}")?;
         self.orders.flush()?;
         let milliseconds: f64 = self.line()?.parse()?;

@@ -6,7 +6,7 @@ use std::{fs, path::Path};
 use umbrage::{
     Backend, BackendChoice, Camera, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
     glam::{Affine3A, UVec2, Vec3},
-    scenes::denoise::{DisplacementMap, Solid, roughened},
+    scenes::denoise::{DisplacementMap, Solid, roughen_mesh},
     techniques::{Bias, BlinnPhong, MapFilter as _, Pcf, ShadowMap},
 };
 use umbrage_examples::sheet::Sheet;
@@ -38,12 +38,12 @@ pub(crate) fn write(folder: &Path) -> Result<()> {
             },
         ),
     ] {
-        let noisy = roughened(&solid.mesh(), NOISE, 7);
+        let noisy = roughen_mesh(&solid.mesh(), NOISE, 7);
         let map = DisplacementMap::from_noisy_keeping_shape(&noisy, MAP, ROUNDS)?;
         let path = folder.join(format!("{name}.map.png"));
         map.save(&path)?;
         // Apply the map from its file.
-        let clean = DisplacementMap::load(&path)?.applied(&noisy, -1.0)?;
+        let clean = DisplacementMap::load(&path)?.apply_to_mesh(&noisy, -1.0)?;
         let before = 1e3 * solid.mean_distance(&noisy);
         let after = 1e3 * solid.mean_distance(&clean);
         println!(

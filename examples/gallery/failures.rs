@@ -16,9 +16,9 @@ pub(crate) fn write(given: Option<&Path>) -> Result<()> {
         String::from("| fault | scene | no shadow | fault | cure |\n|---|---|--:|--:|--:|\n");
     for failure in failures() {
         let name = failure.name;
-        let played = failure.play(SIZE).with_context(|| format!("in {name}"))?;
-        played.images.save(&folder.join(format!("{name}.png")))?;
-        let [none, fault, cure] = [&played.no_shadow, &played.fault, &played.cure].map(label);
+        let rendered = failure.render(SIZE).with_context(|| format!("in {name}"))?;
+        rendered.images.save(&folder.join(format!("{name}.png")))?;
+        let [none, fault, cure] = [&rendered.no_shadow, &rendered.fault, &rendered.cure].map(label);
         println!("{name}: no shadow {none}, fault {fault}, cure {cure}");
         // Titles only have letters and spaces, so this matches the anchors of headings.
         let anchor = failure.title.to_lowercase().replace(' ', "-");

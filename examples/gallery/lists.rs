@@ -6,9 +6,9 @@ use umbrage::{
     Backend as _, Geometry, ShadowTechnique as _, View,
     cpu::Cpu,
     glam::UVec2,
-    techniques::{AskedCell, Exact},
+    techniques::{Exact, QueriedCell},
 };
-use umbrage_examples::sheet::{Sheet, colored};
+use umbrage_examples::sheet::{Sheet, color_image};
 
 /// Size of each of three images in a row.
 const SIZE: UVec2 = UVec2::new(320, 180);
@@ -28,7 +28,7 @@ const SCALE: [[u8; 3]; 7] = [
 const COVERED: [u8; 3] = [40, 40, 40];
 
 /// Colour of receivers that face away, or that nothing can hide.
-const NOT_ASKED: [u8; 3] = [225, 225, 225];
+const NOT_QUERIED: [u8; 3] = [225, 225, 225];
 
 pub(crate) fn write(file: &Path) -> Result<()> {
     let mut cpu = Cpu::new();
@@ -36,22 +36,22 @@ pub(crate) fn write(file: &Path) -> Result<()> {
     for name in ["street", "nave", "dancer"] {
         let scene = umbrage::scenes::by_argument(name)?;
         let geometry = Geometry::bake(&scene)?;
-        let camera = scene.cameras[0].resized(SIZE);
+        let camera = scene.cameras[0].with_size(SIZE);
         let receivers = cpu.receivers(&camera, &geometry)?;
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
         let exact = Exact::default();
-        let cells = exact.asked_cells(&view)?;
-        sheet.push(colored(SIZE, |i| length_color(&cells[i])));
-        sheet.push(colored(SIZE, |i| cell_color(&cells[i])));
+        let cells = exact.queried_cells(&view)?;
+        sheet.push(color_image(SIZE, |i| length_color(&cells[i])));
+        sheet.push(color_image(SIZE, |i| cell_color(&cells[i])));
         sheet.push_mask(SIZE, &cpu.render(&view, &exact.recipe(&view)?)?.mask);
         println!("{name}: {}", summary(&cells));
     }
     sheet.save(file)
 }
 
-fn length_color(cell: &Option<AskedCell>) -> [u8; 3] {
+fn length_color(cell: &Option<QueriedCell>) -> [u8; 3] {
     match cell {
-        None => NOT_ASKED,
+        None => NOT_QUERIED,
         Some(cell) if cell.is_covered => COVERED,
         Some(cell) => {
             let step = cell.length.max(1).next_power_of_two().trailing_zeros() as usize;
@@ -61,9 +61,9 @@ fn length_color(cell: &Option<AskedCell>) -> [u8; 3] {
 }
 
 /// Returns a distinct colour for each cell, darker if the cell has a cover.
-fn cell_color(cell: &Option<AskedCell>) -> [u8; 3] {
+fn cell_color(cell: &Option<QueriedCell>) -> [u8; 3] {
     let Some(cell) = cell else {
-        return NOT_ASKED;
+        return NOT_QUERIED;
     };
     let hash = cell.number.wrapping_mul(0x9e37_79b9);
     let part = |shift: u32| 90 + (hash >> shift & 127) as u8;
@@ -72,15 +72,15 @@ fn cell_color(cell: &Option<AskedCell>) -> [u8; 3] {
 }
 
 /// Returns the lengths of the lists.
-fn summary(cells: &[Option<AskedCell>]) -> String {
-    let asked: Vec<&AskedCell> = cells.iter().flatten().collect();
-    let covered = asked.iter().filter(|cell| cell.is_covered).count();
-    let walked = asked.iter().filter(|cell| !cell.is_covered);
+fn summary(cells: &[Option<QueriedCell>]) -> String {
+    let requested: Vec<&QueriedCell> = cells.iter().flatten().collect();
+    let covered = requested.iter().filter(|cell| cell.is_covered).count();
+    let walked = requested.iter().filter(|cell| !cell.is_covered);
     let casters: u64 = walked.map(|cell| u64::from(cell.length)).sum();
-    let mean = casters as f64 / (asked.len() - covered).max(1) as f64;
+    let mean = casters as f64 / (requested.len() - covered).max(1) as f64;
     format!(
         "{} receivers face the light within the grid, {covered} of them lie behind a caster that covers their cell; the lists of the \
          others hold {mean:.1} casters in the mean",
-        asked.len()
+        requested.len()
     )
 }

@@ -27,7 +27,7 @@ pub(crate) fn write(file: &Path) -> Result<()> {
     for name in ["nave-soft", "street-soft", "dancer-soft"] {
         let scene = umbrage::scenes::by_argument(name)?;
         let geometry = Geometry::bake(&scene)?;
-        let camera = scene.cameras[0].resized(SIZE);
+        let camera = scene.cameras[0].with_size(SIZE);
         let receivers = cpu.receivers(&camera, &geometry)?;
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
         let mut masks = Vec::new();

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use umbrage::gpu::AdapterChoice;
 use umbrage_lab::{
     compare::Backends,
-    textbook::{all, html, play},
+    textbook::{all, html, measure},
 };
 
 pub(crate) fn write(folder: &Path) -> Result<()> {
@@ -22,16 +22,16 @@ pub(crate) fn write(folder: &Path) -> Result<()> {
     let mut rows = Vec::new();
     for (i, effect) in all().iter().enumerate() {
         println!("{:2} of {}: {}", i + 1, all().len(), effect.title);
-        let played = play(effect, &mut backends.playing)?;
-        for (half, side) in [("fault", &played.fault), ("cure", &played.cure)] {
+        let rendered = measure(effect, &mut backends.backends)?;
+        for (half, side) in [("fault", &rendered.fault), ("cure", &rendered.cure)] {
             let name = effect.name;
             write(&format!("{name}.{half}.png"), &side.picture)?;
             write(&format!("{name}.{half}.error.png"), &side.error)?;
         }
-        rows.push((effect, played));
+        rows.push((effect, rendered));
     }
     let names: Vec<String> = backends
-        .playing
+        .backends
         .iter()
         .map(|backend| backend.name().to_owned())
         .collect();

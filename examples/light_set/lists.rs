@@ -1,7 +1,7 @@
 //! Cost of shadows if all casters move, on frames of real size: redrawing a map, and rebuilding
 //! lists on the device.
 
-use super::{open, timed};
+use super::{open, time_frame};
 use crate::renderer::Graphics;
 use anyhow::{Context as _, Result};
 use std::{sync::Arc, time::Duration};
@@ -193,10 +193,10 @@ impl LitScene {
         };
         self.set
             .prepare(&graphics.device, &graphics.queue, &frame)?;
-        if let Some((_, why)) = self.set.unserved().next() {
+        if let Some((_, why)) = self.set.unserved_lights().next() {
             println!("{why}");
         }
-        let make = submitted(graphics, |encoder| Ok(self.set.encode(encoder)?))?;
+        let make = submit_frame(graphics, |encoder| Ok(self.set.encode(encoder)?))?;
         self.set.prepare_masks(
             &graphics.queue,
             &MaskInputs {
@@ -210,7 +210,7 @@ impl LitScene {
                 format: MaskFormat::Float32,
             },
         )?;
-        let lookup = submitted(graphics, |encoder| {
+        let lookup = submit_frame(graphics, |encoder| {
             self.set.encode_masks(encoder)?;
             Ok(())
         })?;
@@ -219,7 +219,7 @@ impl LitScene {
 }
 
 /// Returns the time of commands from submission to completion.
-fn submitted(
+fn submit_frame(
     graphics: &Graphics,
     record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<()>,
 ) -> Result<Duration> {
@@ -228,7 +228,7 @@ fn submitted(
     // Submit pending writes first, so that they aren't timed.
     graphics.queue.submit([]);
     graphics.wait()?;
-    timed(graphics, || {
+    time_frame(graphics, || {
         graphics.queue.submit([encoder.finish()]);
         Ok(())
     })

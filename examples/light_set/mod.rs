@@ -26,7 +26,7 @@ use umbrage::{
     gpu::{AdapterChoice, Gpu},
     techniques::{Bias, Hard, MapFilter as _, Pcf, ShadowMap},
 };
-use umbrage_lab::bench::{Repetitions, paired};
+use umbrage_lab::bench::{Repetitions, measure_pairs};
 
 /// Number of frames of each program, alternating. Shaders are compiled in the warm-up frames.
 const PAIRS: Repetitions = Repetitions {
@@ -148,20 +148,20 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
     let frames = Cell::new(0.0);
     // Every frame differs.
     let seconds = || frames.replace(frames.get() + 0.01);
-    let moving = paired(
+    let moving = measure_pairs(
         PAIRS,
-        || timed(graphics, || hand.frame(graphics, seconds())),
-        || timed(graphics, || set.frame(graphics, seconds())),
+        || time_frame(graphics, || hand.frame(graphics, seconds())),
+        || time_frame(graphics, || set.frame(graphics, seconds())),
     )?;
-    let still = paired(
+    let still = measure_pairs(
         PAIRS,
-        || timed(graphics, || hand.still_frame(graphics)),
-        || timed(graphics, || set.still_frame(graphics)),
+        || time_frame(graphics, || hand.still_frame(graphics)),
+        || time_frame(graphics, || set.still_frame(graphics)),
     )?;
-    let recording = paired(
+    let recording = measure_pairs(
         PAIRS,
-        || recorded(graphics, || hand.frame(graphics, seconds())),
-        || recorded(graphics, || set.frame(graphics, seconds())),
+        || record_frame(graphics, || hand.frame(graphics, seconds())),
+        || record_frame(graphics, || set.frame(graphics, seconds())),
     )?;
     Ok(Ratios {
         moving: moving.ratio,
@@ -172,7 +172,7 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
 }
 
 /// Returns the time of a frame until its commands are done.
-fn timed(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
+fn time_frame(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
     let start = Instant::now();
     frame()?;
     graphics.wait()?;
@@ -180,7 +180,7 @@ fn timed(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Dura
 }
 
 /// Returns the time of a frame until its commands are submitted.
-fn recorded(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
+fn record_frame(graphics: &Graphics, frame: impl FnOnce() -> Result<()>) -> Result<Duration> {
     let start = Instant::now();
     frame()?;
     let recording = start.elapsed();
@@ -218,7 +218,7 @@ pub fn casters() -> Result<()> {
     const MOVED: usize = 100;
     const FRAMES: usize = 60;
     let (_, graphics) = open(&AdapterChoice::from_env())?;
-    let boxes = Boxes::new(&graphics, BoxScene::crowded()?);
+    let boxes = Boxes::new(&graphics, BoxScene::crowded_scene()?);
     let mut shadows = BoxShadows::new(&graphics, &boxes)?;
     shadows.add_lights(&boxes.scene.lights, &technique(1))?;
     let count = shadows.casters.len();

@@ -56,13 +56,13 @@ pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
 pub fn filter_row(reach: usize) -> Vec<f32> {
     let mut row = vec![1.0, 2.0, 1.0];
     for _ in 1..reach {
-        row = widened(&row);
+        row = widen_row(&row);
     }
     row
 }
 
 /// Returns the convolution of a row of weights with a box three texels wide.
-fn widened(row: &[f32]) -> Vec<f32> {
+fn widen_row(row: &[f32]) -> Vec<f32> {
     let mut wider = Vec::with_capacity(row.len() + 2);
     for i in 0..row.len() + 2 {
         let mut sum = 0.0;

@@ -71,7 +71,7 @@ fn noisy() -> Image {
 }
 
 /// Returns the visibility at points (texels) with these depths and this normal.
-fn ask(
+fn visibilities_at(
     kernel: &dyn ReceiveKernel,
     image: &Image,
     points: &[Vec3],
@@ -123,7 +123,7 @@ fn hardware(samples: i32, border: Border) -> HardwareKernel {
     })
 }
 
-fn merged(radius: i32, border: Border) -> MergedKernel {
+fn merged_kernel(radius: i32, border: Border) -> MergedKernel {
     let rows = bilinear_weights::merged_rows(radius as usize);
     MergedKernel(MergedUniforms {
         lookup: lookup(border, 0.0),
@@ -146,9 +146,9 @@ fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
     };
     let answer = |x: i32, y: i32| {
         let inside = |v: i32| v.clamp(0, SIZE - 1);
-        let beside = (x, y) != (inside(x), inside(y));
+        let adjacent = (x, y) != (inside(x), inside(y));
         let lit = p.z <= image.view().load(inside(x), inside(y), 0);
-        f64::from(u8::from(lit || (beside && border == Border::Lit)))
+        f64::from(u8::from(lit || (adjacent && border == Border::Lit)))
     };
     let range = |at: f32| {
         (f64::from(at) - 0.5 - reach).floor() as i32..=(f64::from(at) - 0.5 + reach).ceil() as i32
@@ -166,10 +166,10 @@ fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
 }
 
 /// Returns the greatest difference from the explicit filter.
-fn off(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
+fn kernel_error(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
     let image = noisy();
     let points = points();
-    let mask = ask(kernel, &image, &points, Vec3::Z, Simd::Native);
+    let mask = visibilities_at(kernel, &image, &points, Vec3::Z, Simd::Native);
     assert!(mask.iter().all(|v| (0.0..=1.0).contains(v)));
     let wrong = |(p, v): (&Vec3, &f32)| (f64::from(*v) - explicit(&image, row, border, *p)).abs();
     points.iter().zip(&mask).map(wrong).fold(0.0, f64::max)
@@ -184,7 +184,7 @@ const ROUNDING: f64 = 2.0 * 4.0 / 1_048_576.0;
 fn square_of_samples_is_the_sum_over_texels() {
     for border in [Border::Lit, Border::Clamp] {
         for samples in 1..=4 {
-            let off = off(
+            let off = kernel_error(
                 &hardware(samples, border),
                 &vec![1.0; samples as usize],
                 border,
@@ -198,8 +198,8 @@ fn square_of_samples_is_the_sum_over_texels() {
 fn merged_samples_are_the_sum_over_texels() {
     for border in [Border::Lit, Border::Clamp] {
         for radius in 1..=3 {
-            let off = off(
-                &merged(radius, border),
+            let off = kernel_error(
+                &merged_kernel(radius, border),
                 &bilinear_weights::filter_row(radius as usize),
                 border,
             );
@@ -210,17 +210,19 @@ fn merged_samples_are_the_sum_over_texels() {
 
 #[test]
 fn spoilt_weights_are_caught() {
-    let mut spoilt = merged(2, Border::Lit);
+    let mut spoilt = merged_kernel(2, Border::Lit);
     spoilt.0.rows[1].x *= 1.01;
-    assert!(off(&spoilt, &bilinear_weights::filter_row(2), Border::Lit) > 100.0 * ROUNDING);
     assert!(
-        off(
-            &merged(2, Border::Lit),
+        kernel_error(&spoilt, &bilinear_weights::filter_row(2), Border::Lit) > 100.0 * ROUNDING
+    );
+    assert!(
+        kernel_error(
+            &merged_kernel(2, Border::Lit),
             &[1.0, 4.0, 6.0, 4.0, 1.0],
             Border::Lit
         ) > 100.0 * ROUNDING
     );
-    assert!(off(&hardware(2, Border::Lit), &[1.0, 1.0], Border::Clamp) > 100.0 * ROUNDING);
+    assert!(kernel_error(&hardware(2, Border::Lit), &[1.0, 1.0], Border::Clamp) > 100.0 * ROUNDING);
 }
 
 #[test]
@@ -276,11 +278,11 @@ fn instructions_do_not_matter() {
     let image = noisy();
     let points = points();
     for kernel in [
-        &merged(3, Border::Lit) as &dyn ReceiveKernel,
+        &merged_kernel(3, Border::Lit) as &dyn ReceiveKernel,
         &hardware(3, Border::Clamp),
     ] {
-        let [a, b] =
-            [Simd::Native, Simd::Baseline].map(|simd| ask(kernel, &image, &points, Vec3::Z, simd));
+        let [a, b] = [Simd::Native, Simd::Baseline]
+            .map(|simd| visibilities_at(kernel, &image, &points, Vec3::Z, simd));
         assert_eq!(a, b);
     }
 }
@@ -296,7 +298,7 @@ fn borders() {
     ];
     for (border, visibility) in [(Border::Lit, 1.0), (Border::Clamp, 0.0)] {
         assert_eq!(
-            ask(&hardware(3, border), &black, &far, Vec3::Z, Simd::Native),
+            visibilities_at(&hardware(3, border), &black, &far, Vec3::Z, Simd::Native),
             [visibility; 3]
         );
     }
@@ -306,7 +308,7 @@ fn borders() {
         Vec3::new(SIZE as f32 - 0.25, 5.5, 0.5),
         Vec3::new(0.0, 0.0, 0.5),
     ];
-    let mask = ask(
+    let mask = visibilities_at(
         &hardware(1, Border::Lit),
         &black,
         &near,
@@ -343,11 +345,11 @@ fn receiver_planes_are_free_of_acne() {
     )
     .normalize();
     let acne = |receiver_plane: f32, n: Vec3| {
-        let mut kernels = (hardware(3, Border::Lit), merged(3, Border::Lit));
+        let mut kernels = (hardware(3, Border::Lit), merged_kernel(3, Border::Lit));
         kernels.0.0.lookup.layers = [layer(receiver_plane); MAX_LAYERS];
         kernels.1.0.lookup.layers = [layer(receiver_plane); MAX_LAYERS];
         let masks = [&kernels.0 as &dyn ReceiveKernel, &kernels.1]
-            .map(|k| ask(k, &plane, &points, n, Simd::Native));
+            .map(|k| visibilities_at(k, &plane, &points, n, Simd::Native));
         masks.map(|mask| mask.iter().filter(|v| **v < 1.0).count())
     };
     assert_eq!(acne(0.1, n), [0, 0]);

@@ -40,7 +40,7 @@ pub(crate) struct Cells {
 
 impl Cells {
     /// Returns the grid over a map with this side, texels.
-    pub(crate) fn over(size: u32) -> Self {
+    pub(crate) fn over_size(size: u32) -> Self {
         // Use two even steps: a single reduction would read too many texels for each texel it
         // writes.
         let mut ratio = size.div_ceil(MAX_CELLS).isqrt().max(1);
@@ -70,7 +70,7 @@ pub(crate) fn add(
     extent: LightExtent,
 ) -> ImageId {
     // Describe the three filters.
-    let cells = Cells::over(size);
+    let cells = Cells::over_size(size);
     let tile_count = size.div_ceil(cells.ratio);
     let tile_kernel = LeastDepthKernel {
         uniforms: LeastDepthUniforms {

@@ -14,7 +14,7 @@ fn map() -> Image {
         layers: 1,
         format: Format::Depth32,
     };
-    let mut map = Image::filled(desc, 1.0);
+    let mut map = Image::filled_with(desc, 1.0);
     for (i, depth) in map.texels.iter_mut().enumerate() {
         let h = hash(i as u32);
         *depth = if h.is_multiple_of(500) {
@@ -44,7 +44,7 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
     add(&mut maps, SIZE, false, shape, extent());
     let mut image = map.clone();
     for filter in &maps.filters {
-        let mut out = Image::filled(maps.images[filter.output], 0.0);
+        let mut out = Image::filled_with(maps.images[filter.output], 0.0);
         let side = out.desc.size.x as usize;
         for (y, row) in out.texels.chunks_mut(side).enumerate() {
             let inputs = Inputs {
@@ -65,7 +65,7 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
     let map = map();
-    let cell = Cells::over(SIZE).side();
+    let cell = Cells::over_size(SIZE).side();
     for shape in [PatternShape::Disc, PatternShape::Square] {
         let grid = grid(&map, shape);
         let points = spread(Default::default(), shape, 64);
@@ -119,7 +119,7 @@ fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
 #[test]
 fn cells_cover_maps_of_all_sizes() {
     for size in 1..=4096 {
-        let cells = Cells::over(size);
+        let cells = Cells::over_size(size);
         assert!(
             cells.count <= MAX_CELLS && cells.count * cells.side() >= size,
             "{size}: {cells:?}"

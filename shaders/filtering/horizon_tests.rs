@@ -9,7 +9,7 @@ use umbrage_core::{
 const SIDE: i32 = 400;
 
 /// Returns the fraction of even points of a square or disc whose height is not negative.
-fn counted(square: bool, h: Vec3) -> f32 {
+fn counted_share(square: bool, h: Vec3) -> f32 {
     let at = |i: i32| (i as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0;
     let points = (0..SIDE * SIDE).map(|i| Vec2::new(at(i % SIDE), at(i / SIDE)));
     let points: Vec<Vec2> = points.filter(|q| square || q.length() <= 1.0).collect();
@@ -34,7 +34,7 @@ fn shares_are_areas() {
         for step in -12..=12 {
             let h = Vec3::new(step as f32 * 0.13, axis.x, axis.y);
             for (square, share) in [(true, square_share(h)), (false, disc_share(h))] {
-                let right = counted(square, h);
+                let right = counted_share(square, h);
                 assert!(
                     (share - right).abs() < 1.5 / SIDE as f32,
                     "square {square}, {h}: {share} instead of {right}"

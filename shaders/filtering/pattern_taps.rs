@@ -50,7 +50,12 @@ impl PixelRotation {
     ///
     /// Panics if the table has no turn `max_turn`.
     #[inline(always)]
-    pub(crate) fn at(table: &PatternTable, max_turn: u32, first: UVec2, offset: usize) -> Self {
+    pub(crate) fn rotation_at(
+        table: &PatternTable,
+        max_turn: u32,
+        first: UVec2,
+        offset: usize,
+    ) -> Self {
         let x = first.x.wrapping_add(offset as u32);
         let turn = noise_index(x, first.y) & max_turn;
         let row = table.turns[turn as usize];
@@ -83,7 +88,7 @@ impl AxisLanes {
 
     /// Returns each receiver's half axes times its own factor.
     #[inline(always)]
-    pub(crate) fn scaled(&self, factors: &Lanes<f32>) -> Self {
+    pub(crate) fn scaled_axes(&self, factors: &Lanes<f32>) -> Self {
         let mut axes = self.clone();
         for i in 0..BATCH {
             axes.u_x[i] *= factors[i];
@@ -286,7 +291,7 @@ impl Comparisons<'_> {
         let size = self.map.size as u32;
         let last = (self.map.size - 1) as f32;
         // Bits to or onto the index of a texel outside the map; zero if the edge repeats.
-        let bits_beside_map = if self.map.clamped { 0 } else { NO_TEXEL };
+        let bits_outside_map = if self.map.clamped { 0 } else { NO_TEXEL };
         let mut indices = [NO_TEXEL; BATCH];
         for i in 0..N {
             let column = clamp_to(texels.x[i], last);
@@ -295,7 +300,7 @@ impl Comparisons<'_> {
             let extra_bits = if (column == texels.x[i]) & (row == texels.y[i]) {
                 0
             } else {
-                bits_beside_map
+                bits_outside_map
             };
             let index = r.layer_start[i]
                 .wrapping_add(whole_to_u32(row).wrapping_mul(size))

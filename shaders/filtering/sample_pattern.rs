@@ -98,11 +98,11 @@ pub enum PatternShape {
 pub fn spread(pattern: Pattern, shape: PatternShape, count: u32) -> Vec<Vec2> {
     match (pattern, shape) {
         (Pattern::Vogel, PatternShape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
-        (Pattern::Vogel, PatternShape::Square) => {
-            (0..count).map(|i| centred(fibonacci(i, count))).collect()
-        }
+        (Pattern::Vogel, PatternShape::Square) => (0..count)
+            .map(|i| centre_sample(fibonacci(i, count)))
+            .collect(),
         (Pattern::Poisson, _) => poisson(shape, count),
-        (Pattern::Grid, _) => grid(count).map(|uv| onto(shape, uv)).collect(),
+        (Pattern::Grid, _) => grid(count).map(|uv| map_to_shape(shape, uv)).collect(),
     }
 }
 
@@ -120,14 +120,14 @@ fn fibonacci(i: u32, count: u32) -> Vec2 {
 }
 
 /// Maps the unit square to -1..1.
-fn centred(uv: Vec2) -> Vec2 {
+fn centre_sample(uv: Vec2) -> Vec2 {
     uv * 2.0 - 1.0
 }
 
-fn onto(shape: PatternShape, uv: Vec2) -> Vec2 {
+fn map_to_shape(shape: PatternShape, uv: Vec2) -> Vec2 {
     match shape {
         PatternShape::Disc => disc_point(uv),
-        PatternShape::Square => centred(uv),
+        PatternShape::Square => centre_sample(uv),
     }
 }
 
@@ -164,7 +164,7 @@ fn poisson(shape: PatternShape, count: u32) -> Vec<Vec2> {
 fn candidate(shape: PatternShape, number: u32) -> Vec2 {
     let u = unit_hash(2 * number);
     let v = unit_hash(2 * number + 1);
-    onto(shape, Vec2::new(u, v))
+    map_to_shape(shape, Vec2::new(u, v))
 }
 
 /// Returns a hash of a number, 0..1 in steps of 2^-24.
@@ -199,11 +199,11 @@ pub(crate) struct PatternTable {
     pub(crate) turns: Vec<Vec4>,
 }
 
-type Key = (Pattern, PatternShape, Vec<u32>);
+type PatternKey = (Pattern, PatternShape, Vec<u32>);
 
 /// Cache of the latest tables, newest first. Equal recipes share a table, so no backend uploads it
 /// twice.
-static CACHE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
+static CACHE: Mutex<Vec<(PatternKey, Arc<PatternTable>)>> = Mutex::new(Vec::new());
 /// Capacity of the cache.
 const CACHE_SIZE: usize = 32;
 

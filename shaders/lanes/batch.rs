@@ -233,11 +233,11 @@ impl<'a> ReceiverBatch<'a> {
     /// Returns up to [`BATCH`] receivers from `first` on. They are copied to `room` if the span
     /// ends before the batch does.
     pub(crate) fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
-        if let Some(receivers) = Self::within(span, first) {
+        if let Some(receivers) = Self::borrow_full_batch(span, first) {
             return receivers;
         }
         let values = [span.x, span.y, span.z, span.nx, span.ny, span.nz];
-        room.0 = values.map(|values| padded(values, first));
+        room.0 = values.map(|values| padded_lanes(values, first));
         let [x, y, z, nx, ny, nz] = &room.0;
         Self {
             x,
@@ -250,7 +250,7 @@ impl<'a> ReceiverBatch<'a> {
     }
 
     /// Borrows the [`BATCH`] receivers from `first` on; `None` if the span ends before.
-    fn within(span: &Span<'a>, first: usize) -> Option<Self> {
+    fn borrow_full_batch(span: &Span<'a>, first: usize) -> Option<Self> {
         Some(Self {
             x: span.x[first..].first_chunk()?,
             y: span.y[first..].first_chunk()?,
@@ -282,7 +282,7 @@ impl PaddedReceivers {
 }
 
 /// Copies the values from `first` to the span's end, and 0 after them.
-fn padded(values: &[f32], first: usize) -> Lanes<f32> {
+fn padded_lanes(values: &[f32], first: usize) -> Lanes<f32> {
     let mut lanes = [0.0; BATCH];
     let rest = &values[first..];
     lanes[..rest.len()].copy_from_slice(rest);

@@ -87,7 +87,7 @@ pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     }
     let mut counts = [[0_u32; LANES]; BATCH];
     for i in 0..BATCH {
-        let depths = TapDepths::<LANES>::of::<SIDE>(batch, i);
+        let depths = TapDepths::<LANES>::of_batch::<SIDE>(batch, i);
         let mut count = [0_u32; LANES];
         for row in 0..SIDE {
             for lane in 0..LANES {
@@ -158,7 +158,7 @@ impl<const LANES: usize> TapDepths<LANES> {
     /// Returns the depths along the plane of receiver `i`, for the square of `SIDE` texels a side
     /// around its texel.
     #[inline(always)]
-    fn of<const SIDE: usize>(batch: &Batch, i: usize) -> Self {
+    fn of_batch<const SIDE: usize>(batch: &Batch, i: usize) -> Self {
         let radius = (SIDE / 2) as f32;
         let [x, y] = [batch.x[i], batch.y[i]];
         let [first_x, first_y] = [floor(x) - radius, floor(y) - radius];

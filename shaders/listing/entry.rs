@@ -28,7 +28,7 @@ impl Debug for TechniqueEntry {
 
 impl TechniqueEntry {
     /// Returns the list entry of a technique.
-    pub fn of<T: ListedTechnique>() -> Self {
+    pub fn for_technique<T: ListedTechnique>() -> Self {
         let default = T::default();
         Self {
             name: default.name(),

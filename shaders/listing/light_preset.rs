@@ -71,7 +71,7 @@ impl LightPreset {
         if self.frame == FrameRules::default() {
             return Ok(technique);
         }
-        let rules = toml::to_string(&self.frame).map_err(|e| unreadable(&e.to_string()))?;
+        let rules = toml::to_string(&self.frame).map_err(|e| unreadable_preset(&e.to_string()))?;
         Ok(format!("{technique}\n[{FRAME}]\n{rules}"))
     }
 
@@ -82,12 +82,13 @@ impl LightPreset {
     /// to the technique or the rules.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         let technique = TechniquePreset::from_toml(text)?;
-        let table: toml::Table = toml::from_str(text).map_err(|e| unreadable(&e.to_string()))?;
+        let table: toml::Table =
+            toml::from_str(text).map_err(|e| unreadable_preset(&e.to_string()))?;
         let frame = match table.get(FRAME) {
             Some(rules) => rules
                 .clone()
                 .try_into()
-                .map_err(|e: toml::de::Error| unreadable(&e.to_string()))?,
+                .map_err(|e: toml::de::Error| unreadable_preset(&e.to_string()))?,
             None => FrameRules::default(),
         };
         let preset = Self { technique, frame };
@@ -100,14 +101,14 @@ impl LightPreset {
         if pixels >= 0.0 && pixels.is_finite() {
             return Ok(());
         }
-        Err(unreadable(&format!(
+        Err(unreadable_preset(&format!(
             "skip_casters_below_pixels is {pixels}"
         )))
     }
 }
 
 #[cfg(feature = "presets")]
-fn unreadable(why: &str) -> Invalid {
+fn unreadable_preset(why: &str) -> Invalid {
     Invalid::new(
         format!("preset's table `{FRAME}`"),
         why.trim_end().to_owned(),

@@ -1,6 +1,6 @@
 //! Techniques as list entries and as data in files.
 //!
-//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] builds its
+//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::for_technique`] builds its
 //! list entry. [`TechniquePreset`] stores any such technique as data. [`LightPreset`] adds rules
 //! for the work that may be skipped.
 
@@ -69,7 +69,7 @@ mod without_files {
 ///     }
 /// }
 ///
-/// let techniques = [TechniqueEntry::of::<Mine>()];
+/// let techniques = [TechniqueEntry::for_technique::<Mine>()];
 /// let preset = TechniquePreset::read("technique = 'mine'", &techniques)?;
 /// assert_eq!(preset.get::<Mine>(), Some(&Mine::default()));
 /// # Ok::<(), umbrage_core::Invalid>(())

@@ -153,7 +153,7 @@ impl TechniquePreset {
     /// unknown to the technique.
     pub fn read(text: &str, techniques: &[TechniqueEntry]) -> Result<Self, Invalid> {
         let table: toml::Table =
-            toml::from_str(text).map_err(|e| unreadable(&e.to_string(), techniques))?;
+            toml::from_str(text).map_err(|e| unreadable_preset(&e.to_string(), techniques))?;
         Self::from_table(table, techniques)
     }
 
@@ -165,25 +165,25 @@ impl TechniquePreset {
         // `LightPreset` reads the frame rules itself.
         table.remove(light_preset::FRAME);
         let Some(name) = table.remove("technique") else {
-            return Err(unreadable("has no field `technique`", techniques));
+            return Err(unreadable_preset("has no field `technique`", techniques));
         };
         let entry = techniques
             .iter()
             .find(|entry| name.as_str() == Some(entry.name));
         let Some(entry) = entry else {
             let why = format!("names an unknown technique: {name}");
-            return Err(unreadable(&why, techniques));
+            return Err(unreadable_preset(&why, techniques));
         };
         (entry.read)(table).map_err(|e| {
             let why = format!("`{}`: {e}", entry.name);
-            unreadable(&why, techniques)
+            unreadable_preset(&why, techniques)
         })
     }
 }
 
 /// Returns the error for text that is not a preset, with the reason and the expected form.
 #[cfg(feature = "presets")]
-fn unreadable(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
+fn unreadable_preset(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
     let help = format!(
         "write `technique = ..` with one of {}, then its fields",

@@ -74,7 +74,7 @@ impl BlinnPhong {
     /// light or a number of these settings is invalid.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
         self.validate()
-            .map_err(|e| e.within("Blinn-Phong shading"))?;
+            .map_err(|e| e.within_context("Blinn-Phong shading"))?;
         scene.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(Invalid::new(
@@ -268,7 +268,7 @@ impl ShadeKernel for BlinnPhongKernel {
 
 /// Returns the vector from `p` to a point (w = 1), or a direction (w = 0).
 #[inline(always)]
-fn towards(to: Vec4, p: Vec3) -> Vec3 {
+fn direction_towards(to: Vec4, p: Vec3) -> Vec3 {
     Vec3::new(to.x - p.x * to.w, to.y - p.y * to.w, to.z - p.z * to.w)
 }
 
@@ -278,9 +278,9 @@ impl BlinnPhongKernel {
     fn color(&self, triangle: u32, p: Vec3, n: Vec3, visibility: f32) -> Option<Vec3> {
         let u = &self.uniforms;
         let s = self.tables.surface(triangle, p, n)?;
-        let l = unit_or(towards(u.light, p), Vec3::ZERO);
-        let v = unit_or(towards(u.eye, p), Vec3::ZERO);
-        let lit = self.arriving(p, n, l, visibility);
+        let l = unit_or(direction_towards(u.light, p), Vec3::ZERO);
+        let v = unit_or(direction_towards(u.eye, p), Vec3::ZERO);
+        let lit = self.arriving_light(p, n, l, visibility);
         let share = blinn(s.normal, l, v, s.shininess_log2);
         let reflected = s.diffuse * share.x + s.specular * share.y;
         Some(s.emissive + u.ambient.truncate() * s.diffuse + lit * reflected)
@@ -289,12 +289,12 @@ impl BlinnPhongKernel {
     /// Returns the linear light that arrives at a point whose geometric normal is `n`. `l` is the
     /// unit direction to the light.
     #[inline(always)]
-    fn arriving(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
+    fn arriving_light(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
         if dot3(n, l) <= 0.0 {
             return Vec3::ZERO;
         }
         let u = &self.uniforms;
-        let to_light = towards(u.light, p);
+        let to_light = direction_towards(u.light, p);
         let distance = dot3(to_light, to_light).sqrt();
         let share = cone(dot3(u.axis.truncate(), l), u.cone.x, u.cone.y);
         u.color.truncate() * (visibility * share * attenuation(u.attenuation.truncate(), distance))

@@ -101,7 +101,7 @@ fn kernel(scene: &Scene, light: &Light, settings: BlinnPhong) -> BlinnPhongKerne
 }
 
 /// Returns the colour at (x, z) of the quad, viewed from above.
-fn at(
+fn shade_at(
     scene: &Scene,
     light: &Light,
     settings: BlinnPhong,
@@ -116,7 +116,7 @@ fn at(
         .unwrap()
 }
 
-fn near(a: Vec3, b: Vec3) {
+fn assert_near(a: Vec3, b: Vec3) {
     // Allow a few roundings of numbers below 2.
     assert!((a - b).abs().max_element() < 1e-6, "{a} is not {b}");
 }
@@ -127,8 +127,8 @@ const PLAIN: [f32; 2] = [0.25, 0.5];
 fn straight_light_by_hand() {
     // n.l = n.h = 1: .15 k + k + .5
     let expected = 1.15 * MATERIAL.diffuse + 0.5;
-    near(
-        at(
+    assert_near(
+        shade_at(
             &scene(MATERIAL, vec![]),
             &ZENITH,
             BlinnPhong::default(),
@@ -143,8 +143,8 @@ fn straight_light_by_hand() {
 fn slanted_light_by_hand() {
     // h = (0, 1.8, .6) / sqrt(3.6): (n.h)^4 = (3.24 / 3.6)^2 = .81
     let expected = 0.15 * MATERIAL.diffuse + 0.8 * MATERIAL.diffuse + 0.5 * 0.81;
-    near(
-        at(
+    assert_near(
+        shade_at(
             &scene(MATERIAL, vec![]),
             &SLANTED,
             BlinnPhong::default(),
@@ -159,8 +159,8 @@ fn slanted_light_by_hand() {
         ..MATERIAL
     };
     let expected = 0.95 * MATERIAL.diffuse + 0.5 * 0.81 * 0.81;
-    near(
-        at(
+    assert_near(
+        shade_at(
             &scene(sharper, vec![]),
             &SLANTED,
             BlinnPhong::default(),
@@ -181,12 +181,12 @@ fn ambient_light_and_emission_stay_in_full_shadow() {
         ambient: Vec3::new(0.5, 0.25, 0.5),
         ..BlinnPhong::default()
     };
-    let dark = at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, 0.0);
+    let dark = shade_at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, 0.0);
     assert_eq!(dark, Vec3::new(0.25, 0.0625, 0.8125));
     // Half the visibility gives half of the light's contribution.
     let [half, full] =
-        [0.5, 1.0].map(|v| at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, v) - dark);
-    near(half * 2.0, full);
+        [0.5, 1.0].map(|v| shade_at(&scene(glowing, vec![]), &SLANTED, settings, PLAIN, v) - dark);
+    assert_near(half * 2.0, full);
 }
 
 #[test]
@@ -208,13 +208,16 @@ fn the_lamps_colour_and_distance_count() {
         light: Vec3::new(1.0, 0.5, 0.25),
         ..BlinnPhong::default()
     };
-    near(at(&matt, &lamp, none, PLAIN, 1.0), none.light);
+    assert_near(shade_at(&matt, &lamp, none, PLAIN, 1.0), none.light);
     let falling = BlinnPhong {
         attenuation: Vec3::new(1.0, 0.5, 0.5),
         ..none
     };
-    near(at(&matt, &lamp, falling, PLAIN, 1.0), none.light / 4.0);
-    near(at(&matt, &ZENITH, falling, PLAIN, 1.0), none.light);
+    assert_near(
+        shade_at(&matt, &lamp, falling, PLAIN, 1.0),
+        none.light / 4.0,
+    );
+    assert_near(shade_at(&matt, &ZENITH, falling, PLAIN, 1.0), none.light);
 }
 
 #[test]
@@ -240,19 +243,25 @@ fn spots_fade_between_their_angles() {
     };
     // At (.75, .5) the light arrives at tan = 3/4: cos = .8, and n.l = .8, too.
     let x = [0.75, 0.5];
-    near(
-        at(&matt, &spot(0.9, 0.7), settings, x, 1.0),
+    assert_near(
+        shade_at(&matt, &spot(0.9, 0.7), settings, x, 1.0),
         Vec3::splat(0.8 * 0.5),
     );
-    near(
-        at(&matt, &spot(0.79, 0.6), settings, x, 1.0),
+    assert_near(
+        shade_at(&matt, &spot(0.79, 0.6), settings, x, 1.0),
         Vec3::splat(0.8),
     );
-    near(at(&matt, &spot(0.95, 0.81), settings, x, 1.0), Vec3::ZERO);
+    assert_near(
+        shade_at(&matt, &spot(0.95, 0.81), settings, x, 1.0),
+        Vec3::ZERO,
+    );
     // Test points on both sides of a sharp edge.
-    near(at(&matt, &spot(0.81, 0.81), settings, x, 1.0), Vec3::ZERO);
-    near(
-        at(&matt, &spot(0.79, 0.79), settings, x, 1.0),
+    assert_near(
+        shade_at(&matt, &spot(0.81, 0.81), settings, x, 1.0),
+        Vec3::ZERO,
+    );
+    assert_near(
+        shade_at(&matt, &spot(0.79, 0.79), settings, x, 1.0),
         Vec3::splat(0.8),
     );
 }
@@ -288,8 +297,8 @@ fn textures_lie_as_their_picture_does() {
         ([-0.5, 0.5], Vec3::Z),
         ([0.5, 0.5], Vec3::ONE),
     ] {
-        near(
-            at(
+        assert_near(
+            shade_at(
                 &scene(textured, vec![texture.clone()]),
                 &ZENITH,
                 settings,
@@ -310,7 +319,7 @@ fn a_flat_normal_map_is_none() {
     };
     for x in [PLAIN, [-0.9, 0.3], [0.61, -0.77]] {
         let [with, without] = [mapped, MATERIAL].map(|m| {
-            at(
+            shade_at(
                 &scene(m, vec![map.clone()]),
                 &SLANTED,
                 BlinnPhong::default(),
@@ -347,7 +356,7 @@ fn normal_maps_lean_along_the_textures_axes() {
             direction: -to_light,
             angular_diameter: 0.0,
         };
-        at(&scene, &light, settings, PLAIN, 1.0).x
+        shade_at(&scene, &light, settings, PLAIN, 1.0).x
     };
     let east = Vec3::new(0.6, 0.8, 0.0);
     let north = Vec3::new(0.0, 0.8, -0.6);
@@ -382,8 +391,11 @@ fn nothing_arrives_below_the_horizon() {
         direction: Vec3::new(-1.0, y, 0.0),
         angular_diameter: 0.0,
     };
-    assert_eq!(at(&scene, &low(0.01), settings, PLAIN, 1.0), Vec3::ZERO);
-    assert!(at(&scene, &low(-0.01), settings, PLAIN, 1.0).min_element() > 0.1);
+    assert_eq!(
+        shade_at(&scene, &low(0.01), settings, PLAIN, 1.0),
+        Vec3::ZERO
+    );
+    assert!(shade_at(&scene, &low(-0.01), settings, PLAIN, 1.0).min_element() > 0.1);
 }
 
 /// From below, the quad's normal is -y. A map that leans east then leans west.
@@ -403,8 +415,8 @@ fn seen_from_behind_a_bump_is_a_dent() {
             .unwrap()
             .normal
     };
-    near(normal(Vec3::Y), Vec3::new(0.6, 0.8, 0.0));
-    near(normal(Vec3::NEG_Y), Vec3::new(-0.6, -0.8, 0.0));
+    assert_near(normal(Vec3::Y), Vec3::new(0.6, 0.8, 0.0));
+    assert_near(normal(Vec3::NEG_Y), Vec3::new(-0.6, -0.8, 0.0));
 }
 
 #[test]
@@ -417,7 +429,7 @@ fn smooth_normals_are_weighted() {
         .surface(0, Vec3::new(0.0, 0.0, 1.0), Vec3::Y)
         .unwrap()
         .normal;
-    near(found, Vec3::new(0.5, 0.5, 0.0).normalize());
+    assert_near(found, Vec3::new(0.5, 0.5, 0.0).normalize());
     assert!((dot3(found, found) - 1.0).abs() < 1e-6);
 }
 

@@ -13,16 +13,16 @@ pub(crate) const VERTEX_ROWS: usize = 3;
 pub(crate) const MATERIAL_ROWS: usize = 5;
 
 /// Rows of four words.
-type Rows = Arc<[[u32; 4]]>;
+type SurfaceRows = Arc<[[u32; 4]]>;
 
 /// Tables of one scene. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceTables {
-    pub(crate) vertices: Rows,
+    pub(crate) vertices: SurfaceRows,
     /// One row per triangle: its vertices, and the material in the fourth word.
-    pub(crate) triangles: Rows,
-    pub(crate) materials: Rows,
-    pub(crate) texels: Rows,
+    pub(crate) triangles: SurfaceRows,
+    pub(crate) materials: SurfaceRows,
+    pub(crate) texels: SurfaceRows,
 }
 
 impl SurfaceTables {
@@ -84,7 +84,7 @@ impl SurfaceTables {
 
 /// Pads an empty table with `least` zero rows, because tables need at least one row. They are never
 /// read.
-fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> Rows {
+fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> SurfaceRows {
     if rows.is_empty() {
         vec![[0; 4]; least].into()
     } else {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use umbrage_core::{FilterKernel, ImageView, Inputs, Kernel, Module, module};
 
 /// Returns the filter that computes the mean of two depth images.
-pub(crate) fn between() -> Arc<dyn FilterKernel> {
+pub(crate) fn depth_mean_filter() -> Arc<dyn FilterKernel> {
     Arc::new(BetweenKernel)
 }
 

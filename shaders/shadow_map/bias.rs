@@ -88,7 +88,7 @@ const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
 /// up to half a grid step away along both axes. That is the steeper slope times one step, 1/16
 /// texel. The value is twice that, since some rasterisers use one plane through three corners of a
 /// clipped polygon and are less accurate beyond the three.
-const CASTER_TEXELS_BESIDE_THE_PLANE: f32 = 0.125;
+const CASTER_TEXELS_OFF_PLANE: f32 = 0.125;
 
 /// Comparison method of a kernel, as far as [`Bias::ADAPTIVE`] depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -257,7 +257,7 @@ impl Bias {
         };
         let margin = match (self.adaptive, self.receiver_plane > 0.0) {
             (true, _) => texels,
-            (false, true) => CASTER_TEXELS_BESIDE_THE_PLANE,
+            (false, true) => CASTER_TEXELS_OFF_PLANE,
             (false, false) => 0.0,
         };
         RasterBias {

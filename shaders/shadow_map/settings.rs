@@ -232,7 +232,7 @@ impl ShadowMap {
                 raster,
             );
             let middle = maps.image(self.desc("midpoint", Format::R32, spaces));
-            maps.filter(between::between(), vec![nearest, second], middle);
+            maps.filter(between::depth_mean_filter(), vec![nearest, second], middle);
             maps.map = middle;
         }
         // Pack the depths.
@@ -319,7 +319,9 @@ impl ShadowMap {
                 "use 1 or more, such as 1024",
             ));
         }
-        self.bias.validate().map_err(|e| e.within("shadow map"))
+        self.bias
+            .validate()
+            .map_err(|e| e.within_context("shadow map"))
     }
 }
 

@@ -289,7 +289,7 @@ impl ReceiveKernel for EvsmKernel {
 
 impl LightBound<2> for EvsmUniforms {
     #[inline(always)]
-    fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
+    fn lit_fraction(&self, moments: [f32; 2], depth: f32) -> f32 {
         let receiver = power_of_two(self.rising * depth);
         lit_by_rising(Vec2::from_array(moments), receiver, self.least_rising)
     }
@@ -297,12 +297,12 @@ impl LightBound<2> for EvsmUniforms {
 
 impl LightBound<4> for EvsmUniforms {
     #[inline(always)]
-    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
+    fn lit_fraction(&self, moments: [f32; 4], depth: f32) -> f32 {
         let [up, up_squared, down, down_squared] = moments;
         let receiver = power_of_two(-(self.falling * depth));
         let falling = Vec2::new(down, down_squared);
         let lit = lit_by_falling(falling, receiver, self.least_falling);
-        let rising: f32 = LightBound::<2>::lit(self, [up, up_squared], depth);
+        let rising: f32 = LightBound::<2>::lit_fraction(self, [up, up_squared], depth);
         rising.min(lit)
     }
 }

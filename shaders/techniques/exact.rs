@@ -42,7 +42,7 @@ use crate::listing::ListedTechnique;
 use at_once::answer_all;
 use holes::CasterHoles;
 use lists::{KeptLists, Lists, Rows};
-use lookup::{Asked, cells_of_span, look_up_span};
+use lookup::{LookupInput, cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
 use std::{
     fmt::{Debug, Formatter},
@@ -88,7 +88,7 @@ impl ShadowTechnique for Exact {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles to build lists from: make it with `View::new`",
             ));
         };
@@ -146,7 +146,7 @@ impl ListedTechnique for Exact {
 
 /// Cell that a receiver queries, for analysing lookup costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AskedCell {
+pub struct QueriedCell {
     /// Index among all cells of the light.
     pub number: u32,
     /// Number of casters in the cell's list.
@@ -169,7 +169,7 @@ impl Exact {
     ) -> Result<Vec<f32>, RecipeError> {
         view.validate()?;
         let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles or receivers: add both before computing visibility without lists",
             ));
         };
@@ -190,10 +190,10 @@ impl Exact {
     ///
     /// # Errors
     /// Errors if the view has no receivers or no triangles, or is invalid.
-    pub fn asked_cells(&self, view: &View<'_>) -> Result<Vec<Option<AskedCell>>, RecipeError> {
+    pub fn queried_cells(&self, view: &View<'_>) -> Result<Vec<Option<QueriedCell>>, RecipeError> {
         view.validate()?;
         let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles or receivers: add both before querying cells",
             ));
         };
@@ -219,7 +219,9 @@ const FARTHEST: f32 = 1e38;
 /// Returns the length of rays towards directional lights, metres. Rays of this length leave the
 /// scene from the eye or any triangle.
 pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
-    let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
+    let all = geometry
+        .bounds()
+        .union(&Aabb::from_points([view.camera.eye()]));
     (2.0 * all.diagonal()).min(FARTHEST)
 }
 
@@ -275,7 +277,7 @@ impl ExactKernel {
     fn new(view: &View<'_>, geometry: &Geometry) -> Self {
         let extent = geometry.max_receiver_extent();
         let far = longest_ray(view, geometry);
-        let lists = KeptLists::of(view.light, geometry);
+        let lists = KeptLists::of_light(view.light, geometry);
         let cut_outs = geometry
             .cut_outs()
             .filter(|_| geometry.has_cut_out_casters());
@@ -351,8 +353,8 @@ impl ExactKernel {
                     continue;
                 }
                 looked_at += 1;
-                let asked = cell.filter(|cell| !cell.is_covered);
-                items += asked.map_or(0, |cell| u64::from(cell.length));
+                let requested = cell.filter(|cell| !cell.is_covered);
+                items += requested.map_or(0, |cell| u64::from(cell.length));
             }
         }
         items as f32 / looked_at.max(1) as f32
@@ -386,12 +388,12 @@ impl Kernel for ExactKernel {
 
 impl ReceiveKernel for ExactKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let asked = Asked {
+        let requested = LookupInput {
             uniforms: &self.uniforms,
             lists: self.lists(),
             holes: self.holes(),
         };
-        look_up_span(inputs.simd, asked, span, out);
+        look_up_span(inputs.simd, requested, span, out);
     }
 
     fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {

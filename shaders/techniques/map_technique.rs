@@ -39,7 +39,7 @@ pub trait MapFilter:
 
     /// Returns the map for a technique with the map `map`. Filters override this if they require
     /// some of its settings.
-    fn adapted(map: ShadowMap) -> ShadowMap {
+    fn adapt_map(map: ShadowMap) -> ShadowMap {
         map
     }
 
@@ -99,7 +99,7 @@ impl<F: MapFilter> ShadowTechnique for MapTechnique<F> {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.filter.recipe(&F::adapted(self.map), view)
+        self.filter.recipe(&F::adapt_map(self.map), view)
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
@@ -111,7 +111,7 @@ impl<F: MapFilter> ListedTechnique for MapTechnique<F> {
     const SUMMARY: &'static str = F::SUMMARY;
 
     fn settings(&self) -> String {
-        let mut words = vec![self.filter.label(), F::adapted(self.map).label()];
+        let mut words = vec![self.filter.label(), F::adapt_map(self.map).label()];
         words.retain(|word| !word.is_empty());
         words.join(", ")
     }

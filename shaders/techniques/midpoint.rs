@@ -46,7 +46,7 @@ impl MapFilter for Midpoint {
         self.pcf().label()
     }
 
-    fn adapted(map: ShadowMap) -> ShadowMap {
+    fn adapt_map(map: ShadowMap) -> ShadowMap {
         ShadowMap {
             surface: Surface::Midpoint,
             ..map

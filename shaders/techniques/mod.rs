@@ -31,7 +31,7 @@ fn check_no_holes(geometry: &Geometry, why: &str) -> Result<(), RecipeError> {
     if !geometry.has_cut_out_casters() {
         return Ok(());
     }
-    Err(RecipeError::unsupported(format!(
+    Err(RecipeError::unsupported_because(format!(
         "alpha-tested casters are not supported, {why}: use `traced`, `exact`, `soft` or a map"
     )))
 }

@@ -250,7 +250,7 @@ const BIAS_MOMENTS: [f32; 4] = [0.0, 0.375, 0.0, 0.375];
 impl MsmUniforms {
     /// Returns the moments mixed with [`BIAS_MOMENTS`].
     #[inline(always)]
-    fn biased(&self, moments: [f32; 4]) -> Vec4 {
+    fn biased_moments(&self, moments: [f32; 4]) -> Vec4 {
         // Process one at a time, and not four at once, so that a loop over receivers is vectorised.
         let mut out = [0.0; 4];
         for (i, out) in out.iter_mut().enumerate() {
@@ -303,8 +303,8 @@ struct HausdorffBound<'a>(&'a MsmUniforms);
 
 impl LightBound<4> for HamburgerBound<'_> {
     #[inline(always)]
-    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
-        hamburger(self.0.biased(moments), depth)
+    fn lit_fraction(&self, moments: [f32; 4], depth: f32) -> f32 {
+        hamburger(self.0.biased_moments(moments), depth)
     }
 
     #[inline(always)]
@@ -315,8 +315,8 @@ impl LightBound<4> for HamburgerBound<'_> {
 
 impl LightBound<4> for HausdorffBound<'_> {
     #[inline(always)]
-    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
-        hausdorff(self.0.biased(moments), depth)
+    fn lit_fraction(&self, moments: [f32; 4], depth: f32) -> f32 {
+        hausdorff(self.0.biased_moments(moments), depth)
     }
 
     #[inline(always)]

@@ -219,7 +219,8 @@ impl DiscOfTaps<'_> {
     #[inline(always)]
     fn placement(&self, offset: usize) -> KernelPlacement {
         let u = &self.kernel.uniforms;
-        let rotation = PixelRotation::at(&self.kernel.pattern, u.turns, self.pixel, offset);
+        let rotation =
+            PixelRotation::rotation_at(&self.kernel.pattern, u.turns, self.pixel, offset);
         let axes = Vec4::new(u.radius, 0.0, 0.0, u.radius);
         KernelPlacement {
             axes: turned(axes, rotation.cos_sin),

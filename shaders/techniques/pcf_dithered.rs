@@ -176,7 +176,7 @@ mod tests {
     use crate::lanes::fixtures::{batch, map, texels};
 
     /// Returns the mean of the four taps of Bunnell and Pellacini.
-    fn expected(map: &DepthMap<'_>, batch: &Batch, i: usize, pixel: UVec2) -> f32 {
+    fn expected_visibility(map: &DepthMap<'_>, batch: &Batch, i: usize, pixel: UVec2) -> f32 {
         let l = batch.lookup(i);
         if !l.covered {
             return 1.0;
@@ -213,7 +213,11 @@ mod tests {
             taps.visibilities(&batch, first, &mut out[..count]);
             for (i, &out) in out[..count].iter().enumerate() {
                 let pixel = span_first + UVec2::new((first + i) as u32, 0);
-                assert_eq!(out, expected(&map, &batch, i, pixel), "{turn} {i}");
+                assert_eq!(
+                    out,
+                    expected_visibility(&map, &batch, i, pixel),
+                    "{turn} {i}"
+                );
                 greys += usize::from(out > 0.0 && out < 1.0);
             }
         }

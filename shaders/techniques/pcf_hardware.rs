@@ -97,7 +97,7 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
 /// Errors if the map's depth is packed or averaged.
 pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
     if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
-        return Err(RecipeError::unsupported(
+        return Err(RecipeError::unsupported_because(
             "comparison samplers need depth images, but this map's depth is packed or averaged: use `pcf`",
         ));
     }

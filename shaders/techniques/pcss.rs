@@ -146,7 +146,7 @@ impl MapFilter for Pcss {
             filter_taps: self.filter_taps,
             turns: if self.rotate { TURNS - 1 } else { 0 },
             square: u32::from(pattern.shape == PatternShape::Square),
-            cell: Cells::over(size).side(),
+            cell: Cells::over_size(size).side(),
         };
         // Add the map and the grid of least depths.
         let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
@@ -231,9 +231,9 @@ impl PcssKernel {
         let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
         let per_depth =
             light_extent::reach_at(self.pattern.shape, half_axis_u, half_axis_v, from_middle);
-        let search = bounded(l.depth, half_axis_v.w) * per_depth;
+        let search = bounded_depth(l.depth, half_axis_v.w) * per_depth;
         let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
-        (bounded(deepest, half_axis_v.w) * per_depth).max(1.0)
+        (bounded_depth(deepest, half_axis_v.w) * per_depth).max(1.0)
     }
 }
 
@@ -380,12 +380,13 @@ impl Search<'_> {
         let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
         // Bound the search by the nearest caster in reach.
         let max = half_axis_v.w;
-        let search = bounded(l.depth - self.depth_in_reach(l), max);
+        let search = bounded_depth(l.depth - self.depth_in_reach(l), max);
         if share == 0.0 || search == 0.0 {
             return None;
         }
         // Rotate the light's half axes by the pixel's noise.
-        let rotation = PixelRotation::at(&self.kernel.pattern, u.turns, self.span.first, offset);
+        let rotation =
+            PixelRotation::rotation_at(&self.kernel.pattern, u.turns, self.span.first, offset);
         let cos_sin = rotation.cos_sin;
         let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), cos_sin);
         let texel = texel_depth(reach_along(u.square, axes));
@@ -442,7 +443,7 @@ impl Search<'_> {
 
 /// Clamps a difference of clip depths to 0..=max, and NaN to 0.
 #[inline(always)]
-fn bounded(depth: f32, max: f32) -> f32 {
+fn bounded_depth(depth: f32, max: f32) -> f32 {
     let depth = if depth > 0.0 { depth } else { 0.0 };
     if depth < max { depth } else { max }
 }

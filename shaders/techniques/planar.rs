@@ -73,7 +73,7 @@ impl ShadowTechnique for Planar {
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles to find planes in: make it with `View::new`",
             ));
         };
@@ -81,7 +81,7 @@ impl ShadowTechnique for Planar {
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
         if planes.planes.len() > self.planes as usize {
-            return Err(RecipeError::unsupported(format!(
+            return Err(RecipeError::unsupported_because(format!(
                 "the visible lit receivers are in more than {} planes: raise `planes`, or use another technique for curved receivers",
                 self.planes
             )));

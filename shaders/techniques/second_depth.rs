@@ -49,7 +49,7 @@ impl MapFilter for SecondDepth {
     }
 
     /// Always culls front faces.
-    fn adapted(mut map: ShadowMap) -> ShadowMap {
+    fn adapt_map(mut map: ShadowMap) -> ShadowMap {
         map.bias.cull = Cull::Front;
         map
     }

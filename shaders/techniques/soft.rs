@@ -49,7 +49,7 @@ use crate::{
     techniques::{exact::longest_ray, traced::check_stack},
 };
 use footprint::FOOTPRINT;
-use hidden::{HIDDEN, sorted};
+use hidden::{HIDDEN, sort_corners};
 use holes::{HOLES, NO_HOLES};
 use lattice::{LATTICE, LATTICES, Lattices, rows_for};
 use light_plane::{LIGHT_PLANE, domain_of, spread_of};
@@ -130,7 +130,7 @@ impl ShadowTechnique for Soft {
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles to search: make it with `View::new`",
             ));
         };
@@ -139,7 +139,7 @@ impl ShadowTechnique for Soft {
         } = view.light
             && *angular_diameter > MAX_SUN_DEGREES.to_radians()
         {
-            return Err(RecipeError::unsupported(format!(
+            return Err(RecipeError::unsupported_because(format!(
                 "directional lights are supported up to {MAX_SUN_DEGREES} degrees across, but this one has {}: use `traced`",
                 angular_diameter.to_degrees()
             )));
@@ -148,8 +148,8 @@ impl ShadowTechnique for Soft {
         // Build the kernel and its tables.
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
-        let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
-        let table = |label: &'static str, rows: &Rows| Table {
+        let sorted = geometry.derive_once(|_| SortedTriangles::from_rows(triangles));
+        let table = |label: &'static str, rows: &SoftRows| Table {
             label,
             rows: rows.clone().into(),
         };
@@ -180,21 +180,21 @@ impl ShadowTechnique for Soft {
 }
 
 /// Rows of four words.
-type Rows = Arc<[[u32; 4]]>;
+type SoftRows = Arc<[[u32; 4]]>;
 
 /// Triangles of the hierarchy. The corners of each have the order that the edge functions expect.
-struct SortedTriangles(Rows);
+struct SortedTriangles(SoftRows);
 
 impl SortedTriangles {
     /// Builds the table; `rows` are three per triangle: a corner, and the triangle's id as the
     /// fourth word.
-    fn of(rows: &[[u32; 4]]) -> Self {
+    fn from_rows(rows: &[[u32; 4]]) -> Self {
         let mut out = Vec::with_capacity(rows.len());
         for triangle in rows.chunks_exact(3) {
             let corners = [0, 1, 2]
                 .map(|i: usize| Vec4::from_array(triangle[i].map(f32::from_bits)).truncate());
             let id = triangle[0][3];
-            for corner in sorted(corners) {
+            for corner in sort_corners(corners) {
                 let [x, y, z] = corner.to_array().map(f32::to_bits);
                 out.push([x, y, z, id]);
             }

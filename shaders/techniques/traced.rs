@@ -62,7 +62,7 @@ impl ShadowTechnique for Traced {
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles to trace: make it with `View::new`",
             ));
         };
@@ -136,7 +136,7 @@ pub(super) fn check_stack(geometry: &Geometry) -> Result<(), RecipeError> {
     if depth <= STACK {
         return Ok(());
     }
-    Err(RecipeError::unsupported(format!(
+    Err(RecipeError::unsupported_because(format!(
         "the scene's hierarchy is {depth} nodes deep, but the shader's stack holds {STACK}: use a technique with a map"
     )))
 }
@@ -202,7 +202,7 @@ impl ReceiveKernel for TracedKernel {
             for sample in 0..u.samples {
                 let ray = segment(&u.light, origin, unit_square(sample, scramble), u.far);
                 // Points of the light below the receiver's tangent plane are not visible.
-                if dot3(n, ray) > 0.0 && !self.bvh.occluded(origin, ray, span.triangle[i]) {
+                if dot3(n, ray) > 0.0 && !self.bvh.is_occluded(origin, ray, span.triangle[i]) {
                     seen += 1;
                 }
             }

@@ -83,7 +83,7 @@ impl ShadowTechnique for ShadowVolumes {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "the view has no triangles to build volumes from: make it with `View::new`",
             ));
         };
@@ -105,10 +105,10 @@ impl ShadowTechnique for ShadowVolumes {
                  volumes' sides: move the light, or use rays",
                 100.0 * lost
             );
-            return Err(RecipeError::unsupported(reason));
+            return Err(RecipeError::unsupported_because(reason));
         }
         // Find the silhouette, and extrude it beyond the scene.
-        let casters = geometry.derived(CasterShells::new);
+        let casters = geometry.derive_once(CasterShells::new);
         let mesh = &casters.mesh;
         let silhouette = casters.silhouette(lifted.light);
         let window = ClipWindow::new(&infinite_far.space, view.camera.size);

@@ -196,7 +196,7 @@ impl ReceiveKernel for VsmKernel {
 
 impl LightBound<2> for VsmUniforms {
     #[inline(always)]
-    fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
+    fn lit_fraction(&self, moments: [f32; 2], depth: f32) -> f32 {
         lit_by_variance(Vec2::from_array(moments), depth, self.least_variance)
     }
 }

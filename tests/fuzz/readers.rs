@@ -55,7 +55,7 @@ fn file(name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// Splits an input at the first separator.
-fn parted(bytes: &[u8]) -> (&[u8], &[u8]) {
+fn split_bytes(bytes: &[u8]) -> (&[u8], &[u8]) {
     match bytes.windows(PART.len()).position(|piece| piece == PART) {
         Some(at) => (&bytes[..at], &bytes[at + PART.len()..]),
         None => (bytes, &[]),
@@ -63,7 +63,7 @@ fn parted(bytes: &[u8]) -> (&[u8], &[u8]) {
 }
 
 /// Renders a scene's first light with two techniques.
-fn play(scene: &Scene) {
+fn run_scene(scene: &Scene) {
     let triangles: usize = scene
         .instances
         .iter()
@@ -117,7 +117,7 @@ pub(super) fn scene_file(bytes: &[u8]) {
     let mut files = models();
     files.insert("scene.toml", bytes);
     if let Ok(scene) = scenes::read("scene.toml", &files) {
-        play(&scene);
+        run_scene(&scene);
     }
     let cube = scenes::find("cubes").expect("built in");
     let geometry = Geometry::bake(&(cube.build)()).expect("built in");
@@ -141,12 +141,12 @@ fn models() -> FilesInMemory {
 
 /// Processes a model, followed by [`PART`] and its materials.
 pub(super) fn model(bytes: &[u8]) {
-    let (obj, mtl) = parted(bytes);
+    let (obj, mtl) = split_bytes(bytes);
     let files: FilesInMemory = [("model.obj", obj), ("looks.mtl", mtl)]
         .into_iter()
         .collect();
     if let Ok(scene) = scenes::read("model.obj", &files) {
-        play(&scene);
+        run_scene(&scene);
     }
 }
 
@@ -156,7 +156,7 @@ pub(super) fn gltf(bytes: &[u8]) {
     if bytes.starts_with(b"glTF") {
         return gltf_of([("model.glb", bytes.to_vec())], "model.glb");
     }
-    let (json, data) = parted(bytes);
+    let (json, data) = split_bytes(bytes);
     let whole = gltf_model::glb(json, data);
     gltf_of([("model.glb", whole)], "model.glb#1");
     let parts = [("model.gltf", json.to_vec()), ("data", data.to_vec())];
@@ -169,7 +169,7 @@ fn gltf_of<const N: usize>(files: [(&str, Vec<u8>); N], path: &str) {
     let scene =
         scenes::read(path, &files).or_else(|_| scenes::read(path.trim_end_matches("#1"), &files));
     if let Ok(scene) = scene {
-        play(&scene);
+        run_scene(&scene);
     }
 }
 
@@ -204,7 +204,7 @@ pub(super) fn picture(bytes: &[u8]) {
         .into_iter()
         .collect();
     if let Ok(scene) = scenes::read("scene.toml", &files) {
-        play(&scene);
+        run_scene(&scene);
     }
 }
 

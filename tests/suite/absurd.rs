@@ -8,7 +8,7 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{Bounds, PlanOptions, Planner, RendererData};
 use umbrage_techniques::all;
-use umbrage_tests::absurd_values::{camera, light, number, scene, spoilt, vector};
+use umbrage_tests::absurd_values::{camera, light, number, scene, spoil_preset, vector};
 
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig {
@@ -33,7 +33,7 @@ fn techniques_answer_or_refuse() {
             refused.set(refused.get() + 1);
             return Ok(());
         };
-        let (Ok(camera), Some(preset)) = (camera, spoilt(&(entries[entry].preset)(), &places)) else {
+        let (Ok(camera), Some(preset)) = (camera, spoil_preset(&(entries[entry].preset)(), &places)) else {
             refused.set(refused.get() + 1);
             return Ok(());
         };
@@ -62,9 +62,9 @@ fn techniques_answer_or_refuse() {
 fn anchors_boxes_and_lights_answer_or_refuse() {
     proptest!(config(2000), |(a in vector(), b in vector(), light in light())| {
         let eye = a.as_dvec3() * f64::from(b.x);
-        if let Ok(anchor) = Anchor::near(eye) {
+        if let Ok(anchor) = Anchor::nearest_to(eye) {
             prop_assert!(anchor.position(eye).is_finite());
-            let _ = anchor.held(b.as_dvec3());
+            let _ = anchor.kept_for(b.as_dvec3());
         }
         let bounds = Aabb { min: a, max: b };
         let _ = (bounds.is_empty(), bounds.diagonal(), bounds.center());

@@ -38,12 +38,12 @@ fn random_scenes_agree() {
     // Count alpha-tested scenes with a shadow.
     let holed = Cell::new(0_u32);
     let check = |case: Case| {
-        let played = agree(&case).map_err(TestCaseError::fail)?;
+        let executed_case = agree(&case).map_err(TestCaseError::fail)?;
         *rendered
             .borrow_mut()
             .entry(case.technique.name())
-            .or_insert(0) += u32::from(played.is_some());
-        let Some(Played { dark, agreement: a }) = played else {
+            .or_insert(0) += u32::from(executed_case.is_some());
+        let Some(ExecutedCase { dark, agreement: a }) = executed_case else {
             return Ok(());
         };
         shadowed.set(shadowed.get() + u32::from(dark));
@@ -135,7 +135,7 @@ fn runner(seed: u8) -> TestRunner {
 }
 
 /// The result of a case.
-struct Played {
+struct ExecutedCase {
     /// `true` if the mask has any shadow.
     dark: bool,
     agreement: Agreement,
@@ -143,7 +143,7 @@ struct Played {
 
 /// Executes a case on both backends, which must agree. Returns `None` if the technique doesn't
 /// support the scene.
-fn agree(case: &Case) -> Result<Option<Played>, String> {
+fn agree(case: &Case) -> Result<Option<ExecutedCase>, String> {
     let geometry = Geometry::bake(&case.scene).map_err(|e| e.to_string())?;
     let (camera, light) = (&case.scene.cameras[0], &case.scene.lights[0]);
     let view = View::new(camera, light, &geometry);
@@ -164,7 +164,7 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
     }
     let label = format!("{} {}", case.technique.name(), case.technique.settings());
     let agreement = check_agreement(&gpu, &label, &view, &recipe, &cpu, &other)?;
-    Ok(Some(Played {
+    Ok(Some(ExecutedCase {
         dark: cpu.mask.iter().any(|&v| v < 1.0),
         agreement,
     }))

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use umbrage_tests::{
     adapter::TestDevice,
     foreign,
-    light_stage::{Stage, at, camera},
+    light_stage::{Stage, camera, translation_along_x},
 };
 use umbrage_wgpu::{
     DepthBuffer, LightId, MaskFormat, MaskInputs, MaskReceivers, NormalCoding, SetBudget, SetFrame,
@@ -59,7 +59,10 @@ fn steady_frames_allocate_nothing() {
     // Lists have their final capacity after a frame in which a caster moved.
     for x in [0.1, 0.2] {
         let caster = stage.casters[1];
-        stage.set.move_caster(caster, at(x)).expect("is there");
+        stage
+            .set
+            .move_caster(caster, translation_along_x(x))
+            .expect("is there");
         stage.frame();
     }
     let still = blocks(|| prepare(&mut stage));
@@ -87,7 +90,10 @@ fn steady_frames_allocate_nothing() {
         for i in 0..FRAMES {
             let caster = stage.casters[1];
             let x = 0.1 + 0.1 * (i % 3) as f32;
-            stage.set.move_caster(caster, at(x)).expect("is there");
+            stage
+                .set
+                .move_caster(caster, translation_along_x(x))
+                .expect("is there");
             prepare(&mut stage);
             assert_eq!(stage.set.report().redrawn, 1);
         }

@@ -34,7 +34,7 @@ fn on_grid(v: Vec3) -> Vec3 {
 }
 
 /// Returns a scene whose positions are all on the grid.
-fn snapped(mut scene: Scene) -> Scene {
+fn snap_scene(mut scene: Scene) -> Scene {
     let snap = |v: &mut Vec3A| *v = on_grid((*v).into()).into();
     for instance in &mut scene.instances {
         snap(&mut instance.world_from_local.translation);
@@ -52,7 +52,7 @@ fn snapped(mut scene: Scene) -> Scene {
 
 /// Returns a scene moved by `away`, relative to an anchor, or without one, relative to the world's
 /// origin.
-fn moved(scene: &Scene, away: DVec3, anchor: Anchor) -> Scene {
+fn move_scene(scene: &Scene, away: DVec3, anchor: Anchor) -> Scene {
     let mut out = scene.clone();
     let place = |world_from_local: &mut glam::Affine3A| {
         let in_world = DAffine3 {
@@ -97,7 +97,7 @@ fn masks(scene: &Scene, technique: &dyn ShadowTechnique) -> Result<Option<[Vec<f
     Ok(Some([on_cpu?, on_gpu?]))
 }
 
-fn differing(a: &[f32], b: &[f32]) -> usize {
+fn count_differing(a: &[f32], b: &[f32]) -> usize {
     assert_eq!(a.len(), b.len());
     let pairs = a.iter().zip(b);
     pairs.filter(|(a, b)| a.to_bits() != b.to_bits()).count()
@@ -105,7 +105,7 @@ fn differing(a: &[f32], b: &[f32]) -> usize {
 
 /// Counts of a technique.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct TechniqueCounts {
     /// Number of scenes that it supports and that have a shadow.
     shadowed: u32,
     /// Number of these with a different mask far away, on the CPU and on the device.
@@ -118,8 +118,8 @@ fn compare(
     seed: u64,
     away: impl Strategy<Value = [i32; 3]>,
     anchor: impl Fn(DVec3) -> Anchor,
-) -> BTreeMap<&'static str, Seen> {
-    let seen = RefCell::new(BTreeMap::<&str, Seen>::new());
+) -> BTreeMap<&'static str, TechniqueCounts> {
+    let seen = RefCell::new(BTreeMap::<&str, TechniqueCounts>::new());
     let config = ProptestConfig {
         cases: SCENES,
         rng_seed: RngSeed::Fixed(seed),
@@ -127,9 +127,9 @@ fn compare(
         ..ProptestConfig::default()
     };
     proptest!(config, |(scene in scenes(), steps in away)| {
-        let near = snapped(scene);
+        let near = snap_scene(scene);
         let away = DVec3::from_array(steps.map(f64::from)) * Anchor::STEP;
-        let far = moved(&near, away, anchor(eye(&near, away)));
+        let far = move_scene(&near, away, anchor(eye(&near, away)));
         for name in TECHNIQUES {
             let technique = technique(name);
             let Some(at_origin) = masks(&near, &*technique).map_err(TestCaseError::fail)? else {
@@ -146,7 +146,7 @@ fn compare(
             for backend in 0..2 {
                 let is_other = far_away
                     .as_ref()
-                    .is_none_or(|masks| differing(&masks[backend], &at_origin[backend]) > 0);
+                    .is_none_or(|masks| count_differing(&masks[backend], &at_origin[backend]) > 0);
                 entry.others[backend] += u32::from(is_other);
             }
         }
@@ -158,7 +158,7 @@ fn compare(
 fn shadows_are_those_at_the_origin() {
     // Up to 8,000 km along each axis, and more than 1e6 m away.
     let away = (FAR..8192, -8192..8192, -8192..8192_i32).prop_map(|(x, y, z)| [x, y, -z]);
-    let seen = compare(1, away, |eye| Anchor::near(eye).expect("finite"));
+    let seen = compare(1, away, |eye| Anchor::nearest_to(eye).expect("finite"));
     for name in TECHNIQUES {
         let seen = seen[name];
         assert!(seen.shadowed >= 10, "{name}: {seen:?}");
@@ -196,7 +196,7 @@ proptest! {
         eye in unit_places(),
         ways in prop::array::uniform3(-(2000_i64 << 20)..2000 << 20),
     ) {
-        let anchor = Anchor::near(DVec3::from_array(eye.map(metres))).expect("finite");
+        let anchor = Anchor::nearest_to(DVec3::from_array(eye.map(metres))).expect("finite");
         let place: [i64; 3] = std::array::from_fn(|axis| eye[axis] + ways[axis]);
         let world = DVec3::from_array(place.map(metres));
         let expected = std::array::from_fn(|axis| {

@@ -23,22 +23,22 @@ use umbrage_tests::{
 };
 
 /// A built-in scene with a sun in this direction.
-struct Place {
+struct CascadePlace {
     geometry: Geometry,
     camera: Camera,
     light: Light,
 }
 
-fn place(name: &str, size: UVec2) -> Place {
+fn place(name: &str, size: UVec2) -> CascadePlace {
     let mut scene = (find(name).expect("a built-in scene").build)();
-    Place {
+    CascadePlace {
         geometry: Geometry::bake(&scene).expect("built-in scenes are valid"),
-        camera: scene.cameras.remove(0).resized(size),
+        camera: scene.cameras.remove(0).with_size(size),
         light: scene.lights.remove(0),
     }
 }
 
-fn cascaded(fit: Fit, cascades: Cascades) -> ShadowMap {
+fn cascade_map(fit: Fit, cascades: Cascades) -> ShadowMap {
     ShadowMap {
         size: 256,
         fit,
@@ -100,7 +100,7 @@ fn both_halves_agree() {
                     blend,
                     ..Cascades::default()
                 };
-                let map = cascaded(fit, cascades);
+                let map = cascade_map(fit, cascades);
                 let wide = Pcss::default().on(map);
                 let catalogue = Catalogue::built_in();
                 let mut cases: Vec<(TechniquePreset, &View<'_>)> = Vec::new();
@@ -246,7 +246,7 @@ fn equal_cascades_give_the_bits_of_a_single_map() {
         let pick = CascadePick { reach: 0.0, blend };
         let several = LightSpaces::cascades(vec![single.spaces[0]; 8], pick);
         let mut spoilt = several.clone();
-        spoilt.spaces[0] = spoilt.spaces[0].nudged(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
+        spoilt.spaces[0] = spoilt.spaces[0].nudge_by(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
         let of = |spaces: &LightSpaces| {
             let recipe = map.recipe_in(spaces, &view, 0.0, |lookup| {
                 umbrage_techniques::HardKernel(
@@ -299,7 +299,7 @@ fn given_ends_cut_like_found_ones() {
         };
         let ends = fit.slice_ends(&found, &view).expect("slices");
         assert_eq!(ends.as_slice().len(), 4);
-        assert_eq!(ends.held(&ends), ends);
+        assert_eq!(ends.stabilized(&ends), ends);
         let given = Cascades {
             split: Split::Given(ends),
             ..found
@@ -342,7 +342,7 @@ fn suns() -> impl Strategy<Value = Light> {
 
 /// Position and direction of a camera.
 #[derive(Clone, Copy, Debug)]
-struct Walk {
+struct CameraWalk {
     eye: Vec3,
     /// Turn about the vertical, radians.
     turn: f32,
@@ -352,10 +352,10 @@ struct Walk {
     fov: f32,
 }
 
-fn walks() -> impl Strategy<Value = Walk> {
+fn walks() -> impl Strategy<Value = CameraWalk> {
     let eyes = (-30.0..30.0_f32, 0.3..25.0_f32, -90.0..20.0_f32);
     (eyes, -3.2..3.2_f32, -0.8..0.4_f32, 20.0..100.0_f32).prop_map(
-        |((x, y, z), turn, tilt, fov)| Walk {
+        |((x, y, z), turn, tilt, fov)| CameraWalk {
             eye: Vec3::new(x, y, z),
             turn,
             tilt,
@@ -364,7 +364,7 @@ fn walks() -> impl Strategy<Value = Walk> {
     )
 }
 
-impl Walk {
+impl CameraWalk {
     fn camera(&self) -> Camera {
         let along = Vec3::new(self.turn.cos(), 0.0, self.turn.sin()) * self.tilt.cos();
         let ahead = along + Vec3::Y * self.tilt.sin();
@@ -436,7 +436,7 @@ proptest! {
         let seen = cpu.receivers(&camera, &place.geometry).expect("seen");
         let plain = View::new(&camera, &light, &place.geometry);
         let view = if known { plain.with_receivers(&seen) } else { plain };
-        let map = cascaded(fit, cascades);
+        let map = cascade_map(fit, cascades);
         let reach = 3.0;
         let spaces = map.spaces(&view, reach).expect("fits");
         prop_assert_eq!(spaces.spaces.len(), cascades.count as usize);
@@ -453,7 +453,7 @@ proptest! {
                 continue;
             }
             let to_light = light.direction_from(p) * FAR;
-            let is_shadowed = bvh.occluded(p, to_light, seen.triangle[i]);
+            let is_shadowed = bvh.is_occluded(p, to_light, seen.triangle[i]);
             prop_assert!(!is_shadowed, "{p} at {distance} m is shadowed, and in no cascade");
         }
         let recipe = Hard {}.on(map).recipe(&view).expect("plans");
@@ -472,12 +472,12 @@ fn cascades_that_lie_elsewhere_hold_too_little() {
         .receivers(&place.camera, &place.geometry)
         .expect("a good camera");
     let view = View::new(&place.camera, &place.light, &place.geometry).with_receivers(&seen);
-    let map = cascaded(Fit::Tight, Cascades::default());
+    let map = cascade_map(Fit::Tight, Cascades::default());
     let mut spaces = map.spaces(&view, 3.0).expect("fits");
     let bvh = Bvh::build(&place.geometry);
     let in_shadow = |i: &usize| {
         let p = seen.position(*i);
-        bvh.occluded(p, place.light.direction_from(p) * FAR, seen.triangle[*i])
+        bvh.is_occluded(p, place.light.direction_from(p) * FAR, seen.triangle[*i])
     };
     let shadowed_outside = |spaces: &LightSpaces| {
         not_held(&seen, spaces, map.size)
@@ -487,7 +487,7 @@ fn cascades_that_lie_elsewhere_hold_too_little() {
     };
     assert_eq!(shadowed_outside(&spaces), 0);
     for space in &mut spaces.spaces {
-        *space = space.nudged(Vec2::new(200.0, 0.0), 0.0, UVec2::splat(map.size));
+        *space = space.nudge_by(Vec2::new(200.0, 0.0), 0.0, UVec2::splat(map.size));
     }
     assert!(shadowed_outside(&spaces) > 0);
 }
@@ -503,7 +503,7 @@ fn stable_cascades_move_by_whole_texels() {
     let camera_of = |frame: i32| {
         let along = Vec3::new(0.137, 0.011, -0.093) * frame as f32;
         let turn = frame as f32 * 0.013;
-        let walk = Walk {
+        let walk = CameraWalk {
             eye: Vec3::new(1.0, 1.7, 6.0) + along,
             turn,
             tilt: -0.1,

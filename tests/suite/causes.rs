@@ -10,13 +10,13 @@ use umbrage_lab::causes::{CauseExample, faults};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, Traced};
 
-struct Stage {
+struct CausesScene {
     geometry: Geometry,
     truth: Truth,
     scene: umbrage_core::Scene,
 }
 
-impl Stage {
+impl CausesScene {
     fn new(name: &str) -> Self {
         let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
@@ -74,7 +74,7 @@ fn each_cause_shows_alone_on_its_scene() {
         cause: expected,
     } in faults()
     {
-        let causes = Stage::new(name).causes(&technique);
+        let causes = CausesScene::new(name).causes(&technique);
         println!("{name}: {causes:?}");
         for (cause, share) in shares(&causes) {
             if cause == expected {
@@ -90,14 +90,14 @@ fn each_cause_shows_alone_on_its_scene() {
 /// The reference's own technique has no error of any kind, except for the noise of its rays under
 /// an area light.
 #[test]
-fn truth_played_has_no_cause() {
+fn truth_rendered_has_no_cause() {
     for CauseExample {
         scene: name,
         cause: expected,
         ..
     } in faults()
     {
-        let causes = Stage::new(name).causes(&Traced { samples: 1024 });
+        let causes = CausesScene::new(name).causes(&Traced { samples: 1024 });
         for (cause, share) in shares(&causes) {
             // The error of 1,024 stratified rays is about 1/1024 to 1/32 of the light, and only in
             // penumbrae.
@@ -115,7 +115,7 @@ fn truth_played_has_no_cause() {
 /// from the blocker.
 #[test]
 fn a_gap_has_the_biases_length() {
-    let stage = Stage::new("cause-gap");
+    let stage = CausesScene::new("cause-gap");
     let gap = |constant| {
         let bias = Bias {
             constant,

@@ -42,12 +42,12 @@ const SCENES: &[&str] = &[
 /// Greatest width of images, pixels.
 const WIDTH: u32 = 320;
 
-struct Stage {
+struct ClippingScene {
     scene: Scene,
     geometry: Geometry,
 }
 
-impl Stage {
+impl ClippingScene {
     fn new(name: &str) -> Self {
         let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
@@ -59,7 +59,7 @@ impl Stage {
         let camera = &mut stage.scene.cameras[0];
         if camera.size.x > width {
             let height = width * camera.size.y / camera.size.x;
-            *camera = camera.resized(UVec2::new(width, height));
+            *camera = camera.with_size(UVec2::new(width, height));
         }
         stage
     }
@@ -120,7 +120,7 @@ fn with_far_ends_at_infinity(faces: &Faces, lamp: Vec3) -> Faces {
 #[test]
 fn faces_at_zero_w_are_drawn_wrongly_as_on_a_card() {
     for (name, false_on_card) in FALSE_ON_CARD {
-        let stage = Stage::new(name);
+        let stage = ClippingScene::new(name);
         let lamp = stage.scene.lights[0].position().expect("a lamp");
         let receivers = Cpu::new()
             .receivers(&stage.scene.cameras[0], &stage.geometry)
@@ -157,7 +157,7 @@ fn exact_techniques_stay_exact() {
     let techniques: [&dyn ShadowTechnique; 2] = [&ShadowVolumes::default(), &Planar::default()];
     let mut compared = [0; 2];
     for name in SCENES {
-        let stage = Stage::of_width(name, WIDTH);
+        let stage = ClippingScene::of_width(name, WIDTH);
         let mut exact = Cpu::new();
         let mut find = |camera: &_, geometry: &_| exact.receivers(camera, geometry);
         let truth = trace(
@@ -218,7 +218,7 @@ fn techniques() -> Vec<TechniquePreset> {
 fn no_decided_pixel_changes() {
     let mut maps = 0;
     for name in ["cubes", "lamp-in-room", "far-range"] {
-        let stage = Stage::of_width(name, 160);
+        let stage = ClippingScene::of_width(name, 160);
         let view = stage.view();
         for technique in techniques() {
             let label = format!("{} {} in {name}", technique.name(), technique.settings());

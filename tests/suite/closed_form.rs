@@ -17,7 +17,7 @@ fn truth_reproduces_every_closed_form() {
     for (entry, form) in cases() {
         let scene = (entry.build)();
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let traced = ask(&scene.lights[0], &geometry, &form);
+        let traced = trace_form(&scene.lights[0], &geometry, &form);
         for (sample, seen) in form.samples.iter().zip(&traced) {
             let off = (seen - sample.visibility).abs();
             assert!(
@@ -36,7 +36,7 @@ fn truth_reproduces_every_closed_form() {
     );
 }
 
-fn ask(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
+fn trace_form(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
     let point = |s: &Sample| {
         let triangle = s.triangle(geometry).expect("samples lie on receivers");
         ReceiverPoint {
@@ -59,7 +59,7 @@ fn a_moved_light_fails_the_forms() {
         angular_diameter: 0.0,
     };
     let geometry = Geometry::bake(&scene).expect("valid");
-    let traced = ask(&scene.lights[0], &geometry, &form);
+    let traced = trace_form(&scene.lights[0], &geometry, &form);
     assert!(
         form.samples
             .iter()

@@ -58,7 +58,7 @@ const CLOSED_BODIES: [&str; 5] = [
 ];
 
 /// A scene under a light without extent, whose formula only has light and dark.
-struct Case {
+struct ClosedFormCase {
     name: &'static str,
     scene: Scene,
     geometry: Geometry,
@@ -66,17 +66,18 @@ struct Case {
     receivers: Receivers,
 }
 
-fn cases() -> Vec<Case> {
+fn cases() -> Vec<ClosedFormCase> {
     let with_form = all()
         .iter()
         .filter_map(|entry| entry.closed_form.map(|form| (entry, form())));
-    let ideal = with_form.map(|(entry, form)| Case::new(entry.name, (entry.build)(), form));
+    let ideal =
+        with_form.map(|(entry, form)| ClosedFormCase::new(entry.name, (entry.build)(), form));
     ideal
         .filter(|case| case.scene.lights[0].is_ideal() && !case.samples.is_empty())
         .collect()
 }
 
-impl Case {
+impl ClosedFormCase {
     fn new(name: &'static str, scene: Scene, form: ClosedForm) -> Self {
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let samples: Vec<Sample> = form
@@ -100,7 +101,7 @@ impl Case {
         technique: &dyn ShadowTechnique,
         gpu: &mut Gpu,
     ) -> Option<(Recipe, [Vec<f32>; 2])> {
-        let camera = self.scene.cameras[0].resized(self.receivers.size);
+        let camera = self.scene.cameras[0].with_size(self.receivers.size);
         let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
         let recipe = match technique.recipe(&view) {
             Err(RecipeError::Unsupported(_)) => return None,
@@ -116,7 +117,7 @@ impl Case {
     /// radius.
     fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
         let sample = &self.samples[i];
-        let Some(around) = around(sample, recipe, reach) else {
+        let Some(around) = points_around(sample, recipe, reach) else {
             return false;
         };
         let points: Vec<ReceiverPoint> = around
@@ -153,7 +154,7 @@ const SPACING: f32 = 0.75;
 /// Returns the points of a sample's plane that a kernel's taps may cover: a grid over the square of
 /// texels within its radius, and the receiver's own texel. A grid, and not the rim alone, includes
 /// narrow lights within the square. `None` if the light is at too low an angle to the plane.
-fn around(sample: &Sample, recipe: &Recipe, reach: f32) -> Option<Vec<Vec3>> {
+fn points_around(sample: &Sample, recipe: &Recipe, reach: f32) -> Option<Vec<Vec3>> {
     let (u, v) = sample.normal.any_orthonormal_pair();
     let p = sample.point;
     let farthest = reach + 1.5;
@@ -205,15 +206,16 @@ struct Answers {
     wrong: Vec<String>,
 }
 
-fn ask(
-    cases: &[Case],
+fn run_technique(
+    cases: &[ClosedFormCase],
     demand: &ClosedFormDemand<TechniquePreset>,
     spoil: impl Fn(f32) -> f32,
 ) -> Answers {
     let mut out = Answers::default();
     let mut gpu = gpu();
     let technique = demand.technique.technique();
-    let served = |case: &&Case| !demand.closed_bodies || CLOSED_BODIES.contains(&case.name);
+    let served =
+        |case: &&ClosedFormCase| !demand.closed_bodies || CLOSED_BODIES.contains(&case.name);
     for case in cases.iter().filter(served) {
         let Some((recipe, masks)) = case.masks(&*technique, &mut gpu) else {
             continue;
@@ -247,7 +249,7 @@ fn every_technique_meets_the_closed_forms() {
     let mut faults = Vec::new();
     for demand in demands() {
         let name = demand.technique.technique().name();
-        let answers = ask(&cases, &demand, |v| v);
+        let answers = run_technique(&cases, &demand, |v| v);
         println!("{name}: {answers:?}");
         if answers.decided.iter().any(|&n| n < 5) || !answers.wrong.is_empty() {
             faults.push((name, answers));
@@ -261,7 +263,7 @@ fn every_technique_meets_the_closed_forms() {
 fn wrong_formulas_are_noticed() {
     let cases = cases();
     let demands = demands();
-    let answers = ask(&cases, &demands[0], |v| 1.0 - v);
+    let answers = run_technique(&cases, &demands[0], |v| 1.0 - v);
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
 }
 

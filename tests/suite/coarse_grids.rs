@@ -93,16 +93,16 @@ fn lights(scene: &Scene, bounds: &Aabb) -> [Light; 3] {
 }
 
 /// One scene under one light.
-struct Stage {
+struct GridScene {
     geometry: Geometry,
     camera: Camera,
     light: Light,
     truth: Truth,
 }
 
-impl Stage {
+impl GridScene {
     fn new(scene: &Scene, light: &Light, geometry: &Geometry) -> Self {
-        let camera = scene.cameras[0].resized(SIZE);
+        let camera = scene.cameras[0].with_size(SIZE);
         let mut cpu = Cpu::new();
         let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
         let options = TruthOptions::default();
@@ -163,7 +163,7 @@ fn faults(scene: &Scene, turn: usize, techniques: &[TechniquePreset]) -> (String
         return (out, compared);
     }
     for (i, light) in lights(scene, &geometry.bounds()).iter().enumerate() {
-        let stage = Stage::new(scene, light, &geometry);
+        let stage = GridScene::new(scene, light, &geometry);
         let rules = [COARSEST, BY_TURNS[(turn + i) % BY_TURNS.len()]];
         for technique in techniques {
             let name = technique.name();

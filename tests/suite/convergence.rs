@@ -36,7 +36,7 @@ const MOST_SIGNED: f64 = 1e-3;
 fn bounds_above_floor(geometry: &Geometry) -> Aabb {
     let floor = geometry.bounds().min.y;
     let height = geometry.bounds().extent().y;
-    Aabb::around(
+    Aabb::from_points(
         geometry
             .positions()
             .iter()
@@ -65,7 +65,7 @@ fn errors_fall_with_the_texel() {
     for name in MODELS {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
         let geometry = Geometry::bake(&scene).expect("a good scene");
-        let camera = scene.cameras[0].resized(SIZE);
+        let camera = scene.cameras[0].with_size(SIZE);
         let lights = lights_around(bounds_above_floor(&geometry));
         for (light_name, light) in lights
             .iter()

@@ -25,7 +25,7 @@ use umbrage_tests::{
 
 /// A random technique.
 #[derive(Clone, Debug)]
-struct Case {
+struct CullingCase {
     technique: TechniquePreset,
     /// Radius of its kernel beyond the light's extent, texels.
     reach: f32,
@@ -51,7 +51,7 @@ fn run<T: std::fmt::Debug>(
     }
 }
 
-fn techniques() -> impl Strategy<Value = Case> {
+fn techniques() -> impl Strategy<Value = CullingCase> {
     let biases = prop_oneof![
         Just(Bias::NONE),
         Just(Bias::CONSTANT),
@@ -86,7 +86,7 @@ fn techniques() -> impl Strategy<Value = Case> {
                 _ => TechniquePreset::from(Pcss::default().on(map)),
             };
             let kernel = if kind == 1 { radius as f32 } else { 0.0 };
-            Case {
+            CullingCase {
                 technique,
                 reach: kernel + bias.normal_offset,
             }
@@ -320,7 +320,7 @@ fn depth_ratio(a: &Recipe, b: &Recipe) -> f32 {
 
 /// Returns a mask with NaN at undecided pixels: those whose result changes when the map moves by up
 /// to `texels` of its texels sideways, or in depth by [`DEPTHS`].
-fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String> {
+fn decided_visibilities(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String> {
     let mut out = seen.mask(recipe)?;
     for depth in DEPTHS {
         // With a shift in depth, the centre and the corners are enough.
@@ -333,7 +333,7 @@ fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String
             let mut nudged = recipe.clone();
             for cast in &mut nudged.casts {
                 let size: UVec2 = recipe.images[cast.image].size;
-                cast.space = cast.space.nudged(Vec2::new(x, y) * texels, depth, size);
+                cast.space = cast.space.nudge_by(Vec2::new(x, y) * texels, depth, size);
             }
             let other = seen.mask(&nudged)?;
             for (value, moved) in out.iter_mut().zip(&other) {
@@ -381,8 +381,8 @@ fn shone_on(light: &Light, p: Vec3) -> bool {
 
 fn compare(seen: &Seen, whole: &Recipe, culled: &Recipe) -> Result<Decided, String> {
     let coarse = texel(whole).max(texel(culled));
-    let a = decided(seen, whole, coarse / texel(whole))?;
-    let b = decided(seen, culled, coarse / texel(culled))?;
+    let a = decided_visibilities(seen, whole, coarse / texel(whole))?;
+    let b = decided_visibilities(seen, culled, coarse / texel(culled))?;
     let mut out = Decided::default();
     for i in 0..a.len() {
         let position = seen.receivers.position(i);

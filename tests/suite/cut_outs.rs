@@ -94,7 +94,7 @@ fn card(is_there: Option<fn(u32, u32) -> bool>) -> Scene {
     scene
 }
 
-fn chequered(x: u32, y: u32) -> bool {
+fn is_chequered(x: u32, y: u32) -> bool {
     (x + y).is_multiple_of(2)
 }
 
@@ -107,7 +107,7 @@ fn squares() -> Scene {
         ..Mesh::default()
     };
     for y in 0..SIDE {
-        for x in (0..SIDE).filter(|&x| chequered(x, y)) {
+        for x in (0..SIDE).filter(|&x| is_chequered(x, y)) {
             let first = pieces.positions.len() as u32;
             for corner in &whole.uvs {
                 let uv = (Vec2::new(x as f32, y as f32) + *corner) / SIDE as f32;
@@ -123,7 +123,7 @@ fn squares() -> Scene {
     scene
 }
 
-fn rendered(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shadows {
+fn render_shadows(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shadows {
     backend.render(view, recipe).expect("a good view")
 }
 
@@ -132,7 +132,7 @@ fn rendered(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shad
 fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Shadows)) {
     let camera = camera();
     let [a, b] = [a, b].map(|scene| Geometry::bake(scene).expect("a good scene"));
-    let mut played = 0;
+    let mut rendered = 0;
     for light in lights() {
         for preset in TechniquePreset::defaults() {
             let technique = preset.technique();
@@ -156,14 +156,14 @@ fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Sh
             let mut gpu = gpu();
             let backends: [&mut dyn Backend; 2] = [&mut cpu, &mut *gpu];
             for backend in backends {
-                let one = rendered(backend, &first, &views[0]);
-                let other = rendered(backend, &second, &views[1]);
+                let one = render_shadows(backend, &first, &views[0]);
+                let other = render_shadows(backend, &second, &views[1]);
                 check(&format!("{name} on {}", backend.name()), &one, &other);
-                played += 1;
+                rendered += 1;
             }
         }
     }
-    assert!(played >= 30, "only {played} pairs were compared");
+    assert!(rendered >= 30, "only {rendered} pairs were compared");
 }
 
 /// An alpha texture whose only hole is outside the mesh's part of it changes no bit, although the
@@ -198,7 +198,7 @@ fn what_has_no_holes_is_served_by_all() {
         let mask = |geometry: &Geometry| {
             let view = View::new(&camera, &sun, geometry);
             let recipe = technique.recipe(&view).expect("all serve whole casters");
-            rendered(&mut Cpu::new(), &recipe, &view).mask
+            render_shadows(&mut Cpu::new(), &recipe, &view).mask
         };
         assert!(mask(&full) == mask(&plain), "{name}");
     }
@@ -240,7 +240,7 @@ fn what_is_all_holes_is_not_there() {
 #[test]
 fn a_chequered_card_is_its_squares() {
     for_each_pair(
-        &card(Some(chequered)),
+        &card(Some(is_chequered)),
         &squares(),
         |what, chequered, squares| {
             let pixels = chequered.mask.len();
@@ -259,8 +259,8 @@ fn a_chequered_card_is_its_squares() {
 
 /// Negative control of the comparison above: other holes must fail.
 #[test]
-fn other_holes_are_told_apart() {
-    let swapped: fn(u32, u32) -> bool = |x, y| !chequered(x, y);
+fn other_holes_are_distinguished() {
+    let swapped: fn(u32, u32) -> bool = |x, y| !is_chequered(x, y);
     for_each_pair(
         &card(Some(swapped)),
         &squares(),
@@ -275,7 +275,7 @@ fn other_holes_are_told_apart() {
 /// On both backends, the camera sees receivers through holes.
 #[test]
 fn the_camera_sees_through_holes() {
-    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let geometry = Geometry::bake(&card(Some(is_chequered))).expect("a good scene");
     let camera = camera();
     let light = &lights()[0];
     let view = View::new(&camera, light, &geometry);
@@ -283,10 +283,10 @@ fn the_camera_sees_through_holes() {
         .recipe(&view)
         .expect("rays are served");
     let ids = |shadows: Shadows| shadows.receivers.expect("the view brings none").triangle;
-    let on_cpu = ids(rendered(&mut Cpu::new(), &recipe, &view));
+    let on_cpu = ids(render_shadows(&mut Cpu::new(), &recipe, &view));
     let mut gpu = gpu();
     let exact = gpu.promises_bits();
-    let on_gpu = ids(rendered(&mut *gpu, &recipe, &view));
+    let on_gpu = ids(render_shadows(&mut *gpu, &recipe, &view));
     if exact {
         assert!(on_cpu == on_gpu);
     }
@@ -306,7 +306,7 @@ fn the_camera_sees_through_holes() {
 /// Techniques that don't support alpha tests refuse alpha-tested casters.
 #[test]
 fn techniques_without_holes_refuse_them() {
-    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let geometry = Geometry::bake(&card(Some(is_chequered))).expect("a good scene");
     let uncast = geometry.without_casters();
     let camera = camera();
     let sun = &lights()[0];
@@ -362,34 +362,41 @@ fn techniques() -> Vec<TechniquePreset> {
 /// Masks of the two backends are bit-equal in all layouts of maps.
 #[test]
 fn both_backends_agree_on_holes() {
-    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let geometry = Geometry::bake(&card(Some(is_chequered))).expect("a good scene");
     let whole = Geometry::bake(&card(None)).expect("a good scene");
     let camera = camera();
     let mut gpu = gpu();
     if !gpu.promises_bits() {
         return;
     }
-    let mut told = 0;
+    let mut reported = 0;
     for light in lights() {
         for technique in techniques() {
             let view = View::new(&camera, &light, &geometry);
             let Ok(recipe) = technique.recipe(&view) else {
                 continue;
             };
-            let on_cpu = rendered(&mut Cpu::new(), &recipe, &view).mask;
-            let on_gpu = rendered(&mut *gpu, &recipe, &view).mask;
+            let on_cpu = render_shadows(&mut Cpu::new(), &recipe, &view).mask;
+            let on_gpu = render_shadows(&mut *gpu, &recipe, &view).mask;
             let name = technique.name();
-            assert_eq!(differing(&on_cpu, &on_gpu), 0, "{name} under {light:?}");
+            assert_eq!(
+                count_differing(&on_cpu, &on_gpu),
+                0,
+                "{name} under {light:?}"
+            );
             // Negative control: without alpha tests, the masks differ.
             let view = View::new(&camera, &light, &whole);
             let Ok(recipe) = technique.recipe(&view) else {
                 panic!("{name} serves whole casters, too");
             };
-            let spoilt = rendered(&mut *gpu, &recipe, &view).mask;
-            told += usize::from(differing(&on_cpu, &spoilt) > 100);
+            let spoilt = render_shadows(&mut *gpu, &recipe, &view).mask;
+            reported += usize::from(count_differing(&on_cpu, &spoilt) > 100);
         }
     }
-    assert!(told >= 20, "only {told} masks differ with alpha tests");
+    assert!(
+        reported >= 20,
+        "only {reported} masks differ with alpha tests"
+    );
 }
 
 /// Returns a scene with a fine alpha texture on a card. Two thirds of it are opaque, and it repeats
@@ -397,7 +404,7 @@ fn both_backends_agree_on_holes() {
 fn fine_holes(filter: AlphaFilter) -> Scene {
     const FINE: u32 = 180;
     const REPEATS: f32 = 20.0;
-    let mut scene = card(Some(chequered));
+    let mut scene = card(Some(is_chequered));
     for uv in &mut scene.meshes[1].uvs {
         *uv *= REPEATS;
     }
@@ -434,50 +441,50 @@ fn both_backends_agree_on_hashed_holes() {
     let light = &lights()[0];
     let view = View::new(&camera, light, &uncast);
     let recipe = traced.recipe(&view).expect("rays are served");
-    let seen = rendered(&mut Cpu::new(), &recipe, &view).receivers;
+    let seen = render_shadows(&mut Cpu::new(), &recipe, &view).receivers;
     let seen = seen.expect("the view brings none");
-    let mut told = 0;
+    let mut reported = 0;
     for light in lights() {
         for technique in techniques() {
             let view = View::new(&camera, &light, &hashed);
             let Ok(recipe) = technique.recipe(&view) else {
                 continue;
             };
-            let on_cpu = rendered(&mut Cpu::new(), &recipe, &view);
-            let on_gpu = rendered(&mut *gpu, &recipe, &view);
+            let on_cpu = render_shadows(&mut Cpu::new(), &recipe, &view);
+            let on_gpu = render_shadows(&mut *gpu, &recipe, &view);
             let name = technique.name();
-            let off = differing(&on_cpu.mask, &on_gpu.mask);
+            let off = count_differing(&on_cpu.mask, &on_gpu.mask);
             assert_eq!(off, 0, "{name} under {light:?}");
             let ids = |shadows: &Shadows| shadows.receivers.as_ref().map(|r| r.triangle.clone());
             assert!(ids(&on_cpu) == ids(&on_gpu), "{name} under {light:?}");
             let masks = [&hashed, &nearest].map(|geometry| {
                 let view = View::new(&camera, &light, geometry).with_receivers(&seen);
                 let recipe = technique.recipe(&view).expect("it served the same before");
-                rendered(&mut *gpu, &recipe, &view).mask
+                render_shadows(&mut *gpu, &recipe, &view).mask
             });
-            let changed = differing(&masks[0], &masks[1]);
+            let changed = count_differing(&masks[0], &masks[1]);
             if recipe.casts.is_empty() {
                 assert_eq!(changed, 0, "{name} asks rays");
             } else {
-                told += usize::from(changed > 100);
+                reported += usize::from(changed > 100);
             }
         }
     }
     assert!(
-        told >= 20,
-        "only {told} masks differ with hashed alpha tests"
+        reported >= 20,
+        "only {reported} masks differ with hashed alpha tests"
     );
 }
 
 /// Returns the number of pixels at which two masks differ.
-fn differing(a: &[f32], b: &[f32]) -> usize {
+fn count_differing(a: &[f32], b: &[f32]) -> usize {
     a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 /// Runs that end, or even begin, beyond the last caster draw the casters that they contain.
 #[test]
 fn runs_may_reach_beyond_casters_with_holes() {
-    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let geometry = Geometry::bake(&card(Some(is_chequered))).expect("a good scene");
     let camera = camera();
     let [sun, _] = lights();
     let view = View::new(&camera, &sun, &geometry);
@@ -494,22 +501,24 @@ fn runs_may_reach_beyond_casters_with_holes() {
     let mut gpu = gpu();
     let backends: [&mut dyn Backend; 2] = [&mut cpu, &mut *gpu];
     for backend in backends {
-        let whole = rendered(backend, &all, &view).mask;
-        let same = rendered(backend, &with_runs(casters.clone()), &view).mask;
+        let whole = render_shadows(backend, &all, &view).mask;
+        let same = render_shadows(backend, &with_runs(casters.clone()), &view).mask;
         let fewer = with_runs(casters.start..casters.end - 1);
-        let fewer = rendered(backend, &fewer, &view).mask;
-        assert_eq!(differing(&whole, &same), 0, "{}", backend.name());
-        assert!(differing(&whole, &fewer) > 100, "{}", backend.name());
+        let fewer = render_shadows(backend, &fewer, &view).mask;
+        assert_eq!(count_differing(&whole, &same), 0, "{}", backend.name());
+        assert!(count_differing(&whole, &fewer) > 100, "{}", backend.name());
     }
 }
 
 /// Alpha-tested texels are counted separately: those of the card, and no others.
 #[test]
-fn work_counts_texels_that_ask_for_holes() {
-    let with_holes = card(Some(chequered));
+fn work_counts_texels_that_need_holes() {
+    let with_holes = card(Some(is_chequered));
     let mut among_whole_casters = with_holes.clone();
-    let beside = Affine3A::from_translation(Vec3::new(2.5, 0.8, 0.0));
-    among_whole_casters.instances.push(Instance::new(1, beside));
+    let adjacent = Affine3A::from_translation(Vec3::new(2.5, 0.8, 0.0));
+    among_whole_casters
+        .instances
+        .push(Instance::new(1, adjacent));
     let camera = camera();
     let [sun, _] = lights();
     let work_of = |scene: &Scene| {
@@ -520,7 +529,7 @@ fn work_counts_texels_that_ask_for_holes() {
             ..ShadowMap::default()
         });
         let recipe = pcf.recipe(&view).expect("maps support alpha tests");
-        Work::of(&view, &recipe, &Catalogue::built_in())
+        Work::of_recipe(&view, &recipe, &Catalogue::built_in())
     };
     assert_eq!(work_of(&card(None)).cut_out, 0);
     let alone = work_of(&with_holes);
@@ -530,5 +539,5 @@ fn work_counts_texels_that_ask_for_holes() {
     assert!(among.cut_out > 1000, "{among:?}");
     assert!(among.covered > among.cut_out + 1000, "{among:?}");
     assert_eq!(among.lookup().cut_out, 0);
-    assert_eq!(among.drawing().cut_out, among.cut_out);
+    assert_eq!(among.drawing_only().cut_out, among.cut_out);
 }

@@ -16,7 +16,7 @@ use umbrage_wgpu::{
 use wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView};
 
 /// GPU objects of an external program.
-struct Program {
+struct EmbeddedProgram {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
@@ -31,7 +31,7 @@ const LAYOUT: VertexLayout = VertexLayout {
     position_offset: 8,
 };
 
-impl Program {
+impl EmbeddedProgram {
     fn new(d: &TestDevice, geometry: &Geometry, receivers: &Receivers) -> Self {
         let vertices: Vec<[f32; 8]> = geometry
             .positions()
@@ -110,7 +110,7 @@ fn a_foreign_program_gets_the_same_shadows() {
         .expect("pcf serves the sun");
     let cpu = Cpu::new().render(&view, &recipe).expect("renders");
     let d = device();
-    let program = Program::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
+    let program = EmbeddedProgram::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
     let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
     let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
     assert!(mask.iter().any(|&v| v < 1.0));
@@ -138,7 +138,7 @@ fn later_frames_make_nothing() {
         .expect("pcf serves the sun");
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
-    let program = Program::new(d, &geometry, &receivers);
+    let program = EmbeddedProgram::new(d, &geometry, &receivers);
     let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
     program.frame(d, &mut shadows, &recipe, receivers.size);
     let first = shadows.counters();

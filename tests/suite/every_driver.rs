@@ -41,7 +41,7 @@ fn masks_are_equal_where_triangles_are() {
             }
             return;
         }
-        let counts = BitCounts::of(mine, theirs);
+        let counts = BitCounts::between_masks(mine, theirs);
         if counts.other_bits > 0 {
             faults.push(format!("{label}: {counts:?}"));
         }

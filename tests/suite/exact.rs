@@ -86,7 +86,7 @@ fn built_in(name: &str) -> Scene {
     let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
     let camera = &mut scene.cameras[0];
     if camera.size.x > WIDTH {
-        *camera = camera.resized(UVec2::new(WIDTH, WIDTH * camera.size.y / camera.size.x));
+        *camera = camera.with_size(UVec2::new(WIDTH, WIDTH * camera.size.y / camera.size.x));
     }
     scene
 }
@@ -125,7 +125,7 @@ fn compare(mask: &[f32], truth: &Truth) -> Compared {
 }
 
 /// Executes a technique on both backends, which must agree, and compares it with the reference.
-fn play(
+fn run_technique(
     technique: &dyn ShadowTechnique,
     scene: &Scene,
     geometry: &Geometry,
@@ -156,7 +156,7 @@ fn all_are_exact(technique: &dyn ShadowTechnique, names: &[&str]) {
     for (_, name) in names.iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
         let scene = built_in(name);
         let geometry = Geometry::bake(&scene).expect("valid");
-        match play(technique, &scene, &geometry, &truth_of(&scene, &geometry)) {
+        match run_technique(technique, &scene, &geometry, &truth_of(&scene, &geometry)) {
             Ok(c) => {
                 println!(
                     "{} {name}: {} pixels, {} dark, none wrong",
@@ -265,11 +265,11 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
         let view =
             View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
         let recipe = ShadowVolumes::default().recipe(&view).expect("supported");
-        for played in [
+        for rendered in [
             Cpu::new().render(&view, &recipe),
             gpu().render(&view, &recipe),
         ] {
-            let mask = played.expect("renders").mask;
+            let mask = rendered.expect("renders").mask;
             let mut compared = Compared::default();
             for i in
                 (0..mask.len()).filter(|&i| receivers.receives[i] && receivers.normal(i).y > 0.999)

@@ -152,7 +152,7 @@ impl Caught {
     }
 }
 
-fn spoilt(text: &'static str) -> Twin {
+fn spoilt_twin(text: &'static str) -> Twin {
     let dot3 = math::TWINS
         .iter()
         .find(|t| t.name == "dot3")
@@ -171,7 +171,7 @@ fn a_wrong_signature_is_caught() {
         "fn dot3(a: vec3f) -> f32 { return a.x; }",
         "fn dot4(a: vec3f, b: vec3f) -> f32 { return a.x + b.x; }",
     ] {
-        let twin = spoilt(text);
+        let twin = spoilt_twin(text);
         let verdict = check(device(), &twin, &draw(&twin));
         assert!(
             matches!(verdict, Err(Fault::Signature { .. })),
@@ -182,7 +182,7 @@ fn a_wrong_signature_is_caught() {
 
 #[test]
 fn wgsl_that_does_not_compile_is_caught() {
-    let twin = spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return nonsense; }");
+    let twin = spoilt_twin("fn dot3(a: vec3f, b: vec3f) -> f32 { return nonsense; }");
     let verdict = check(device(), &twin, &draw(&twin));
     assert!(matches!(verdict, Err(Fault::Wgsl { .. })), "{verdict:?}");
 }
@@ -191,7 +191,7 @@ fn wgsl_that_does_not_compile_is_caught() {
 fn constant_results_prove_nothing_and_are_refused() {
     let twin = Twin {
         call: |_| vec![0],
-        ..spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return 0.0; }")
+        ..spoilt_twin("fn dot3(a: vec3f, b: vec3f) -> f32 { return 0.0; }")
     };
     let verdict = check(device(), &twin, &draw(&twin));
     assert!(matches!(verdict, Err(Fault::Dull { .. })), "{verdict:?}");

@@ -7,7 +7,7 @@ mod readers;
 use std::{fs, path::Path};
 
 /// Runs each file of a target's corpus.
-fn play(target: &str, read: fn(&[u8])) {
+fn run_target(target: &str, read: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("fuzz/corpus")
         .join(target);
@@ -28,7 +28,7 @@ fn play(target: &str, read: fn(&[u8])) {
 
 #[test]
 fn scene_files() {
-    play("scene_file", readers::scene_file);
+    run_target("scene_file", readers::scene_file);
 }
 
 /// Scene files that name models, including glTF, and damaged copies of them with one byte replaced.
@@ -59,7 +59,7 @@ fn scene_files_with_models() {
 
 #[test]
 fn models() {
-    play("model", readers::model);
+    run_target("model", readers::model);
 }
 
 /// The corpus is generated in code. Each input is also read in damaged copies: truncated, and with
@@ -83,15 +83,15 @@ fn gltf_models() {
 
 #[test]
 fn pictures() {
-    play("picture", readers::picture);
+    run_target("picture", readers::picture);
 }
 
 #[test]
 fn presets() {
-    play("preset", readers::preset);
+    run_target("preset", readers::preset);
 }
 
 #[test]
 fn results() {
-    play("results", readers::results);
+    run_target("results", readers::results);
 }

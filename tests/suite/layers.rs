@@ -71,7 +71,7 @@ fn maps() -> Vec<ShadowMap> {
 fn scene() -> (Scene, Geometry, Camera) {
     let mut scene = (find("teapot-lamp").expect("a built-in scene").build)();
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-    let camera = scene.cameras.remove(0).resized(UVec2::new(160, 120));
+    let camera = scene.cameras.remove(0).with_size(UVec2::new(160, 120));
     (scene, geometry, camera)
 }
 
@@ -93,7 +93,7 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
         // map and lookup move together.
         let mut spoilt = several.clone();
         for space in &mut spoilt.spaces[1..] {
-            *space = space.nudged(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
+            *space = space.nudge_by(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
         }
         for (name, recipe) in RECIPES {
             if !serves(name, &map) {

@@ -184,7 +184,7 @@ fn suite(scale: f32, offset: Vec3) -> String {
 }
 
 #[test]
-fn fitted() {
+fn check_fitted() {
     insta::assert_snapshot!("fitted_scale_1", suite(1.0, Vec3::ZERO));
     insta::assert_snapshot!("fitted_scale_1e-3", suite(1e-3, Vec3::ZERO));
     insta::assert_snapshot!("fitted_scale_1e4", suite(1e4, Vec3::ZERO));
@@ -395,7 +395,7 @@ fn a_fitted_map_holds_every_caster() {
                 holds(&space, casters()),
                 "{name} at scale {scale}: {space:?}"
             );
-            let nudged = space.nudged(Vec3::splat(600.0).truncate(), 0.0, UVec2::splat(1024));
+            let nudged = space.nudge_by(Vec3::splat(600.0).truncate(), 0.0, UVec2::splat(1024));
             assert!(
                 !holds(&nudged, casters()),
                 "{name}: a map moved by half its size must not hold them"

@@ -27,7 +27,7 @@ const MOST_TRIANGLES: usize = 150_000;
 
 /// Summary of masks.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct MaskSummary {
     dark: usize,
     lit: usize,
 }
@@ -39,7 +39,7 @@ fn compare(
     light: &Light,
     geometry: &Geometry,
     on_gpu: bool,
-) -> Result<Told, String> {
+) -> Result<MaskSummary, String> {
     let mut cpu = Cpu::new();
     let receivers = cpu.receivers(camera, geometry).map_err(|e| e.to_string())?;
     let light = light.without_extent();
@@ -57,7 +57,7 @@ fn compare(
         same(&expected, &found, &receivers, &light).map_err(|why| format!("adapter: {why}"))?;
     }
     let dark = expected.iter().filter(|&&v| v == 0.0).count();
-    Ok(Told {
+    Ok(MaskSummary {
         dark,
         lit: expected.len() - dark,
     })
@@ -68,7 +68,11 @@ fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32>
     let light = LightSampler::new(view.light);
     let eye = view.camera.eye();
     let extent = geometry.max_receiver_extent();
-    let far = 2.0 * geometry.bounds().union(&Aabb::around([eye])).diagonal();
+    let far = 2.0
+        * geometry
+            .bounds()
+            .union(&Aabb::from_points([eye]))
+            .diagonal();
     let bvh = geometry.bvh();
     (0..receivers.len())
         .map(|i| {
@@ -79,7 +83,7 @@ fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32>
             let reach = (eye - p).abs().max_element().max(extent);
             let o = p + n * origin_offset(p, reach);
             let ray = segment(&light, o, Vec2::ZERO, far);
-            let is_lit = dot3(n, ray) > 0.0 && !bvh.occluded(o, ray, receivers.triangle[i]);
+            let is_lit = dot3(n, ray) > 0.0 && !bvh.is_occluded(o, ray, receivers.triangle[i]);
             f32::from(u8::from(is_lit))
         })
         .collect()
@@ -151,9 +155,9 @@ fn random_scenes_have_the_answers_of_rays() {
     let check = |scene: Scene| {
         let geometry = Geometry::bake(&scene).expect("valid");
         for light in &scene.lights {
-            let told =
+            let reported =
                 compare(&scene.cameras[0], light, &geometry, false).map_err(TestCaseError::fail)?;
-            shadowed.set(shadowed.get() + u32::from(told.dark > 0 && told.lit > 0));
+            shadowed.set(shadowed.get() + u32::from(reported.dark > 0 && reported.lit > 0));
         }
         Ok(())
     };
@@ -180,11 +184,11 @@ fn random_scenes_have_the_answers_of_rays() {
 
 /// Negative control: casters treated as opaque must be detected.
 #[test]
-fn lists_of_whole_casters_are_told_from_those_with_holes() {
+fn lists_of_whole_casters_are_separated_from_those_with_holes() {
     let mut scene = (umbrage_scenes::find("wire-fence")
         .expect("a built-in scene")
         .build)();
-    let camera = scene.cameras[0].resized(UVec2::new(240, 135));
+    let camera = scene.cameras[0].with_size(UVec2::new(240, 135));
     let light = scene.lights[0];
     let mask = |scene: &Scene| {
         let geometry = Geometry::bake(scene).expect("valid");
@@ -205,7 +209,7 @@ fn lists_of_whole_casters_are_told_from_those_with_holes() {
 /// Built-in scenes, on both backends.
 #[test]
 fn built_in_scenes_have_the_answers_of_rays() {
-    let mut played = 0;
+    let mut rendered = 0;
     for entry in umbrage_scenes::all() {
         if matches!(entry.kind, Kind::Content | Kind::Speed) {
             continue;
@@ -219,16 +223,16 @@ fn built_in_scenes_have_the_answers_of_rays() {
         let width = camera.size.x.min(WIDTH);
         let size = UVec2::new(width, (width * camera.size.y / camera.size.x).max(1));
         for light in &scene.lights {
-            let camera = camera.resized(size);
+            let camera = camera.with_size(size);
             let outcome = compare(&camera, light, &geometry, true)
                 .and_then(|_| same_as_traced(&camera, light, &geometry));
             if let Err(why) = outcome {
                 panic!("{}: {why}", entry.name);
             }
-            played += 1;
+            rendered += 1;
         }
     }
-    assert!(played > 50, "only {played} lights were tested");
+    assert!(rendered > 50, "only {rendered} lights were tested");
 }
 
 /// A floor under triangles of all sizes around the origin, at distances from a tenth of a
@@ -347,7 +351,7 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
         ];
         for light in &lights {
             match compare(&camera, light, &geometry, seed % 4 == 0) {
-                Ok(told) => shadowed += usize::from(told.dark > 500 && told.lit > 500),
+                Ok(reported) => shadowed += usize::from(reported.dark > 500 && reported.lit > 500),
                 Err(why) => panic!("soup {seed} at {metres} m: {why}"),
             }
         }
@@ -364,7 +368,7 @@ fn lists_are_made_for_casters_that_stay() {
         .expect("a built-in scene")
         .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
-    let camera = scene.cameras[0].resized(UVec2::new(160, 90));
+    let camera = scene.cameras[0].with_size(UVec2::new(160, 90));
     let view = View::new(&camera, &scene.lights[0], &geometry);
     let exact = recipe(&Exact {}, &view).expect("lists serve all");
     let mut cpu = Cpu::new();
@@ -429,7 +433,7 @@ fn lists_are_kept_and_do_not_depend_on_threads() {
         .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
     let camera = scene.cameras[0];
-    let other_camera = camera.resized(UVec2::new(64, 64));
+    let other_camera = camera.with_size(UVec2::new(64, 64));
     let sun = |x: f32| Light::Directional {
         direction: Vec3::new(x, -1.0, 0.1),
         angular_diameter: 0.0,

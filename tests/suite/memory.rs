@@ -16,7 +16,7 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
     for (name, map) in [("terrain", 2048), ("town", 1024), ("cubes", 512)] {
         let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(640, 360));
+        let camera = scene.cameras[0].with_size(UVec2::new(640, 360));
         let view = View::new(&camera, &scene.lights[0], &geometry);
         let technique = Pcf { radius: 1 }.on(ShadowMap {
             size: map,

@@ -23,7 +23,7 @@ const SUN: Light = Light::Directional {
 };
 
 /// Plans with all techniques, one setting each. The error must contain `words`.
-fn refused(view: &View<'_>, words: &str) {
+fn check_refused(view: &View<'_>, words: &str) {
     for entry in umbrage_plan::catalogue::all() {
         let technique = &(entry.settings)(&[64], Fit::Tight)[0];
         match technique.recipe(view) {
@@ -52,13 +52,13 @@ fn techniques_refuse_cameras() {
     for bad in BAD {
         let mut camera = good;
         camera.world_from_view.translation.y = bad;
-        refused(
+        check_refused(
             &View::new(&camera, &BULB, &geometry),
             "camera matrix: holds",
         );
         let mut camera = good;
         camera.clip_from_view.y_axis.y = bad;
-        refused(
+        check_refused(
             &View::new(&camera, &BULB, &geometry),
             "camera projection: holds",
         );
@@ -67,7 +67,7 @@ fn techniques_refuse_cameras() {
         world_from_view: Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)),
         ..good
     };
-    refused(
+    check_refused(
         &View::new(&flat, &BULB, &geometry),
         "camera matrix: is singular",
     );
@@ -75,7 +75,7 @@ fn techniques_refuse_cameras() {
         clip_from_view: Mat4::ZERO,
         ..good
     };
-    refused(
+    check_refused(
         &View::new(&flat, &BULB, &geometry),
         "camera projection: is singular",
     );
@@ -90,7 +90,7 @@ fn techniques_refuse_lights() {
             position: Vec3::new(0.0, bad, 0.0),
             radius: 0.0,
         };
-        refused(
+        check_refused(
             &View::new(&camera, &light, &geometry),
             "point light, position: holds",
         );
@@ -102,8 +102,8 @@ fn techniques_refuse_boxes() {
     let geometry = stage::geometry(1.0, Vec3::ZERO);
     let camera = stage::camera();
     for bad in BAD {
-        let casters = Aabb::around([Vec3::ONE, Vec3::new(0.0, bad, 0.0), Vec3::NEG_ONE]);
-        refused(
+        let casters = Aabb::from_points([Vec3::ONE, Vec3::new(0.0, bad, 0.0), Vec3::NEG_ONE]);
+        check_refused(
             &View {
                 casters,
                 ..View::new(&camera, &BULB, &geometry)
@@ -114,7 +114,7 @@ fn techniques_refuse_boxes() {
 }
 
 /// Receivers of the stage, one of which is replaced.
-fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receivers {
+fn spoilt_receivers(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receivers {
     let mut receivers = Cpu::new()
         .receivers(&stage::camera(), geometry)
         .expect("a good camera");
@@ -137,18 +137,18 @@ fn techniques_and_backends_refuse_receivers() {
         .expect("it plans");
     for bad in BAD {
         for receivers in [
-            spoilt(&geometry, |r, i| r.z[i] = bad),
-            spoilt(&geometry, |r, i| r.nx[i] = bad),
+            spoilt_receivers(&geometry, |r, i| r.z[i] = bad),
+            spoilt_receivers(&geometry, |r, i| r.nx[i] = bad),
         ] {
             let view = view.with_receivers(&receivers);
-            refused(&view, "receiver at pixel (");
-            for why in rendered(&view, &recipe) {
+            check_refused(&view, "receiver at pixel (");
+            for why in render_messages(&view, &recipe) {
                 assert!(why.contains("receiver at pixel ("), "{why}");
             }
         }
     }
     // Positions without receivers may have any values.
-    let receivers = spoilt(&geometry, |r, i| {
+    let receivers = spoilt_receivers(&geometry, |r, i| {
         (r.x[i], r.receives[i]) = (f32::NAN, false)
     });
     assert!(
@@ -156,12 +156,12 @@ fn techniques_and_backends_refuse_receivers() {
             .recipe(&view.with_receivers(&receivers))
             .is_ok()
     );
-    let short = spoilt(&geometry, |r, _| r.ny.truncate(1));
-    refused(&view.with_receivers(&short), "an array has another length");
+    let short = spoilt_receivers(&geometry, |r, _| r.ny.truncate(1));
+    check_refused(&view.with_receivers(&short), "an array has another length");
 }
 
 /// Returns the errors of both backends.
-fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
+fn render_messages(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
     let cpu = Cpu::new()
         .render(view, recipe)
         .expect_err("the CPU refuses it");
@@ -247,7 +247,7 @@ fn backends_refuse_casts() {
     let spoilt = |spoil: &dyn Fn(&mut umbrage_core::Cast)| {
         let mut recipe = good.clone();
         spoil(&mut recipe.casts[0]);
-        rendered(&view, &recipe)
+        render_messages(&view, &recipe)
     };
     for bad in BAD {
         for why in spoilt(&|cast| cast.space.view_from_world.w_axis.x = bad) {

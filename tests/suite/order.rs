@@ -45,7 +45,7 @@ const SUN: &str = "kind = \"directional\"\ndirection = [-0.5, -0.7, -0.3]";
 fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> {
     let receivers = view.receivers.expect("given");
     let eye = view.camera.eye();
-    let all = geometry.bounds().union(&Aabb::around([eye]));
+    let all = geometry.bounds().union(&Aabb::from_points([eye]));
     let far = 2.0 * all.extent().length();
     let light = LightSampler::new(view.light);
     let mut mask = vec![1.0; receivers.len()];

@@ -13,7 +13,7 @@ use umbrage_examples::{
         panes::{
             Glass, Panes,
             scenes::{GLASS, shards, window},
-            transmitted,
+            transmitted_light,
         },
     },
     judge::JudgedScene,
@@ -84,7 +84,7 @@ fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends(
 
 fn check_coloured_shadows(judged: &JudgedScene) {
     let scene = &judged.scene;
-    let through = |glass| transmitted(scene, &judged.truth.receivers, glass).expect("valid");
+    let through = |glass| transmitted_light(scene, &judged.truth.receivers, glass).expect("valid");
     // Rays through opaque panes equal the reference of all other techniques.
     let of_opaque = GLASS.map(|glass| Glass {
         transmittance: Vec3::ZERO,

@@ -197,8 +197,8 @@ fn cures_are_better_than_faults() {
         if !scene.lights[0].is_ideal() {
             continue;
         }
-        let played = failure.play(size).expect("valid");
-        let [fault, cure] = [played.fault.rmse, played.cure.rmse];
+        let rendered = failure.render(size).expect("valid");
+        let [fault, cure] = [rendered.fault.rmse, rendered.cure.rmse];
         assert!(cure < 0.9 * fault, "{name}: {cure} against {fault}");
     }
 }

@@ -46,7 +46,7 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
 }
 
 /// Returns the technique's ratio under an area light whose sides are `scale` times the scene's.
-fn measured(
+fn measure_penumbra(
     backend: &mut dyn Backend,
     technique: &MapTechnique<Pcss>,
     ramp: (&str, f64, f64),
@@ -86,7 +86,7 @@ fn techniques() -> impl Iterator<Item = MapTechnique<Pcss>> {
 fn check(backend: &mut dyn Backend) {
     for technique in techniques() {
         for ramp in RAMPS {
-            let ratio = measured(backend, &technique, ramp, 1.0);
+            let ratio = measure_penumbra(backend, &technique, ramp, 1.0);
             let settings = technique.settings();
             assert!(
                 (ratio - 1.0).abs() <= TOLERANCE,
@@ -112,7 +112,7 @@ fn penumbrae_are_as_wide_on_the_gpu() {
 fn a_lamp_too_large_is_caught() {
     for technique in techniques() {
         for ramp in RAMPS {
-            let ratio = measured(&mut Cpu::new(), &technique, ramp, 1.1);
+            let ratio = measure_penumbra(&mut Cpu::new(), &technique, ramp, 1.1);
             assert!(
                 (ratio - 1.0).abs() > TOLERANCE,
                 "{} {}: {ratio}",

@@ -20,17 +20,17 @@ use umbrage_tests::{gpu::gpu, layouts, painted};
 const BOUND: u8 = 1;
 
 /// Results of both backends, and whether the driver is the pinned one.
-struct Pair {
+struct PicturePair {
     cpu: Shadows,
     gpu: Shadows,
     exact: bool,
 }
 
-fn render(view: &View<'_>, recipe: &Recipe) -> Pair {
+fn render(view: &View<'_>, recipe: &Recipe) -> PicturePair {
     let cpu = Cpu::new().render(view, recipe).expect("the CPU renders it");
     let mut gpu = gpu();
     let exact = gpu.promises_bits();
-    Pair {
+    PicturePair {
         cpu,
         gpu: gpu.render(view, recipe).expect("the GPU renders it"),
         exact,
@@ -38,7 +38,7 @@ fn render(view: &View<'_>, recipe: &Recipe) -> Pair {
 }
 
 /// Returns a message about the differences of the images. `None` if they are allowed.
-fn fault(pair: &Pair) -> Option<String> {
+fn fault(pair: &PicturePair) -> Option<String> {
     let pictures = [&pair.cpu, &pair.gpu].map(|s| s.picture.as_deref());
     let [Some(cpu), Some(gpu)] = pictures else {
         return Some("a picture is missing".to_owned());
@@ -72,7 +72,7 @@ fn differ_visibly(a: [f32; 4], b: [f32; 4]) -> bool {
 }
 
 /// Reports whether both backends see the same triangle with the same shadow on it.
-fn same_seen(pair: &Pair, i: usize) -> bool {
+fn same_seen(pair: &PicturePair, i: usize) -> bool {
     let triangle = |s: &Shadows| s.receivers.as_ref().map(|r| r.triangle[i]);
     triangle(&pair.cpu) == triangle(&pair.gpu) && pair.cpu.mask[i] == pair.gpu.mask[i]
 }
@@ -204,7 +204,7 @@ const SLIPS: [(&str, &str); 6] = [
 ];
 
 /// Reports whether both comparisons fail.
-fn is_caught(pair: &mut Pair) -> bool {
+fn is_caught(pair: &mut PicturePair) -> bool {
     [true, false].into_iter().all(|exact| {
         pair.exact = exact;
         fault(pair).is_some()
@@ -230,7 +230,7 @@ fn spoilt_pixels_and_spoilt_shaders_are_caught() {
     assert_eq!(cases, 20);
 }
 
-fn spoil_pixel(mut pair: Pair) {
+fn spoil_pixel(mut pair: PicturePair) {
     assert_eq!(fault(&pair), None);
     let picture = pair.gpu.picture.as_mut().expect("a picture");
     let grey = picture
@@ -241,7 +241,11 @@ fn spoil_pixel(mut pair: Pair) {
     assert!(is_caught(&mut pair));
 }
 
-fn spoil_shader(view: &View<'_>, recipe: &Recipe, slip: (&'static str, &'static str)) -> Pair {
+fn spoil_shader(
+    view: &View<'_>,
+    recipe: &Recipe,
+    slip: (&'static str, &'static str),
+) -> PicturePair {
     let (from, to) = slip;
     let mut recipe = recipe.clone();
     let shade = recipe.shade.as_mut().expect("it shades");

@@ -7,7 +7,7 @@ use umbrage_techniques::{Hard, MapFilter as _, Pcss, ShadowMap};
 const MOST_OF_DRAWN: f64 = 0.25;
 
 /// Returns the number of triangles that a recipe's casts draw.
-fn drawn(recipe: &Recipe, geometry: &Geometry) -> usize {
+fn drawn_triangles(recipe: &Recipe, geometry: &Geometry) -> usize {
     let casts = recipe.casts.iter();
     casts
         .flat_map(|cast| cast.source.runs(geometry))
@@ -35,7 +35,7 @@ fn plans_look_at_a_quarter_of_what_is_drawn_at_most() {
                 let before = geometry.triangles_looked_at();
                 let recipe = technique.recipe(&view).expect("supported");
                 let looked_at = (geometry.triangles_looked_at() - before) as f64;
-                let drawn = drawn(&recipe, &geometry) as f64;
+                let drawn = drawn_triangles(&recipe, &geometry) as f64;
                 assert!(drawn > 100_000.0, "{name} is a scene of real size");
                 assert!(
                     looked_at > 0.0 && looked_at <= drawn * MOST_OF_DRAWN,

@@ -70,7 +70,7 @@ fn a_users_map_has_figures() {
             .recipe(&view)
             .expect("variance maps serve the sun");
         let preset = TechniquePreset::from(technique);
-        let used = footprint::of(&preset, &view, &recipe, &receivers, &catalogue);
+        let used = footprint::recipe_footprint(&preset, &view, &recipe, &receivers, &catalogue);
         let used = used.expect("it has a map");
         assert_eq!(
             used,
@@ -95,7 +95,7 @@ fn a_users_map_has_figures() {
 
 fn catalogue() -> Catalogue {
     Catalogue::built_in()
-        .with(CatalogueEntry::of::<Variance>())
+        .with(CatalogueEntry::for_technique::<Variance>())
         .expect("a new name")
 }
 
@@ -109,12 +109,14 @@ fn a_users_technique_is_compared_as_ours_are() {
     };
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let input = SceneInput::new(scene, "");
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let sink = &mut |_: &_, _: &_| Ok(());
     let compared = compare::compare(&[input], &options, &mut backends, sink, &|_| ());
     let rows = &compared.expect("valid").scenes[0].rows;
     assert!(rows.iter().all(|row| row.technique == "variance"));
-    let rmse = rows[0].measured().and_then(|measured| measured.rmse());
+    let rmse = rows[0]
+        .measured_figures()
+        .and_then(|measured| measured.rmse());
     assert!(rmse.is_some_and(|rmse| rmse < 0.3), "{rows:?}");
     let unknown = compare::CompareOptions {
         catalogue: Catalogue::built_in(),
@@ -133,7 +135,7 @@ fn a_users_technique_is_judged_as_ours_are() {
         techniques: vec!["variance".to_owned()],
         ..stability::StabilityOptions::quick()
     };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
     let cells = &judged.cases[0].cells;
     assert!(cells.iter().any(|cell| cell.technique == "variance"));
@@ -153,7 +155,7 @@ fn a_users_technique_moves_as_ours_do() {
         techniques: vec!["variance".to_owned()],
         ..stability::StabilityOptions::quick()
     };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
     assert_eq!(judged.cases.len(), 2);
     for case in &judged.cases {

@@ -17,7 +17,7 @@ use umbrage_techniques::{
 
 /// Matrix conventions of another renderer for a standard camera.
 #[derive(Clone, Copy, Debug)]
-struct Kind {
+struct ProjectionKind {
     /// No far plane. Only with perspective.
     endless: bool,
     /// Depth 1 at near.
@@ -28,8 +28,8 @@ struct Kind {
 
 /// Returns all kinds of projections; without perspective, those that [`Camera::standard`] can
 /// distinguish.
-fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
-    let bits = (0..8).map(|i| Kind {
+fn kinds(perspective: bool) -> impl Iterator<Item = ProjectionKind> {
+    let bits = (0..8).map(|i| ProjectionKind {
         endless: i & 1 != 0,
         reversed: i & 2 != 0,
         left: i & 4 != 0,
@@ -39,7 +39,7 @@ fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
 
 /// Returns the camera with the matrices of another kind, each computed in `f64` and rounded once.
 /// `near_far` are the camera's.
-fn as_kind(camera: &Camera, kind: Kind, near_far: [f32; 2]) -> Camera {
+fn as_kind(camera: &Camera, kind: ProjectionKind, near_far: [f32; 2]) -> Camera {
     let [near, far] = near_far.map(f64::from);
     let rows = camera.clip_from_view.as_dmat4().transpose();
     // Depth is (a z + b) / w.

@@ -28,9 +28,9 @@ const FARTHEST_GUARD_BAND: f64 = 32_768.0;
 
 /// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003). The triangles are the same
 /// in every run.
-struct Random(u64);
+struct RasterRandom(u64);
 
-impl Random {
+impl RasterRandom {
     fn range(&mut self, lo: f32, hi: f32) -> f32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -227,7 +227,7 @@ fn is_clipped(class: &str) -> bool {
 fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, &[Vec<f32>])) {
     let (scene, geometry) = small_scene();
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let mut random = Random(77);
+    let mut random = RasterRandom(77);
     for class in CLASSES {
         let triangles: Vec<_> = (0..COUNT).map(|_| random.triangle(class)).collect();
         let recipe = recipe(&triangles, &view);
@@ -329,7 +329,7 @@ fn another_rounding_is_noticed() {
 
 /// Returns a triangle thinner than a step of the grid, along a line through a pixel's centre, that
 /// extends beyond the window.
-fn sliver(random: &mut Random) -> [Vec4; 3] {
+fn sliver(random: &mut RasterRandom) -> [Vec4; 3] {
     let pixel = || SIDE as f32 / 2.0;
     let mut centre = || (random.range(-pixel(), pixel()).floor() + 0.5) / pixel();
     let (x, y) = (centre(), centre());
@@ -360,7 +360,7 @@ fn slivers_that_are_clipped_are_culled_alike() {
     }
     let (scene, geometry) = small_scene();
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let mut random = Random(5);
+    let mut random = RasterRandom(5);
     let mut shown_by_neither_face = 0;
     for _ in 0..4 {
         let slivers: Vec<_> = (0..COUNT).map(|_| sliver(&mut random)).collect();

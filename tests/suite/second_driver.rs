@@ -11,14 +11,14 @@ use umbrage_lab::{
 use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::{
     driver_model::{DriverModel, is_chosen, nth_case, runs_all_cases},
-    gpu::named,
+    gpu::adapter_by_name,
 };
 use umbrage_wgpu::Gpu;
 
 /// The CPU and the driver.
 fn backends() -> Backends {
     DriverModel::install();
-    let adapter = named().expect(
+    let adapter = adapter_by_name().expect(
         "these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME",
     );
     Backends::both(&adapter).unwrap_or_else(|why| panic!("{why}"))
@@ -26,7 +26,7 @@ fn backends() -> Backends {
 
 /// Compares images that are small enough for the suite to take seconds, and large enough for single
 /// pixels to have little weight in the RMSE.
-fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
+fn compare_scenes(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let wanted = |e: &&umbrage_scenes::SceneEntry| {
         if scenes.is_empty() {
             e.suite
@@ -65,10 +65,13 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
 #[test]
 fn the_suite_agrees_on_the_second_driver() {
     let mut backends = backends();
-    let comparison = compared(&[], &mut backends);
+    let comparison = compare_scenes(&[], &mut backends);
     let rows = comparison.scenes.iter().flat_map(|scene| &scene.rows);
     let agreed = rows
-        .filter(|row| row.measured().is_some_and(|m| m.agreement.is_some()))
+        .filter(|row| {
+            row.measured_figures()
+                .is_some_and(|m| m.agreement.is_some())
+        })
         .count();
     assert!(
         agreed > 400 / nth_case(),
@@ -106,13 +109,13 @@ fn failure_rows_agree_on_the_second_driver() {
         rows: chosen_cases(),
         ..Default::default()
     };
-    let played = stability::run(&small, &mut backends(), &mut |_| {}).expect("renders");
+    let rendered = stability::run(&small, &mut backends(), &mut |_| {}).expect("renders");
     assert!(
-        played.cases.len() >= 30 / nth_case(),
+        rendered.cases.len() >= 30 / nth_case(),
         "only {} cases were run",
-        played.cases.len()
+        rendered.cases.len()
     );
-    assert!(played.faults.is_empty(), "{}", played.faults.join("\n"));
+    assert!(rendered.faults.is_empty(), "{}", rendered.faults.join("\n"));
 }
 
 /// Returns the names of the cases that run. An empty list means all of them.
@@ -150,12 +153,12 @@ impl Backend for MisreportingBackend {
 /// Negative control: a wrong grid must be detected.
 #[test]
 fn a_wrong_grid_is_noticed_on_the_second_driver() {
-    let gpu = Gpu::new(&named().expect("as above")).expect("an adapter");
-    let mut backends = Backends::of(vec![
+    let gpu = Gpu::new(&adapter_by_name().expect("as above")).expect("an adapter");
+    let mut backends = Backends::from_backends(vec![
         Box::new(Cpu::new()),
         Box::new(MisreportingBackend(gpu)),
     ]);
-    let faults = compared(&["cubes"], &mut backends).faults();
+    let faults = compare_scenes(&["cubes"], &mut backends).faults();
     // With a finer grid than the driver's, decided pixels differ. With a coarser one, too many
     // pixels are undecided.
     let is_of_grid = |fault: &String| {

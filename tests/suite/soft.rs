@@ -38,7 +38,7 @@ const MOST_DARKENED: f64 = 0.002;
 const LEAST_PAIRS: usize = 30;
 
 /// A scene with its reference, and fits that are computed once.
-struct Case {
+struct SoftCase {
     name: &'static str,
     scene: Scene,
     geometry: Geometry,
@@ -46,9 +46,9 @@ struct Case {
     fits: FitMemory,
 }
 
-impl Case {
+impl SoftCase {
     fn new(name: &'static str, mut scene: Scene) -> Self {
-        scene.cameras[0] = scene.cameras[0].resized(SIZE);
+        scene.cameras[0] = scene.cameras[0].with_size(SIZE);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let options = TruthOptions {
             samples: 256,
@@ -105,14 +105,15 @@ impl Case {
 }
 
 /// Returns every built-in scene with an area light, except those that are meant to be slow.
-fn cases() -> &'static [Case] {
-    static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
+fn cases() -> &'static [SoftCase] {
+    static CASES: LazyLock<Vec<SoftCase>> = LazyLock::new(|| {
         let scenes = all()
             .iter()
             .filter(|entry| !matches!(entry.kind, Kind::Speed | Kind::Content))
             .map(|entry| (entry.name, (entry.build)()));
         let soft = scenes.filter(|(_, scene)| !scene.lights[0].is_ideal());
-        soft.map(|(name, scene)| Case::new(name, scene)).collect()
+        soft.map(|(name, scene)| SoftCase::new(name, scene))
+            .collect()
     });
     assert!(CASES.len() >= LEAST_SCENES, "only {} scenes", CASES.len());
     &CASES
@@ -243,13 +244,13 @@ fn more_taps_and_finer_maps_are_better() {
 
 /// Location of a pixel: the face of the light's cube, and the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Place {
+struct SoftPlace {
     face: usize,
     /// Normal and distance from the light, in thousandths.
     plane: [i32; 4],
 }
 
-fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
+fn place(case: &SoftCase, lamp: Vec3, pixel: usize) -> SoftPlace {
     let receivers = &case.truth.receivers;
     let d = receivers.position(pixel) - lamp;
     let n = receivers.normal(pixel);
@@ -257,7 +258,7 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
         .max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs()))
         .expect("three axes");
     let plane = (n.extend(d.dot(n)) * 1000.0).round().as_ivec4().to_array();
-    Place {
+    SoftPlace {
         face: 2 * axis + usize::from(d[axis] > 0.0),
         plane,
     }
@@ -265,10 +266,10 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
 
 /// Returns the mean step of the error for each pair of locations, over neighbouring pixels on one
 /// plane but on two faces, from the first face to the second.
-fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
+fn steps(case: &SoftCase, mask: &[f32]) -> BTreeMap<[SoftPlace; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
-    let mut found: BTreeMap<[Place; 2], Vec<f64>> = BTreeMap::new();
+    let mut found: BTreeMap<[SoftPlace; 2], Vec<f64>> = BTreeMap::new();
     for (i, j) in neighbours(mask.len()) {
         if case.truth.pixels[i] != Pixel::Counted || case.truth.pixels[j] != Pixel::Counted {
             continue;
@@ -308,7 +309,7 @@ fn neighbours(pixels: usize) -> Vec<(usize, usize)> {
     out
 }
 
-fn lamp_in_room() -> (&'static Case, Vec<f32>) {
+fn lamp_in_room() -> (&'static SoftCase, Vec<f32>) {
     let case = cases()
         .iter()
         .find(|case| case.name == "glowing-lamp-in-room")

@@ -141,14 +141,14 @@ struct Drift {
 fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> Drift {
     let points = ground(offset);
     let mut cpu = Cpu::new();
-    let first = fitted(fit, 0, offset, geometry, &mut cpu);
+    let first = fit_matrix(fit, 0, offset, geometry, &mut cpu);
     let start = places(first, &points);
     let mut drift = Drift {
         within_texel: 0.0,
         of_map: 0.0,
     };
     for frame in 1..FRAMES {
-        let now = fitted(fit, frame, offset, geometry, &mut cpu);
+        let now = fit_matrix(fit, frame, offset, geometry, &mut cpu);
         for (a, b) in start.iter().zip(places(now, &points)) {
             let distance = (*a - b).abs();
             // Wrap around the texel: 0.99 and 0.01 are 0.02 apart.
@@ -163,7 +163,7 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> Drift {
 }
 
 /// Returns the clip-from-world matrix of the map that is fitted in a frame.
-fn fitted(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu) -> Mat4 {
+fn fit_matrix(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu) -> Mat4 {
     let camera = camera(frame, offset);
     let seen = cpu.receivers(&camera, geometry).expect("a good camera");
     let view = View::new(&camera, &SUN, geometry).with_receivers(&seen);
@@ -278,9 +278,9 @@ fn all_that_matters_is_on_the_map() {
         }
         for p in geometry.vertices_of(geometry.casters()) {
             let clip = transform(fitted, p);
-            let beside = clip.x.abs().max(clip.y.abs()) > 1.0;
+            let adjacent = clip.x.abs().max(clip.y.abs()) > 1.0;
             assert!(
-                beside || clip.z >= 0.0,
+                adjacent || clip.z >= 0.0,
                 "the caster at {p} is clipped by the near plane: {clip}"
             );
         }
@@ -299,7 +299,7 @@ fn all_that_matters_is_on_the_map() {
 }
 
 /// A camera at a fixed position with any direction.
-fn turned(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
+fn turned_camera(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
     let ahead = Vec3::new(
         yaw.sin() * pitch.cos(),
         pitch.sin(),
@@ -344,10 +344,10 @@ fn a_camera_that_turns_moves_no_map_around_it() {
             };
             let around = Fit::AroundCamera { range: RANGE };
             let stable = Fit::Stable { range: RANGE };
-            let ahead = turned(eye, 0.0, 0.0);
+            let ahead = turned_camera(eye, 0.0, 0.0);
             for turn in 1..8 {
                 let pitch = 0.2 * (turn % 5) as f32 - 0.4;
-                let camera = turned(eye, 0.9 * turn as f32, pitch);
+                let camera = turned_camera(eye, 0.9 * turn as f32, pitch);
                 assert_eq!(
                     spaces(around, &ahead),
                     spaces(around, &camera),
@@ -387,7 +387,7 @@ fn a_camera_that_walks_seldom_moves_the_map_around_it() {
     let mut maps: Vec<Mat4> = Vec::new();
     for frame in 0..400 {
         let eye = Vec3::new(0.05 * frame as f32, 3.0, 0.0);
-        let camera = turned(eye, 0.3 * frame as f32, -0.2);
+        let camera = turned_camera(eye, 0.3 * frame as f32, -0.2);
         let view = View::new(&camera, &SUN, &geometry);
         let space = fit.light_space(&view, SIZE, 2.0).expect("it fits");
         let fitted = space.clip_from_world();

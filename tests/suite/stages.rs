@@ -13,7 +13,7 @@ use umbrage_tests::gpu::gpu;
 /// Scenes with different lights and plenty of edges.
 const SCENES: [&str; 3] = ["cubes", "figure", "teapot-lamp"];
 
-struct Played {
+struct ExecutedStages {
     recipe: Recipe,
     receivers: Receivers,
     images: Vec<Image>,
@@ -21,13 +21,13 @@ struct Played {
 }
 
 /// Executes a recipe on the CPU and keeps all results.
-fn play(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<Played> {
+fn run_technique(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<ExecutedStages> {
     let mut recipe = technique.recipe(view).ok()?;
     recipe.keep_images = true;
     let shadows = Cpu::new()
         .render(view, &recipe)
         .expect("built-in scenes render");
-    Some(Played {
+    Some(ExecutedStages {
         recipe,
         receivers: shadows.receivers?,
         images: shadows.images,
@@ -36,8 +36,8 @@ fn play(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<Played> {
 }
 
 /// Runs `check` for every technique, with all its kernels and biases, over the scenes.
-fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
-    let mut played = 0;
+fn for_each_recipe(check: impl Fn(&View<'_>, ExecutedStages, &str)) {
+    let mut rendered = 0;
     for name in SCENES {
         let mut scene = (find(name).expect("a built-in scene").build)();
         scene.cameras[0].size = UVec2::new(160, 120);
@@ -54,13 +54,13 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
         let built_in = all().iter().flat_map(|entry| (entry.exhaustive)(128));
         for technique in built_in.chain([TechniquePreset::from(own)]) {
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
-            if let Some(p) = play(&view, &technique) {
+            if let Some(p) = run_technique(&view, &technique) {
                 check(&view, p, &label);
-                played += 1;
+                rendered += 1;
             }
         }
     }
-    assert!(played > 60, "only {played} recipes were executed");
+    assert!(rendered > 60, "only {rendered} recipes were executed");
 }
 
 /// Fraction of values that may differ by more than a step of an 8-bit image on drivers other than
@@ -153,7 +153,7 @@ fn a_spoilt_map_is_caught() {
         size: 16,
         ..ShadowMap::default()
     });
-    let mut p = play(&view, &technique).expect("hard serves the sun");
+    let mut p = run_technique(&view, &technique).expect("hard serves the sun");
     p.images[0]
         .texels
         .iter_mut()

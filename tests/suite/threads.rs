@@ -15,7 +15,7 @@ fn threads_and_vectors_change_nothing() {
     for name in ["cubes", "figure", "teapot-lamp"] {
         let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         if !scene.lights[0].is_ideal() {
-            scene.cameras[0] = scene.cameras[0].resized(UVec2::new(160, 120));
+            scene.cameras[0] = scene.cameras[0].with_size(UVec2::new(160, 120));
         }
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);

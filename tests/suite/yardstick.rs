@@ -9,7 +9,7 @@ use umbrage_yardstick::Yardstick;
 #[test]
 fn the_yardstick_is_the_same_work_on_both_backends() {
     let scene = (umbrage_scenes::find("cubes").expect("built in").build)();
-    let camera = scene.cameras[0].resized(umbrage_core::glam::UVec2::new(160, 120));
+    let camera = scene.cameras[0].with_size(umbrage_core::glam::UVec2::new(160, 120));
     let geometry = Geometry::bake(&scene).expect("valid");
     let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);

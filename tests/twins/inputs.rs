@@ -27,11 +27,11 @@ pub fn draw(twin: &Twin) -> Arc<[u32]> {
     let mut drawn = DRAWN.lock().unwrap_or_else(PoisonError::into_inner);
     drawn
         .entry(twin.parameters.to_vec())
-        .or_insert_with(|| draw_anew(twin))
+        .or_insert_with(|| draw_fresh(twin))
         .clone()
 }
 
-fn draw_anew(twin: &Twin) -> Arc<[u32]> {
+fn draw_fresh(twin: &Twin) -> Arc<[u32]> {
     let scalars: Vec<_> = twin
         .parameters
         .iter()
@@ -72,7 +72,7 @@ enum Mood {
 fn component(scalar: &str, mood: Mood) -> BoxedStrategy<u32> {
     match scalar {
         "u32" => unsigned(mood),
-        "i32" => signed(mood),
+        "i32" => signed_bits(mood),
         _ => float(mood).prop_map(f32::to_bits).boxed(),
     }
 }
@@ -128,7 +128,7 @@ fn unsigned(mood: Mood) -> BoxedStrategy<u32> {
     }
 }
 
-fn signed(mood: Mood) -> BoxedStrategy<u32> {
+fn signed_bits(mood: Mood) -> BoxedStrategy<u32> {
     match mood {
         Mood::Cube | Mood::Grid => (-8_i32..8).prop_map(|i| i as u32).boxed(),
         Mood::Scales => (-16_384_i32..16_384).prop_map(|i| i as u32).boxed(),

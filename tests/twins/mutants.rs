@@ -32,7 +32,7 @@ pub type Mutant = (Twin, String);
 pub fn mutants(twin: &Twin, others: &[&str]) -> Vec<Mutant> {
     let text = twin.module.text;
     let mut out = Vec::new();
-    for body in reached(text, twin.name, others) {
+    for body in reached_ranges(text, twin.name, others) {
         for (from, to) in SLIPS {
             let slips = text[body.clone()]
                 .match_indices(from)
@@ -54,7 +54,7 @@ fn is_in_comment(text: &str, at: usize) -> bool {
 }
 
 /// Returns the bodies of a function and of all that it calls except `others`, as ranges of `text`.
-fn reached(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
+fn reached_ranges(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
     let bodies = bodies(text);
     let mut names = vec![function];
     let mut next = 0;

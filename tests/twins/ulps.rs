@@ -64,14 +64,14 @@ pub fn difference(a: u32, b: u32, float: bool) -> u64 {
     }
     match (f32::from_bits(a).is_nan(), f32::from_bits(b).is_nan()) {
         (true, true) => 0,
-        (false, false) => ordered(a).abs_diff(ordered(b)),
+        (false, false) => ordered_bits(a).abs_diff(ordered_bits(b)),
         _ => u64::MAX,
     }
 }
 
 /// Maps floats to integers in order of value. Both zeros are equal: WGSL doesn't define which of
 /// them `min` and `max` return.
-fn ordered(bits: u32) -> i64 {
+fn ordered_bits(bits: u32) -> i64 {
     let magnitude = i64::from(bits & 0x7fff_ffff);
     if bits >> 31 == 1 {
         -magnitude

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 /// A command of `cargo xtask`.
 #[derive(Clone, Copy)]
-pub(crate) struct Command {
+pub(crate) struct XtaskCommand {
     pub(crate) name: &'static str,
     pub(crate) summary: &'static str,
     pub(crate) program: Program,
@@ -47,7 +47,7 @@ impl Program {
     }
 }
 
-impl Command {
+impl XtaskCommand {
     /// Returns the command with the program for these arguments: `card --pack` builds programs, so
     /// it is part of the other program.
     pub(crate) fn for_arguments(&self, arguments: &[OsString]) -> Self {
@@ -62,8 +62,8 @@ impl Command {
     }
 }
 
-const fn measure(name: &'static str, summary: &'static str, help: &'static str) -> Command {
-    Command {
+const fn measure(name: &'static str, summary: &'static str, help: &'static str) -> XtaskCommand {
+    XtaskCommand {
         name,
         summary,
         program: Program::Measure,
@@ -71,8 +71,8 @@ const fn measure(name: &'static str, summary: &'static str, help: &'static str) 
     }
 }
 
-const fn upkeep(name: &'static str, summary: &'static str) -> Command {
-    Command {
+const fn upkeep(name: &'static str, summary: &'static str) -> XtaskCommand {
+    XtaskCommand {
         name,
         summary,
         program: Program::Upkeep,
@@ -80,7 +80,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 16] = [
+pub(crate) const COMMANDS: [XtaskCommand; 16] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",

@@ -2,7 +2,7 @@
 
 use crate::{
     WRONG_USAGE,
-    commands::{COMMANDS, Command},
+    commands::{COMMANDS, XtaskCommand},
 };
 use std::{ffi::OsString, process::ExitCode};
 
@@ -37,7 +37,7 @@ pub(crate) fn unknown(name: &str) -> String {
 
 /// Handles `--help` and unknown options. Returns the exit code, or `None` if the program itself
 /// must handle the arguments.
-pub(crate) fn before_building(command: &Command, arguments: &[OsString]) -> Option<ExitCode> {
+pub(crate) fn before_building(command: &XtaskCommand, arguments: &[OsString]) -> Option<ExitCode> {
     let help = text_of(command.help?);
     let words: Vec<&str> = arguments
         .iter()
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn options_are_told_from_other_words() {
+    fn options_are_separated_from_other_words() {
         let help = "--size <WxH>  Image size\n--map-sizes <SIDE>\n";
         assert!(!is_unknown_option("--size=640x480", help));
         assert!(is_unknown_option("--sizes", help));

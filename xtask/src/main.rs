@@ -8,7 +8,7 @@ mod print;
 mod commands;
 mod help;
 
-use commands::{COMMANDS, Command, Program};
+use commands::{COMMANDS, Program, XtaskCommand};
 use std::{
     env,
     ffi::OsString,
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
 }
 
 /// Builds the command's program if needed, runs it, and returns its exit code.
-fn run(command: &Command, built: bool, arguments: &[OsString]) -> std::io::Result<i32> {
+fn run(command: &XtaskCommand, built: bool, arguments: &[OsString]) -> std::io::Result<i32> {
     let mut cargo = process::Command::new(cargo());
     cargo.arg("run").args(command.program.profile());
     cargo.args(["--package", command.program.package()]);

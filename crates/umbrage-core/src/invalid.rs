@@ -24,7 +24,7 @@ impl Invalid {
 
     /// Returns the error with its container prepended: `what` becomes `outer, what`.
     #[must_use]
-    pub fn within(mut self, outer: impl std::fmt::Display) -> Self {
+    pub fn within_context(mut self, outer: impl std::fmt::Display) -> Self {
         self.what = format!("{outer}, {}", self.what);
         self
     }

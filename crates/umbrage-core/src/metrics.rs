@@ -108,7 +108,7 @@ impl<'a> ReferenceMask<'a> {
     pub fn new(size: UVec2, truth: &'a [f32], pixels: &'a [Pixel]) -> Result<Self, Invalid> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
-        let near_edge = near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
+        let near_edge = pixels_near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
         Ok(Self {
             size,
             truth,
@@ -236,7 +236,7 @@ pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
 
 /// Returns whether each pixel is within `distance` (Euclidean, between centres, in pixels) of a set
 /// pixel: an exact distance transform cut off at `distance`, columns first, then rows.
-pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
+pub fn pixels_near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
     let width = size.x as usize;
     let column_distance = distances_in_columns(size, set, distance);
     let reach = distance as usize;

@@ -15,7 +15,7 @@ pub enum RecipeError {
 
 impl RecipeError {
     /// Returns an [`Unsupported`](Self::Unsupported) error with this reason.
-    pub fn unsupported(reason: impl Into<String>) -> Self {
+    pub fn unsupported_because(reason: impl Into<String>) -> Self {
         Self::Unsupported(reason.into())
     }
 }

@@ -49,7 +49,7 @@ impl<'a> View<'a> {
         self.light.validate()?;
         self.casters
             .validate()
-            .map_err(|e| e.within("view's casters"))?;
+            .map_err(|e| e.within_context("view's casters"))?;
         if self.fits.is_some_and(FitMemory::knows_receivers) {
             return Ok(());
         }

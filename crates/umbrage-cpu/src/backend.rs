@@ -120,13 +120,13 @@ impl Cpu {
         self.rasterizer.bytes()
     }
 
-    fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+    fn execute(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         check(view, recipe)?;
         let mut timings = Timings::default();
         // Find the receivers if the view has none.
         let found = match (view.receivers, view.geometry) {
             (None, Some(geometry)) => {
-                let found = timed(&mut timings.receivers, || {
+                let found = measure_time(&mut timings.receivers, || {
                     self.receivers(view.camera, geometry)
                 });
                 Some(found?)
@@ -139,14 +139,14 @@ impl Cpu {
         // Execute the stages, and time each.
         images::prepare_images(&mut self.images, recipe);
         if !recipe.casts.is_empty() {
-            timed(&mut timings.cast, || self.cast_all(view.geometry, recipe));
+            measure_time(&mut timings.cast, || self.cast_all(view.geometry, recipe));
         }
         if !recipe.filters.is_empty() {
-            timed(&mut timings.filter, || {
+            measure_time(&mut timings.filter, || {
                 filter::filter_all(&mut self.images, recipe, self.simd, self.filter_shift)
             });
         }
-        let mask = timed(&mut timings.receive, || {
+        let mask = measure_time(&mut timings.receive, || {
             receive::receive(&self.images, recipe, receivers, self.simd)
         });
         let picture = recipe
@@ -179,13 +179,13 @@ impl Cpu {
         Ok(())
     }
 
-    /// Executes the stages before the receive stage, then calls `play` with the inputs of the
+    /// Executes the stages before the receive stage, then calls `run` with the inputs of the
     /// receive kernel.
     pub(crate) fn with_inputs<R>(
         &mut self,
         view: &View<'_>,
         recipe: &Recipe,
-        play: impl FnOnce(&Inputs<'_>) -> R,
+        run: impl FnOnce(&Inputs<'_>) -> R,
     ) -> Result<R, BackendError> {
         self.draw(view, recipe)?;
         let views = images::views(&self.images, &recipe.receive.inputs);
@@ -195,14 +195,14 @@ impl Cpu {
         };
         // Build the tables, since kernels may read their sources.
         recipe.make_tables();
-        Ok(play(&inputs))
+        Ok(run(&inputs))
     }
 
     fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) {
         let empty = Geometry::default();
         let geometry = geometry.unwrap_or(&empty);
         for index in 0..recipe.casts.len() {
-            cast::play(
+            cast::execute_cast(
                 &mut self.rasterizer,
                 &mut self.images,
                 recipe,
@@ -228,12 +228,12 @@ impl Backend for Cpu {
     }
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
-        self.install(|cpu| cpu.play(view, recipe))
+        self.install(|cpu| cpu.execute(view, recipe))
     }
 }
 
 /// Runs `f` and stores its duration.
-fn timed<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
+fn measure_time<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
     let start = Instant::now();
     let result = f();
     *slot = Some(start.elapsed());

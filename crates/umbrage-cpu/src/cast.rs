@@ -48,7 +48,7 @@ pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
 }
 
 /// Executes the cast of a recipe with this index.
-pub(crate) fn play(
+pub(crate) fn execute_cast(
     rasterizer: &mut Rasterizer,
     images: &mut [Image],
     recipe: &Recipe,
@@ -97,7 +97,7 @@ pub(crate) fn draw(
     let runs = cast.source.runs(geometry);
     // Draw triangles without an alpha test in a single list.
     let Some(cut_outs) = geometry.cut_outs() else {
-        let triangles = joined(&runs, geometry);
+        let triangles = join_runs(&runs, geometry);
         let list = CastTriangles::opaque(positions, &triangles);
         return draw_triangles(rasterizer, target, cast, &list, simd);
     };
@@ -109,7 +109,7 @@ pub(crate) fn draw(
     let rays = cast.space.rays(image.desc.size);
     // Draw opaque triangles first, then each run of alpha-tested ones.
     let [whole, cut_out] = cut_outs.split(&runs);
-    let triangles = joined(&whole, geometry);
+    let triangles = join_runs(&whole, geometry);
     let list = CastTriangles::opaque(positions, &triangles);
     let first = CastAttachments {
         image: &mut *image,
@@ -160,7 +160,7 @@ impl<'a, P> CastTriangles<'a, P> {
 
 /// Returns the triangles of some runs of a geometry. Several runs are copied into one list, since
 /// the rasteriser distributes a single list to threads.
-fn joined<'a>(runs: &[Range<u32>], geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
+fn join_runs<'a>(runs: &[Range<u32>], geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
     if let [run] = runs {
         return Cow::Borrowed(geometry.run(run));
     }

@@ -62,7 +62,7 @@ pub(crate) fn find(
 }
 
 /// Mutable row of [`Receivers`].
-struct Row<'a> {
+struct PixelRow<'a> {
     x: &'a mut [f32],
     y: &'a mut [f32],
     z: &'a mut [f32],
@@ -99,7 +99,7 @@ fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     );
     let rows = (positions, normals, others).into_par_iter().enumerate();
     rows.for_each(|(row_index, (position, normal, other))| {
-        let row = Row {
+        let row = PixelRow {
             x: position.0,
             y: position.1,
             z: position.2,
@@ -115,7 +115,7 @@ fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     });
 }
 
-impl Row<'_> {
+impl PixelRow<'_> {
     fn resolve(
         self,
         row: u32,

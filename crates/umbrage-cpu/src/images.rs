@@ -15,8 +15,8 @@ pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
                 image.desc = *desc;
                 clear_unwritten(image, i, recipe, start);
             }
-            Some(image) => *image = Image::filled(*desc, start),
-            None => images.push(Image::filled(*desc, start)),
+            Some(image) => *image = Image::filled_with(*desc, start),
+            None => images.push(Image::filled_with(*desc, start)),
         }
     }
 }

@@ -30,7 +30,7 @@ impl Cpu {
             let help = "time blocks of at least one pixel at least once";
             return Err(Invalid::new("timed blocks", why, help).into());
         }
-        let play = |inputs: &Inputs<'_>| {
+        let execute = |inputs: &Inputs<'_>| {
             let size = receivers.size;
             let mut times = Vec::new();
             for top in (0..size.y).step_by(block.y as usize) {
@@ -42,7 +42,7 @@ impl Cpu {
             }
             times
         };
-        self.install(|cpu| cpu.with_inputs(view, recipe, play))
+        self.install(|cpu| cpu.with_inputs(view, recipe, execute))
     }
 }
 

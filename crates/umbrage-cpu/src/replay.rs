@@ -36,7 +36,7 @@ impl Cpu {
             layers: 1,
             format: Format::Depth32,
         };
-        let mut image = Image::filled(desc, 1.0);
+        let mut image = Image::filled_with(desc, 1.0);
         let mut cast = cast.clone();
         cast.layer = 0;
         self.cast_into(geometry, &cast, &mut image)?;
@@ -98,7 +98,7 @@ impl Cpu {
             .ok_or_else(|| no_such("casts", recipe.casts.len(), index))?;
         let mut images = images.to_vec();
         self.install(|cpu| {
-            cast::play(
+            cast::execute_cast(
                 &mut cpu.rasterizer,
                 &mut images,
                 recipe,
@@ -127,7 +127,7 @@ impl Cpu {
             .get(index)
             .ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
         let desc = images[filter.output].desc;
-        let mut out = Image::filled(desc, 0.0);
+        let mut out = Image::filled_with(desc, 0.0);
         self.install(|cpu| {
             filter::filter(images, filter, &desc, &mut out.texels, cpu.simd, Vec4::ZERO)
         });

@@ -30,7 +30,7 @@ impl Cpu {
                 Invalid::new(format!("pixel {beyond}"), why, "count from 0, row by row").into(),
             );
         }
-        let play = |inputs: &Inputs<'_>| {
+        let execute = |inputs: &Inputs<'_>| {
             let mut out = vec![1.0; pixels.len()];
             let chunks = out.par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK));
             chunks.for_each(|(out, pixels)| {
@@ -40,7 +40,7 @@ impl Cpu {
             });
             out
         };
-        self.install(|cpu| cpu.with_inputs(view, recipe, play))
+        self.install(|cpu| cpu.with_inputs(view, recipe, execute))
     }
 }
 

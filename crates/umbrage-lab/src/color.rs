@@ -10,13 +10,13 @@ use umbrage_techniques::{BlinnPhong, Shading};
 
 /// A scene with a marker at its light, to shade with any technique's shadows.
 #[derive(Clone, Debug)]
-pub(crate) struct Stage {
+pub(crate) struct ColorScene {
     scene: Scene,
     geometry: Geometry,
     shading: Shading,
 }
 
-impl Stage {
+impl ColorScene {
     /// Prepares a scene with a light and a camera. The marker of a directional light is at the eye
     /// of the scene's fit, if it has one.
     pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
@@ -74,7 +74,7 @@ pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabE
 
 /// Returns the number of pixels with different colours: by more than one step of 255, though masks
 /// agree within one step and both show the same triangle. `None` if either has no image.
-pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
+pub(crate) fn count_differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let a_colors = a.picture_bytes()?;
     let b_colors = b.picture_bytes()?;
     let color_pairs = a_colors.chunks(3).zip(b_colors.chunks(3));
@@ -114,19 +114,22 @@ mod tests {
     #[test]
     fn colours_must_agree_where_masks_do() {
         let a = shadows([1.0, 0.0], [0.5, 0.1]);
-        assert_eq!(differing(&a, &shadows([1.0, 0.0], [0.5, 0.1])), Some(0));
         assert_eq!(
-            differing(&a, &shadows([1.0, 0.0], [0.6, 0.1])),
+            count_differing(&a, &shadows([1.0, 0.0], [0.5, 0.1])),
+            Some(0)
+        );
+        assert_eq!(
+            count_differing(&a, &shadows([1.0, 0.0], [0.6, 0.1])),
             Some(1),
             "a spoilt colour"
         );
         assert_eq!(
-            differing(&a, &shadows([1.0, 1.0], [0.5, 0.9])),
+            count_differing(&a, &shadows([1.0, 1.0], [0.5, 0.9])),
             Some(0),
             "masks differ there: no error of shading"
         );
         assert_eq!(
-            differing(
+            count_differing(
                 &a,
                 &Shadows {
                     picture: None,

@@ -51,7 +51,7 @@ mod tests {
     use std::io::ErrorKind;
 
     #[test]
-    fn lines_arrive_whole_and_closed_pipes_are_told() {
+    fn lines_arrive_whole_and_closed_pipes_are_reported() {
         let mut bytes = Vec::new();
         assert_eq!(write(&mut bytes, format_args!("{} of {}", 1, 2)), Ok(()));
         assert_eq!(bytes, b"1 of 2\n");

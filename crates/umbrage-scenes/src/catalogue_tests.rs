@@ -5,7 +5,7 @@ use umbrage_core::glam::Vec3;
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Mesh};
 
 /// Returns the least and greatest distance in the image.
-fn seen(camera: &Camera, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
+fn seen_depths(camera: &Camera, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
     let space = camera.space();
     let tangents = [0, 1].map(|i| 1.0 / f64::from(space.clip_from_view.col(i)[i]));
     depth_range(
@@ -54,7 +54,7 @@ fn every_scene_is_valid_and_shows_something() {
         );
         let geometry = Geometry::bake(&scene).unwrap();
         let all_triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
-        let shows = seen(&scene.cameras[0], all_triangles).is_some();
+        let shows = seen_depths(&scene.cameras[0], all_triangles).is_some();
         assert_eq!(shows, entry.name != "only-sky", "{}", entry.name);
     }
 }
@@ -144,11 +144,11 @@ fn the_tower_is_out_of_view_and_its_shadow_is_in_view() {
         .map(|t| geometry.corners(t))
         .collect();
     assert_eq!(tower.len(), 12);
-    assert_eq!(seen(camera, tower.into_iter()), None);
+    assert_eq!(seen_depths(camera, tower.into_iter()), None);
     let to_light = scene.lights[0].direction_from(camera.eye()) * 100.0;
     let p = Vec3::new(0.0, 1e-3, 0.5);
     assert!(
-        geometry.bvh().occluded(p, to_light, u32::MAX),
+        geometry.bvh().is_occluded(p, to_light, u32::MAX),
         "no shadow in the middle of the picture"
     );
 }
@@ -182,7 +182,7 @@ fn scaled_cubes_are_the_cubes_scaled() {
     }
 }
 
-fn built(name: &str) -> (Scene, Geometry) {
+fn build_scene(name: &str) -> (Scene, Geometry) {
     let scene = (find(name).unwrap().build)();
     let geometry = Geometry::bake(&scene).unwrap();
     (scene, geometry)
@@ -201,13 +201,13 @@ fn copies<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = 
 #[test]
 fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
-        let (scene, geometry) = built(name);
+        let (scene, geometry) = build_scene(name);
         let camera = &scene.cameras[0];
         let light = scene.lights[0];
         let is_dark = |p: Vec3| {
             geometry
                 .bvh()
-                .occluded(p, light.direction_from(p) * 100.0, u32::MAX)
+                .is_occluded(p, light.direction_from(p) * 100.0, u32::MAX)
         };
         let world_from_clip = camera.space().clip_from_world().inverse();
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
@@ -227,7 +227,7 @@ fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
 /// Seen from the light, each caster crosses an edge of the cube.
 #[test]
 fn casters_in_the_room_stand_on_seams() {
-    let (scene, geometry) = built("lamp-in-room");
+    let (scene, geometry) = build_scene("lamp-in-room");
     let lamp = scene.lights[0].position().unwrap();
     let face = |p: &Vec3| {
         let d = *p - lamp;
@@ -241,10 +241,10 @@ fn casters_in_the_room_stand_on_seams() {
 
 #[test]
 fn flat_receivers_meet_casters_on_all_sides() {
-    let (scene, geometry) = built("flat-receivers");
+    let (scene, geometry) = build_scene("flat-receivers");
     assert_eq!(geometry.casters().end, geometry.receivers().start);
     let lamp = scene.lights[0].position().unwrap();
-    let around = |i: &Instance| Aabb::around(scene.meshes[i.mesh].positions.iter().copied());
+    let around = |i: &Instance| Aabb::from_points(scene.meshes[i.mesh].positions.iter().copied());
     let casters: Vec<Aabb> = scene
         .instances
         .iter()
@@ -282,10 +282,10 @@ fn is_closed(mesh: &Mesh) -> bool {
 
 #[test]
 fn broken_meshes_are_broken_each_in_its_way() {
-    let (scene, _) = built("broken-meshes");
+    let (scene, _) = build_scene("broken-meshes");
     assert_eq!(scene.meshes.len(), 7);
     assert!(scene.meshes.iter().all(|mesh| !is_closed(mesh)));
-    let (whole, _) = built("c1-box-sun");
+    let (whole, _) = build_scene("c1-box-sun");
     assert!(is_closed(&whole.meshes[1]));
 }
 
@@ -300,12 +300,12 @@ fn the_wall_is_displaced_and_the_flat_caster_is_not() {
     let near = |found: [f32; 2], [a, b]: [f32; 2]| {
         (found[0] - a).abs() < 1e-5 && (found[1] - b).abs() < 1e-5
     };
-    let (_, relief) = built("displaced-wall");
+    let (_, relief) = build_scene("displaced-wall");
     assert!(near(
         depths(&mut relief.vertices_of(relief.casters())),
         [-0.025, 0.025]
     ));
-    let (_, split) = built("relief-without-depth-pass");
+    let (_, split) = build_scene("relief-without-depth-pass");
     assert!(near(
         depths(&mut split.vertices_of(split.casters())),
         [-0.03, -0.03]
@@ -321,7 +321,7 @@ fn the_wall_is_displaced_and_the_flat_caster_is_not() {
 fn tangents_of_flat_walls_are_those_of_mikktspace() {
     let mut checked = 0;
     for name in ["normal-mapped-wall", "textbook-wall", "displaced-wall"] {
-        for mesh in built(name)
+        for mesh in build_scene(name)
             .0
             .meshes
             .iter()

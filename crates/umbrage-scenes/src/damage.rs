@@ -32,7 +32,7 @@ const ODD: &[&[u8]] = &[
 ];
 
 /// Returns `count` copies, each with one to three short pieces replaced, equal in every run.
-pub(crate) fn damaged(text: &str, count: i32) -> impl Iterator<Item = Vec<u8>> {
+pub(crate) fn damaged_texts(text: &str, count: i32) -> impl Iterator<Item = Vec<u8>> {
     (0..count).map(move |i| {
         let mut bytes = text.as_bytes().to_vec();
         let pick = |what: i32, of: usize| hash(IVec3::new(i, what, 99)) as usize % of;

@@ -172,7 +172,7 @@ impl Sample {
         let mut nearest = None;
         let mut least = f32::INFINITY;
         for triangle in geometry.receivers() {
-            let distance = outside(self.point, geometry.corners(triangle));
+            let distance = distance_outside(self.point, geometry.corners(triangle));
             if nearest.is_none() || distance < least {
                 nearest = Some(triangle);
                 least = distance;
@@ -184,7 +184,7 @@ impl Sample {
 
 /// Returns the distance of a point from a triangle's plane or beyond one of its edges, metres,
 /// whichever is greater. Points inside have 0 or less.
-fn outside(p: Vec3, triangle: [Vec3; 3]) -> f32 {
+fn distance_outside(p: Vec3, triangle: [Vec3; 3]) -> f32 {
     let [a, b, c] = triangle;
     let n = (b - a).cross(c - a).normalize_or_zero();
     let beyond = |a: Vec3, b: Vec3| (b - a).cross(n).normalize_or_zero().dot(p - a);

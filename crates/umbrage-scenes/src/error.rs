@@ -90,7 +90,7 @@ impl std::fmt::Display for Place {
 
 impl SceneError {
     /// Returns the error of a file that can't be read from `files`.
-    pub(crate) fn unreadable(path: &Path, error: &std::io::Error, files: &dyn Files) -> Self {
+    pub(crate) fn unreadable_file(path: &Path, error: &std::io::Error, files: &dyn Files) -> Self {
         let help = match error.kind() {
             std::io::ErrorKind::NotFound => files.help_for_missing(),
             std::io::ErrorKind::PermissionDenied => "allow reading it",

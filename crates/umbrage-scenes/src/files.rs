@@ -73,7 +73,7 @@ impl Files for FilesOnDisk {
 /// .collect();
 /// let scene = umbrage_scenes::read("tile.obj", &files)?;
 /// assert_eq!(scene.materials[0].diffuse.to_array(), [1.0, 0.0, 0.0]);
-/// assert!(files.missing().is_empty());
+/// assert!(files.missing_files().is_empty());
 /// # Ok::<(), umbrage_scenes::SceneError>(())
 /// ```
 #[derive(Default)]
@@ -92,7 +92,7 @@ impl FilesInMemory {
     }
 
     /// Returns the requested paths that were missing when a scene was read.
-    pub fn missing(&self) -> Vec<PathBuf> {
+    pub fn missing_files(&self) -> Vec<PathBuf> {
         let missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner);
         missing.iter().cloned().collect()
     }

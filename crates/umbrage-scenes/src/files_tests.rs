@@ -42,7 +42,7 @@ fn read_all(path: &str, files: Vec<(&'static str, Vec<u8>)>) -> Result<Scene, Sc
     read(path, &files.into_iter().collect::<FilesInMemory>())
 }
 
-fn without(name: &str) -> Vec<(&'static str, Vec<u8>)> {
+fn files_without(name: &str) -> Vec<(&'static str, Vec<u8>)> {
     let mut files = without_folders();
     files.retain(|(known, _)| *known != name);
     files
@@ -76,7 +76,7 @@ fn memory_and_disk_give_the_same() {
 #[test]
 fn what_a_scene_file_names_must_be_there() {
     let refused = |name| {
-        read_all("scene.toml", without(name))
+        read_all("scene.toml", files_without(name))
             .unwrap_err()
             .to_string()
     };
@@ -94,11 +94,11 @@ fn what_a_scene_file_names_must_be_there() {
 }
 
 #[test]
-fn a_model_does_without_looks_that_are_not_there_and_they_are_told() {
+fn a_model_does_without_looks_that_are_not_there_and_they_are_reported() {
     let missing_of = |left_out: &str| {
-        let files: FilesInMemory = without(left_out).into_iter().collect();
+        let files: FilesInMemory = files_without(left_out).into_iter().collect();
         let scene = read("tile.obj", &files).unwrap();
-        (scene.textures.len(), files.missing())
+        (scene.textures.len(), files.missing_files())
     };
     assert_eq!(missing_of("wood.png"), (1, vec![]));
     assert_eq!(
@@ -175,7 +175,7 @@ fn faults_name_the_file() {
             .to_string();
         assert!(message.contains(word), "{message}");
     }
-    let mut broken = without("brick.png");
+    let mut broken = files_without("brick.png");
     broken.push(("brick.png", b"no picture".to_vec()));
     let message = read_all("tile.obj", broken).unwrap_err().to_string();
     assert!(

@@ -34,7 +34,7 @@ pub(crate) struct Shot {
 impl Shot {
     /// Returns the shot of a camera. A camera without perspective has a narrow angle.
     #[cfg(feature = "gltf")]
-    pub(crate) fn of(camera: &Camera) -> Self {
+    pub(crate) fn of_camera(camera: &Camera) -> Self {
         let camera = camera.standard();
         let axes = camera.world_from_view.matrix3;
         // The projection scales heights by the inverse of this tangent.
@@ -76,7 +76,7 @@ impl Shot {
 
     fn fitted_range(&self, geometry: &Geometry) -> Result<[f32; 2], Invalid> {
         let view_from_world = look_along(self.eye, self.target - self.eye, self.up)
-            .map_err(|e| e.within("camera"))?;
+            .map_err(|e| e.within_context("camera"))?;
         let pyramid = ViewPyramid {
             view_from_world,
             tangents: self.tangents(),
@@ -124,7 +124,7 @@ pub(crate) fn frame_from(
     fov_y: f32,
     size: UVec2,
 ) -> Option<Shot> {
-    let bounds = Aabb::around(points.clone());
+    let bounds = Aabb::from_points(points.clone());
     if bounds.is_empty() {
         return None;
     }

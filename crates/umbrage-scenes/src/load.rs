@@ -2,7 +2,7 @@
 
 use crate::{
     Files, FilesOnDisk, SceneError, all, file, find, gltf,
-    nearest::{listed, nearest},
+    nearest::{list_words, nearest},
     obj,
     scene_of_file::SceneOfFile,
 };
@@ -24,13 +24,13 @@ const ENDINGS: &str = ".toml or .obj";
 pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
     match find(argument) {
         Some(entry) => Ok((entry.build)()),
-        None if Kind::of(Path::new(argument)).is_some() => load(Path::new(argument)),
+        None if FileKind::of_path(Path::new(argument)).is_some() => load(Path::new(argument)),
         None => {
             let near = nearest(argument, all().iter().map(|entry| entry.name));
             let meant = if near.is_empty() {
                 String::new()
             } else {
-                format!("did you mean {}, or ", listed(&near))
+                format!("did you mean {}, or ", list_words(&near))
             };
             let list = if near.is_empty() {
                 "name a built-in scene, or give "
@@ -74,20 +74,20 @@ pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, 
 /// Returns an error if [`load`] does.
 pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneError> {
     let path = path.as_ref();
-    match Kind::of(path) {
-        Some(Kind::SceneFile) => file::read(path, files),
-        Some(Kind::Obj) => obj::read_scene(path, files),
-        Some(Kind::Gltf(wanted)) => gltf::read_scene(&wanted, files),
+    match FileKind::of_path(path) {
+        Some(FileKind::SceneFile) => file::read(path, files),
+        Some(FileKind::Obj) => obj::read_scene(path, files),
+        Some(FileKind::Gltf(wanted)) => gltf::read_scene(&wanted, files),
         None => Err(neither(path)),
     }
 }
 
 /// Reports whether a path has the name of a supported model.
 pub fn is_model(path: impl AsRef<Path>) -> bool {
-    match Kind::of(path.as_ref()) {
-        Some(Kind::Obj) => true,
-        Some(Kind::Gltf(_)) => cfg!(feature = "gltf"),
-        Some(Kind::SceneFile) | None => false,
+    match FileKind::of_path(path.as_ref()) {
+        Some(FileKind::Obj) => true,
+        Some(FileKind::Gltf(_)) => cfg!(feature = "gltf"),
+        Some(FileKind::SceneFile) | None => false,
     }
 }
 
@@ -98,10 +98,10 @@ pub fn is_model(path: impl AsRef<Path>) -> bool {
 /// Returns an error if the file can't be read or parsed as far as its lights require.
 pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
     let path = path.as_ref();
-    match Kind::of(path) {
-        Some(Kind::SceneFile) => Ok(true),
-        Some(Kind::Obj) => Ok(false),
-        Some(Kind::Gltf(wanted)) => gltf::brings_light(&wanted, &FilesOnDisk),
+    match FileKind::of_path(path) {
+        Some(FileKind::SceneFile) => Ok(true),
+        Some(FileKind::Obj) => Ok(false),
+        Some(FileKind::Gltf(wanted)) => gltf::brings_light(&wanted, &FilesOnDisk),
         None => Err(neither(path)),
     }
 }
@@ -120,9 +120,9 @@ pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
 /// ```
 pub fn file_of(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = path.as_ref();
-    match Kind::of(path)? {
-        Kind::Gltf(wanted) => cfg!(feature = "gltf").then_some(wanted.file),
-        Kind::SceneFile | Kind::Obj => Some(path.to_path_buf()),
+    match FileKind::of_path(path)? {
+        FileKind::Gltf(wanted) => cfg!(feature = "gltf").then_some(wanted.file),
+        FileKind::SceneFile | FileKind::Obj => Some(path.to_path_buf()),
     }
 }
 
@@ -136,15 +136,15 @@ fn neither(path: &Path) -> SceneError {
 
 /// Kind of file, by its name.
 #[derive(Clone, Debug, PartialEq)]
-enum Kind {
+enum FileKind {
     SceneFile,
     Obj,
     Gltf(SceneOfFile),
 }
 
-impl Kind {
-    fn of(path: &Path) -> Option<Self> {
-        if let Some(wanted) = SceneOfFile::of(path) {
+impl FileKind {
+    fn of_path(path: &Path) -> Option<Self> {
+        if let Some(wanted) = SceneOfFile::of_path(path) {
             return Some(Self::Gltf(wanted));
         }
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {

@@ -75,7 +75,7 @@ fn scene_files_bring_light_and_obj_files_don_t() {
 
 /// Programs print an error and then its sources. A source must not repeat the error.
 #[test]
-fn errors_are_told_once() {
+fn errors_are_reported_once() {
     let invalid = SceneError::Invalid {
         file: "a.obj".into(),
         fault: Invalid::new("mesh", "is empty", "add a triangle"),
@@ -88,9 +88,9 @@ fn errors_are_told_once() {
         },
         fault: Box::new(invalid.clone()),
     };
-    let told = "a.obj: mesh: is empty; add a triangle";
-    assert_eq!(invalid.to_string(), told);
-    assert_eq!(named.to_string(), format!("a.toml:3: {told}"));
+    let reported = "a.obj: mesh: is empty; add a triangle";
+    assert_eq!(invalid.to_string(), reported);
+    assert_eq!(named.to_string(), format!("a.toml:3: {reported}"));
     for error in [invalid, named] {
         assert!(std::error::Error::source(&error).is_none(), "{error:?}");
     }

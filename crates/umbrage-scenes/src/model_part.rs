@@ -38,7 +38,7 @@ impl ModelPart {
 
     /// Returns the mesh's placement in the world for a placement of the model, multiplied in 64
     /// bits and rounded once.
-    pub(crate) fn placed(&self, world_from_model: Affine3A) -> Affine3A {
+    pub(crate) fn placement_of(&self, world_from_model: Affine3A) -> Affine3A {
         // Keep the signs of zeros.
         if self.model_from_mesh == Affine3A::IDENTITY {
             return world_from_model;

@@ -71,7 +71,7 @@ pub struct MotionStep {
     pub texel: f64,
 }
 
-const fn moving(
+const fn moving_scene(
     row: u8,
     name: &'static str,
     scene: &'static str,
@@ -89,25 +89,26 @@ const fn moving(
 
 impl MovingScene {
     /// Wires as thin as a texel.
-    pub const FENCE_PAN: Self = moving(9, "fence-pan", "fence", Motion::Pan, NEARBY);
+    pub const FENCE_PAN: Self = moving_scene(9, "fence-pan", "fence", Motion::Pan, NEARBY);
     /// Alpha-tested wires on one quad.
-    pub const WIRE_FENCE_PAN: Self = moving(9, "wire-fence-pan", "wire-fence", Motion::Pan, NEARBY);
+    pub const WIRE_FENCE_PAN: Self =
+        moving_scene(9, "wire-fence-pan", "wire-fence", Motion::Pan, NEARBY);
     /// A landscape under a low sun.
-    pub const HILLS_PAN: Self = moving(10, "hills-pan", "hills", Motion::Pan, LANDSCAPE);
+    pub const HILLS_PAN: Self = moving_scene(10, "hills-pan", "hills", Motion::Pan, LANDSCAPE);
     /// A landscape 100 km from the origin.
     pub const HILLS_1E5_PAN: Self =
-        moving(11, "hills-1e5-pan", "hills-1e5", Motion::Pan, LANDSCAPE);
+        moving_scene(11, "hills-1e5-pan", "hills-1e5", Motion::Pan, LANDSCAPE);
     /// A landscape 1,000 km from the origin.
     pub const HILLS_1E6_PAN: Self =
-        moving(11, "hills-1e6-pan", "hills-1e6", Motion::Pan, LANDSCAPE);
+        moving_scene(11, "hills-1e6-pan", "hills-1e6", Motion::Pan, LANDSCAPE);
     /// A camera that turns.
-    pub const HILLS_YAW: Self = moving(12, "hills-yaw", "hills", Motion::Yaw, LANDSCAPE);
+    pub const HILLS_YAW: Self = moving_scene(12, "hills-yaw", "hills", Motion::Yaw, LANDSCAPE);
     /// A field of view that widens.
-    pub const HILLS_FOV: Self = moving(12, "hills-fov", "hills", Motion::Widening, LANDSCAPE);
+    pub const HILLS_FOV: Self = moving_scene(12, "hills-fov", "hills", Motion::Widening, LANDSCAPE);
     /// A sun that turns.
-    pub const HILLS_SUN: Self = moving(13, "hills-sun", "hills", Motion::Sun, LANDSCAPE);
+    pub const HILLS_SUN: Self = moving_scene(13, "hills-sun", "hills", Motion::Sun, LANDSCAPE);
     /// A projection without a far plane.
-    pub const HILLS_ENDLESS_PAN: Self = moving(
+    pub const HILLS_ENDLESS_PAN: Self = moving_scene(
         35,
         "hills-endless-pan",
         "hills-endless",
@@ -116,12 +117,14 @@ impl MovingScene {
     );
     /// Casters that move.
     pub const HILLS_CASTERS: Self =
-        moving(36, "hills-casters", "hills", Motion::Casters, LANDSCAPE);
+        moving_scene(36, "hills-casters", "hills", Motion::Casters, LANDSCAPE);
     /// A projection with offsets within a pixel.
-    pub const HILLS_JITTER: Self = moving(37, "hills-jitter", "hills", Motion::Jitter, LANDSCAPE);
+    pub const HILLS_JITTER: Self =
+        moving_scene(37, "hills-jitter", "hills", Motion::Jitter, LANDSCAPE);
 
     /// Leaf cards with alpha tests, near and far.
-    pub const FOLIAGE_PAN: Self = moving(39, "foliage-pan", "foliage", Motion::Pan, LANDSCAPE);
+    pub const FOLIAGE_PAN: Self =
+        moving_scene(39, "foliage-pan", "foliage", Motion::Pan, LANDSCAPE);
 
     /// All of them, by rows.
     pub const ALL: [Self; 12] = [
@@ -180,9 +183,9 @@ impl Motion {
         let steps = f64::from(step.index);
         match self {
             Self::Still | Self::Sun | Self::Casters => *first,
-            Self::Jitter => first.nudged(jitter(step.index)),
-            Self::Pan => panned(first, steps * PAN_TEXELS * step.texel),
-            Self::Yaw => yawed(first, steps * YAW),
+            Self::Jitter => first.nudged_by(jitter(step.index)),
+            Self::Pan => pan_camera(first, steps * PAN_TEXELS * step.texel),
+            Self::Yaw => yaw_camera(first, steps * YAW),
             Self::Widening => {
                 // 0 at the first frame, 1 at the last.
                 let part = steps / f64::from(step.count.max(2) - 1);
@@ -195,7 +198,7 @@ impl Motion {
     #[must_use]
     pub fn light(self, first: &Light, step: &MotionStep) -> Light {
         if self == Self::Sun {
-            turned(first, f64::from(step.index) * TURN)
+            turn_light(first, f64::from(step.index) * TURN)
         } else {
             *first
         }
@@ -269,7 +272,7 @@ fn with_fov(camera: &Camera, degrees: f64) -> Camera {
 }
 
 /// Returns the camera moved to its right by this many metres.
-fn panned(camera: &Camera, by: f64) -> Camera {
+fn pan_camera(camera: &Camera, by: f64) -> Camera {
     let mut out = *camera;
     let right = out.world_from_view.matrix3.x_axis.as_dvec3().normalize();
     out.world_from_view.translation =
@@ -278,7 +281,7 @@ fn panned(camera: &Camera, by: f64) -> Camera {
 }
 
 /// Returns the camera turned about the vertical.
-fn yawed(camera: &Camera, degrees: f64) -> Camera {
+fn yaw_camera(camera: &Camera, degrees: f64) -> Camera {
     let turn = Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians() as f32));
     let mut out = *camera;
     out.world_from_view.matrix3 = turn.matrix3 * out.world_from_view.matrix3;
@@ -286,7 +289,7 @@ fn yawed(camera: &Camera, degrees: f64) -> Camera {
 }
 
 /// Returns a directional light turned about the vertical. Other lights don't change.
-fn turned(light: &Light, degrees: f64) -> Light {
+fn turn_light(light: &Light, degrees: f64) -> Light {
     match *light {
         Light::Directional {
             direction,
@@ -307,7 +310,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_plays_a_built_in_scene() {
+    fn each_runs_a_built_in_scene() {
         for (i, moving) in MovingScene::ALL.iter().enumerate() {
             let scene = crate::find(moving.scene).expect(moving.scene);
             assert!(moving.name.starts_with(scene.name), "{}", moving.name);

@@ -26,7 +26,7 @@ pub(crate) fn nearest<'a>(
 }
 
 /// Formats words as a list: `` `a`, `b` or `c` ``.
-pub(crate) fn listed(words: &[&str]) -> String {
+pub(crate) fn list_words(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|w| format!("`{w}`")).collect();
     match quoted.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn lists_read_well() {
-        assert_eq!(listed(&["a"]), "`a`");
-        assert_eq!(listed(&["a", "b", "c"]), "`a`, `b` or `c`");
+        assert_eq!(list_words(&["a"]), "`a`");
+        assert_eq!(list_words(&["a", "b", "c"]), "`a`, `b` or `c`");
     }
 }

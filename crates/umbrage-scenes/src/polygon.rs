@@ -13,7 +13,7 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
         let Some(ear) = (0..left.len()).find(|&i| is_ear(&flat, &left, i)) else {
             break;
         };
-        out.push(around(&left, ear));
+        out.push(neighbours_of(&left, ear));
         left.remove(ear);
     }
     out.extend((1..left.len().saturating_sub(1)).map(|i| [left[0], left[i], left[i + 1]]));
@@ -36,7 +36,7 @@ fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
         .collect()
 }
 
-fn around(left: &[u32], i: usize) -> [u32; 3] {
+fn neighbours_of(left: &[u32], i: usize) -> [u32; 3] {
     [
         left[(i + left.len() - 1) % left.len()],
         left[i],
@@ -53,11 +53,11 @@ fn area(flat: &[DVec2], triangle: [u32; 3]) -> f64 {
 /// Reports whether a polygon turns left or not at all at each corner. Stars that wind twice also
 /// do, but no triangulation of them is better than their fan.
 fn is_convex(flat: &[DVec2], left: &[u32]) -> bool {
-    (0..left.len()).all(|i| area(flat, around(left, i)) >= 0.0)
+    (0..left.len()).all(|i| area(flat, neighbours_of(left, i)) >= 0.0)
 }
 
 fn is_ear(flat: &[DVec2], left: &[u32], i: usize) -> bool {
-    let [a, b, c] = around(left, i);
+    let [a, b, c] = neighbours_of(left, i);
     let inside = |p: u32| {
         [[a, b, p], [b, c, p], [c, a, p]]
             .iter()

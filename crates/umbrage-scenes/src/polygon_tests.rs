@@ -9,7 +9,7 @@ fn area(corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec3 {
 }
 
 /// Returns the sum of the triangles' areas, regardless of orientation.
-fn covered(corners: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
+fn covered_area(corners: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
     triangles
         .iter()
         .map(|&t| area(corners, &[t]).length())
@@ -62,7 +62,7 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
             // The vector area does not depend on the triangulation. Overlaps and triangles outside
             // increase the scalar area.
             let whole = area(&corners, &fan);
-            let parts = covered(&corners, &triangles);
+            let parts = covered_area(&corners, &triangles);
             assert!(
                 area(&corners, &triangles).distance(whole) < 1e-5,
                 "{corners:?}"
@@ -80,11 +80,13 @@ fn a_fan_of_a_concave_polygon_would_not_pass() {
     let corners = &shapes()[2];
     let fan: Vec<_> = (1..3).map(|i| [0, i, i + 1]).collect();
     assert!(
-        (covered(&shapes()[1], &[[1, 2, 3], [1, 3, 0]]) - area(&shapes()[1], &fan).length()).abs()
+        (covered_area(&shapes()[1], &[[1, 2, 3], [1, 3, 0]]) - area(&shapes()[1], &fan).length())
+            .abs()
             > 0.1
     );
     assert!(
-        (covered(corners, &[[0, 1, 2], [0, 2, 3]]) - area(corners, &fan).length()).abs() < 1e-5
+        (covered_area(corners, &[[0, 1, 2], [0, 2, 3]]) - area(corners, &fan).length()).abs()
+            < 1e-5
     );
 }
 

@@ -12,7 +12,7 @@ pub(crate) struct SceneOfFile {
 
 impl SceneOfFile {
     /// Splits `model.glb#2` or `model.glb#night` at the last `#`. `None` if it is not a glTF file.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
+    pub(crate) fn of_path(path: &Path) -> Option<Self> {
         let whole = || Self {
             file: path.to_path_buf(),
             scene: None,

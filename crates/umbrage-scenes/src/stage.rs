@@ -65,7 +65,9 @@ impl Stage {
         let first = self.scene.textures.len();
         let id = self.scene.materials.len();
         self.scene.textures.extend(look.textures);
-        self.scene.materials.push(moved(look.material, first));
+        self.scene
+            .materials
+            .push(offset_textures(look.material, first));
         self.last().for_each(|i| i.material = Some(id));
         self
     }
@@ -145,7 +147,7 @@ impl Stage {
 }
 
 /// Returns the material with its textures numbered from `first`.
-fn moved(mut material: Material, first: usize) -> Material {
+fn offset_textures(mut material: Material, first: usize) -> Material {
     if let Some(id) = &mut material.diffuse_texture {
         *id += first;
     }

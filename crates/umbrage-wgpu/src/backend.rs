@@ -92,7 +92,7 @@ impl Gpu {
         };
         let opened = pollster::block_on(adapter.request_device(&desc));
         let (device, queue) = opened.map_err(|e| BackendError::DeviceLost(e.to_string()))?;
-        let errors = DeviceErrors::of(&device);
+        let errors = DeviceErrors::of_device(&device);
         let info = adapter.get_info();
         // Create the resources that all recipes share.
         let scopes = Scopes::open(&device);
@@ -158,7 +158,7 @@ impl Gpu {
     }
 
     /// Runs `f` and converts all device errors to `Err`.
-    pub(crate) fn guarded<R>(
+    pub(crate) fn catch_errors<R>(
         &mut self,
         f: impl FnOnce(&mut Self) -> Result<R, BackendError>,
     ) -> Result<R, BackendError> {
@@ -339,7 +339,7 @@ impl Backend for Gpu {
         check(view, recipe)?;
         check_size(view.camera.size, self.limits().image_side)?;
         check_adapter(&self.adapter, recipe)?;
-        self.guarded(|gpu| gpu.execute(view, recipe))
+        self.catch_errors(|gpu| gpu.execute(view, recipe))
     }
 }
 

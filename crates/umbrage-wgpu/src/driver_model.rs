@@ -25,7 +25,7 @@ pub(crate) fn is_set() -> bool {
 }
 
 /// Returns the WGSL text to compile for an original text.
-pub(crate) fn rewritten(text: &str) -> Cow<'_, str> {
+pub(crate) fn rewrite_text(text: &str) -> Cow<'_, str> {
     match REWRITER.get() {
         Some(rewriter) => Cow::Owned((rewriter.rewrite)(text)),
         None => Cow::Borrowed(text),

@@ -1,7 +1,7 @@
 //! The driver with which both backends are bit-equal, and workarounds for its behaviour.
 //!
 //! Code that depends on a [`Workaround`] refers to it; no other code depends on a driver.
-//! `tests/player/drivers.rs` runs each one on the pinned driver and fails once that driver no
+//! `tests/backend/drivers.rs` runs each one on the pinned driver and fails once that driver no
 //! longer needs it. Then remove the rule and the workaround.
 
 use crate::backend::Gpu;

@@ -160,7 +160,7 @@ impl FrameInputs<'_> {
             for (i, drawable) in drawables.iter().enumerate() {
                 drawable
                     .validate(limits)
-                    .map_err(|e| e.within(format!("{what} {i}")))?;
+                    .map_err(|e| e.within_context(format!("{what} {i}")))?;
             }
         }
         self.check_everything(recipe)?;
@@ -213,7 +213,7 @@ pub(crate) struct BufferedTriangles<'a> {
 
 impl BufferedTriangles<'_> {
     /// Returns the unit of the range: indices, or vertices if there are none.
-    const fn counted(&self) -> &'static str {
+    const fn unit_name(&self) -> &'static str {
         match self.indices {
             Some(_) => "indices",
             None => "vertices",
@@ -244,12 +244,12 @@ impl BufferedTriangles<'_> {
         };
         if range.start > range.end {
             let why = format!("start at {} and end at {}", range.start, range.end);
-            return Err(Invalid::new(self.counted(), why, "swap start and end"));
+            return Err(Invalid::new(self.unit_name(), why, "swap start and end"));
         }
         if u64::from(range.end) > count {
             let why = format!("end at {}, and the buffer holds {count}", range.end);
             return Err(Invalid::new(
-                self.counted(),
+                self.unit_name(),
                 why,
                 "use a range within the buffer",
             ));
@@ -277,7 +277,7 @@ impl Drawable<'_> {
         if let Some(place) = self.world_from_local {
             invalid::finite("world from local", &place.to_cols_array())?;
         }
-        self.check_triangles(triangles.counted())
+        self.check_triangles(triangles.unit_name())
     }
 
     /// Errors if there are ids, but not one for each drawn triangle.

@@ -63,7 +63,7 @@ pub(crate) struct DepthCamera {
 
 impl DepthCamera {
     /// Errors if the depth buffer's matrix is singular.
-    pub(crate) fn of(source: &DepthBuffer<'_>) -> Result<Self, Invalid> {
+    pub(crate) fn of_source(source: &DepthBuffer<'_>) -> Result<Self, Invalid> {
         Ok(Self {
             world_from_clip: source.world_from_clip,
             empty: source.empty,
@@ -101,7 +101,7 @@ impl GBufferFromDepth {
         source: &DepthBuffer<'_>,
     ) -> Result<(), BackendError> {
         source.validate()?;
-        let camera = DepthCamera::of(source)?;
+        let camera = DepthCamera::of_source(source)?;
         let scopes = Scopes::open(device);
         let mut counters = self.counters;
         let mut factory = ResourceFactory {

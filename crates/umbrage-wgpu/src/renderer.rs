@@ -89,7 +89,7 @@ impl ShadowRenderer {
             options,
             limits: limits(device),
             counters: Counters::default(),
-            submissions: Submissions::of(device),
+            submissions: Submissions::of_device(device),
             errors: LaterErrors::default(),
             shared: Shared::default(),
             lights: Vec::new(),
@@ -207,13 +207,13 @@ impl ShadowRenderer {
         encoder: &mut CommandEncoder,
         stamps: Option<&PassTimestamps<'_>>,
     ) -> Result<&TextureView, BackendError> {
-        let light = self.recorded(encoder)?;
+        let light = self.recorded_resources(encoder)?;
         light.casts.encode(encoder, stamps);
         light.filters.clear(encoder);
         light.filters.encode(encoder, stamps);
         light
             .encode_mask(encoder, self.options, stamps)
-            .ok_or_else(unprepared)
+            .ok_or_else(unprepared_error)
     }
 
     /// Returns the targets to draw into before
@@ -243,7 +243,7 @@ impl ShadowRenderer {
         encoder: &mut CommandEncoder,
         mut draw: impl FnMut(&mut CommandEncoder, &CastTarget),
     ) -> Result<(), BackendError> {
-        let casts = &self.recorded(encoder)?.casts;
+        let casts = &self.recorded_resources(encoder)?.casts;
         casts.clear(encoder);
         for (i, target) in casts.targets.iter().enumerate() {
             if casts.draws_faces(i) {
@@ -263,12 +263,12 @@ impl ShadowRenderer {
         &self,
         encoder: &mut CommandEncoder,
     ) -> Result<&TextureView, BackendError> {
-        let light = self.recorded(encoder)?;
+        let light = self.recorded_resources(encoder)?;
         light.filters.clear(encoder);
         light.filters.encode(encoder, None);
         light
             .encode_mask(encoder, self.options, None)
-            .ok_or_else(unprepared)
+            .ok_or_else(unprepared_error)
     }
 
     /// Records only the casts. Together with [`encode_filters`](Self::encode_filters) and
@@ -277,7 +277,9 @@ impl ShadowRenderer {
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn encode_casts(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.recorded(encoder)?.casts.encode(encoder, None);
+        self.recorded_resources(encoder)?
+            .casts
+            .encode(encoder, None);
         Ok(())
     }
 
@@ -286,7 +288,7 @@ impl ShadowRenderer {
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        let light = self.recorded(encoder)?;
+        let light = self.recorded_resources(encoder)?;
         light.filters.clear(encoder);
         light.filters.encode(encoder, None);
         Ok(())
@@ -298,16 +300,18 @@ impl ShadowRenderer {
         &self,
         encoder: &mut CommandEncoder,
     ) -> Result<(), BackendError> {
-        self.recorded(encoder)?.filters.encode(encoder, None);
+        self.recorded_resources(encoder)?
+            .filters
+            .encode(encoder, None);
         Ok(())
     }
 
     #[cfg(feature = "testing")]
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.recorded(encoder)?
+        self.recorded_resources(encoder)?
             .encode_mask(encoder, self.options, None)
             .map(|_| ())
-            .ok_or_else(unprepared)
+            .ok_or_else(unprepared_error)
     }
 
     /// Returns the bind group of the receive kernel, for [`receive_wgsl`](crate::receive_wgsl) in
@@ -316,7 +320,10 @@ impl ShadowRenderer {
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn receive_bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        self.light()?.receive.kernel_group().ok_or_else(unprepared)
+        self.light()?
+            .receive
+            .kernel_group()
+            .ok_or_else(unprepared_error)
     }
 
     /// Returns an image of the recipe with all its layers, for display; counts are integers
@@ -345,7 +352,7 @@ impl ShadowRenderer {
     #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
         Counters {
-            buffers: self.counters.buffers + self.submissions.made(),
+            buffers: self.counters.buffers + self.submissions.made_count(),
             ..self.counters
         }
     }
@@ -371,19 +378,19 @@ impl ShadowRenderer {
     fn light(&self) -> Result<&Resources, BackendError> {
         self.prepared
             .and_then(|i| self.lights.get(i))
-            .ok_or_else(unprepared)
+            .ok_or_else(unprepared_error)
     }
 
     /// Returns the resources that were prepared last, and protects them from writes until the
     /// encoder's commands are submitted.
-    fn recorded(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
+    fn recorded_resources(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
         let light = self.light()?;
         self.submissions.watch(encoder, &light.pending);
         Ok(light)
     }
 }
 
-fn unprepared() -> BackendError {
+fn unprepared_error() -> BackendError {
     Invalid::new(
         "shadow renderer",
         "has nothing prepared",

@@ -28,7 +28,7 @@ impl Gpu {
             filters: Vec::new(),
             ..still(recipe, images)?
         };
-        self.guarded(|gpu| {
+        self.catch_errors(|gpu| {
             let found = gpu.prepare(view, &recipe)?;
             let mut encoder = gpu.begin(found);
             gpu.write_images(&mut encoder, images);
@@ -61,7 +61,7 @@ impl Gpu {
             filters: vec![filter],
             ..recipe
         };
-        self.guarded(|gpu| {
+        self.catch_errors(|gpu| {
             gpu.prepare_blind(&recipe)?;
             let mut encoder = gpu.begin(None);
             gpu.write_images(&mut encoder, images);

@@ -28,7 +28,9 @@ const TASK: usize = 4096;
 /// Traces all rays through umbrage's hierarchy with its crack-free triangle test, and returns the
 /// time that this takes.
 pub fn time_own_rays(bvh: &Bvh, rays: &[AnyHitRay]) -> Duration {
-    time(rays, |ray| bvh.occluded(ray.origin, ray.segment, ray.skip))
+    time(rays, |ray| {
+        bvh.is_occluded(ray.origin, ray.segment, ray.skip)
+    })
 }
 
 /// A geometry for obvhs.

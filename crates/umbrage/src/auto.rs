@@ -94,7 +94,7 @@ mod tests {
     use umbrage_core::{Geometry, View, glam::UVec2};
     use umbrage_plan::{RendererData, motion::FrameMotion};
 
-    fn picked(
+    fn picked_preset(
         scene: &Scene,
         renderer: RendererData,
         error: f64,
@@ -116,7 +116,7 @@ mod tests {
 
     /// A renderer without triangles gets a technique that it can execute, or an error.
     #[test]
-    fn what_the_renderer_cannot_play_is_never_picked() {
+    fn what_the_renderer_cannot_run_is_never_picked() {
         for name in ["c1-box-sun", "cubes", "lamp-in-room"] {
             let scene = umbrage_scenes::by_argument(name).expect("built in");
             let geometry = Geometry::bake(&scene).expect("valid");
@@ -124,14 +124,16 @@ mod tests {
                 geometry: None,
                 ..View::new(&scene.cameras[0], &scene.lights[0], &geometry)
             };
-            let plays = |preset: &TechniquePreset| preset.technique().recipe(&view).is_ok();
-            let exact = picked(&scene, RendererData::Triangles, 0.0).expect("rays are exact");
-            assert!(!plays(&exact), "{name}: {exact:?}");
-            if let Ok(preset) = picked(&scene, RendererData::CasterBox, 0.0) {
-                assert!(plays(&preset), "{name}: {preset:?}");
+            let supports = |preset: &TechniquePreset| preset.technique().recipe(&view).is_ok();
+            let exact =
+                picked_preset(&scene, RendererData::Triangles, 0.0).expect("rays are exact");
+            assert!(!supports(&exact), "{name}: {exact:?}");
+            if let Ok(preset) = picked_preset(&scene, RendererData::CasterBox, 0.0) {
+                assert!(supports(&preset), "{name}: {preset:?}");
             }
-            let rough = picked(&scene, RendererData::CasterBox, 0.2).expect("maps are enough");
-            assert!(plays(&rough), "{name}: {rough:?}");
+            let rough =
+                picked_preset(&scene, RendererData::CasterBox, 0.2).expect("maps are enough");
+            assert!(supports(&rough), "{name}: {rough:?}");
         }
     }
 }

@@ -54,7 +54,7 @@
 //! let map = ShadowMap::default()
 //!     .sized_for(&view, &Cpu::new().receivers(camera, &geometry)?, 0.9)?;
 //! let technique = Pcf::default().on(map);
-//! # let small = camera.resized(camera.size / 2);
+//! # let small = camera.with_size(camera.size / 2);
 //! # let of_small = View::new(&small, &scene.lights[0], &geometry);
 //! # let smaller = map.sized_for(&of_small, &Cpu::new().receivers(&small, &geometry)?, 0.9)?;
 //! # assert!(smaller.size < technique.map.size && smaller.size > technique.map.size / 3);

@@ -13,13 +13,14 @@ fn packages(features: &str) -> BTreeSet<String> {
         .arg(manifest)
         .output()
         .expect("cargo runs");
-    let told = String::from_utf8_lossy(&out.stdout);
+    let reported = String::from_utf8_lossy(&out.stdout);
     assert!(
         out.status.success(),
         "{}",
         String::from_utf8_lossy(&out.stderr)
     );
-    told.lines()
+    reported
+        .lines()
         .filter_map(|line| line.split_whitespace().next())
         .map(str::to_owned)
         .collect()

@@ -17,10 +17,10 @@ use umbrage_examples::{
     beside::panes::{
         FULLY_TRANSPARENT, Glass, Panes,
         scenes::{self, GLASS},
-        transmitted,
+        transmitted_light,
     },
     judge::JudgedScene,
-    sheet::{Sheet, colored},
+    sheet::{Sheet, color_image},
 };
 use umbrage_plan::truth::TruthOptions;
 
@@ -112,7 +112,7 @@ fn main() -> Result<()> {
 impl LitPanes {
     fn new(scene: Scene, corner: UVec2, step: u32) -> Result<Self> {
         let judged = JudgedScene::new(scene, &TruthOptions::default())?;
-        let light = transmitted(&judged.scene, &judged.truth.receivers, &GLASS)?;
+        let light = transmitted_light(&judged.scene, &judged.truth.receivers, &GLASS)?;
         Ok(Self {
             judged,
             light,
@@ -191,7 +191,7 @@ impl LitPanes {
     /// Returns an image of the arriving light. Pixels that face away from the light or show nothing
     /// are grey.
     fn image(&self, colours: &[Vec3]) -> RgbImage {
-        colored(SHOWN, |i| {
+        color_image(SHOWN, |i| {
             let i = i as u32;
             let at = self.corner + self.step * UVec2::new(i % SHOWN.x, i / SHOWN.x);
             let pixel = (at.y * SIZE.x + at.x) as usize;

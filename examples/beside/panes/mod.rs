@@ -73,7 +73,7 @@ impl ShadowTechnique for Panes {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "panes need the triangles' materials, and this view has no triangles",
             ));
         };
@@ -232,7 +232,7 @@ impl Taps for OpaqueAndPanes<'_> {
                 let mut share = self.opaque.tap(l, x + dx, y + dy);
                 for (pane, map) in self.panes.iter().enumerate() {
                     let is_before = map.tap(l, x + dx, y + dy) == 1.0;
-                    share *= self.through(is_before, x + dx, y + dy, pane);
+                    share *= self.pane_transmittance(is_before, x + dx, y + dy, pane);
                 }
                 lit += share;
             }
@@ -245,7 +245,7 @@ impl Taps for OpaqueAndPanes<'_> {
 impl OpaqueAndPanes<'_> {
     /// Returns the fraction of the light that passes one material's panes to a receiver.
     #[inline(always)]
-    fn through(&self, is_before: bool, x: i32, y: i32, pane: usize) -> f32 {
+    fn pane_transmittance(&self, is_before: bool, x: i32, y: i32, pane: usize) -> f32 {
         if is_before {
             return 1.0;
         }
@@ -268,7 +268,7 @@ impl OpaqueAndPanes<'_> {
 ///
 /// # Errors
 /// Returns an error if the scene is not valid.
-pub fn transmitted(
+pub fn transmitted_light(
     scene: &Scene,
     receivers: &Receivers,
     glass: &[Glass; MATERIALS],
@@ -297,7 +297,7 @@ pub fn transmitted(
         let start = ray_origin(p, n, eye, extent);
         // A light without extent has one point for every sample.
         let ray = segment(&sampler, start, Vec2::ZERO, far);
-        if dot3(n, ray) <= 0.0 || opaque.bvh().occluded(start, ray, NO_TRIANGLE) {
+        if dot3(n, ray) <= 0.0 || opaque.bvh().is_occluded(start, ray, NO_TRIANGLE) {
             shares.push(Vec3::ZERO);
             continue;
         }

@@ -177,7 +177,7 @@ impl Bookmark {
     }
 
     /// Returns the motion, if there is one.
-    pub(crate) const fn moving(&self) -> Option<MovingScene> {
+    pub(crate) const fn moving_scene(&self) -> Option<MovingScene> {
         match self.fails {
             Fails::Still(_) => None,
             Fails::InMotion(moving) => Some(moving),
@@ -407,7 +407,7 @@ mod tests {
             let entry = scenes::find(scene).expect(scene);
             let scene = (entry.build)();
             let geometry = Geometry::bake(&scene).expect("built in");
-            let camera = scene.cameras[0].resized(SIZE);
+            let camera = scene.cameras[0].with_size(SIZE);
             let light = scene.lights[0];
             let mut cpu = Cpu::new();
             let see = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
@@ -467,7 +467,7 @@ mod tests {
     fn cures_are_right_where_faults_are_wrong() {
         let mut failed = Vec::new();
         for bookmark in all() {
-            if bookmark.moving().is_some() {
+            if bookmark.moving_scene().is_some() {
                 continue;
             }
             let rendered = Rendered::new(bookmark.scene);
@@ -518,7 +518,7 @@ mod tests {
     }
 
     /// Returns the failures that a text links to.
-    fn linked(text: &str) -> impl Iterator<Item = &str> {
+    fn linked_failures(text: &str) -> impl Iterator<Item = &str> {
         let links = text.split("live.md?failure=").skip(1);
         links.map(|after| after.split(['&', ')']).next().expect("a part"))
     }
@@ -527,7 +527,7 @@ mod tests {
     /// their section.
     #[test]
     fn pages_link_to_what_they_describe() {
-        for name in linked(&page("live.md")) {
+        for name in linked_failures(&page("live.md")) {
             assert!(find(name).is_some(), "docs/live.md: {name}");
         }
         let text = page("failures.md");
@@ -538,7 +538,7 @@ mod tests {
             let words = section.split("\n|---|---|").next().unwrap_or("");
             let left = words.lines().last().unwrap_or("");
             let left = left.split('|').nth(1).unwrap_or("");
-            for name in linked(section) {
+            for name in linked_failures(section) {
                 let bookmark = find(name).unwrap_or_else(|| panic!("{title}: {name}"));
                 let side = bookmark.fault(1.0);
                 let shown = format!("{}, {}", side.label(), side.fit.name());

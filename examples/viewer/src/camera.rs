@@ -114,7 +114,7 @@ impl ViewCamera {
         self.yaw -= TURN * moved.x;
         self.pitch = (self.pitch - TURN * moved.y).clamp(-STEEPEST, STEEPEST);
         if self.mode == Mode::Orbit {
-            self.eye = pivot - self.ahead() * self.distance;
+            self.eye = pivot - self.forward_direction() * self.distance;
         }
     }
 
@@ -128,12 +128,12 @@ impl ViewCamera {
     /// Moves ahead by steps of the wheel.
     pub(crate) fn step(&mut self, steps: f32) {
         match self.mode {
-            Mode::Fly => self.eye += self.ahead() * (0.5 * self.speed * steps),
+            Mode::Fly => self.eye += self.forward_direction() * (0.5 * self.speed * steps),
             Mode::Orbit => {
                 let pivot = self.pivot();
                 let nearest = 1e-3 * self.diagonal;
                 self.distance = (self.distance * 0.85_f32.powf(steps)).max(nearest);
-                self.eye = pivot - self.ahead() * self.distance;
+                self.eye = pivot - self.forward_direction() * self.distance;
             }
         }
     }
@@ -164,7 +164,7 @@ impl ViewCamera {
     }
 
     /// Returns the direction of view.
-    pub(crate) fn ahead(&self) -> Vec3 {
+    pub(crate) fn forward_direction(&self) -> Vec3 {
         self.rotation() * Vec3::NEG_Z
     }
 
@@ -177,7 +177,7 @@ impl ViewCamera {
     }
 
     fn pivot(&self) -> Vec3 {
-        self.eye + self.ahead() * self.distance
+        self.eye + self.forward_direction() * self.distance
     }
 
     fn rotation(&self) -> Quat {

@@ -10,7 +10,7 @@ pub(crate) struct Focus {
     pub at: Option<Rect>,
 }
 
-fn focused(ctx: &egui::Context) -> Option<egui::Response> {
+fn focused_response(ctx: &egui::Context) -> Option<egui::Response> {
     let id = ctx.memory(|memory| memory.focused())?;
     ctx.read_response(id)
 }
@@ -18,7 +18,7 @@ fn focused(ctx: &egui::Context) -> Option<egui::Response> {
 impl Focus {
     /// Scrolls the panel to a newly focused part. Must be called in the panel's scroll area.
     pub(crate) fn scroll(&mut self, ui: &egui::Ui) {
-        let response = focused(ui.ctx());
+        let response = focused_response(ui.ctx());
         let id = response.as_ref().map(|response| response.id);
         self.at = response.as_ref().map(|response| response.rect);
         if id == self.last {
@@ -33,7 +33,7 @@ impl Focus {
 
     /// Draws the frame, within `area` if the part is in the panel.
     pub(crate) fn draw(ctx: &egui::Context, panel: LayerId, area: Rect) {
-        let Some(response) = focused(ctx) else {
+        let Some(response) = focused_response(ctx) else {
             return;
         };
         let layer = LayerId::new(Order::Tooltip, Id::unique("focus"));

@@ -30,7 +30,7 @@ pub(crate) struct Press<'a> {
 }
 
 /// A key and its action.
-type Bound = (With, Key, fn(&mut Viewer, &Press<'_>));
+type KeyBinding = (With, Key, fn(&mut Viewer, &Press<'_>));
 
 /// A step of the divider, as a fraction of the width.
 const DIVIDER_STEP: f32 = 0.02;
@@ -61,7 +61,7 @@ const KEYS_OF_PANEL: [Key; 7] = [
 
 /// Lines of the help: keys, their action, and its implementation. The mouse, held keys, and the
 /// panel's keys are handled elsewhere.
-pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
+pub(crate) const KEYS: [(&str, &str, &[KeyBinding]); 36] = {
     use With::{Any, Command, Nothing, Shift};
     [
         ("W A S D, E Q", "fly; faster with Shift", &[]),
@@ -108,7 +108,7 @@ pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
         (
             "Space",
             "start or pause the motion",
-            &[(Nothing, Key::Space, |v, _| v.play_or_pause())],
+            &[(Nothing, Key::Space, |v, _| v.toggle_motion())],
         ),
         (
             "1, 2",
@@ -301,7 +301,7 @@ impl With {
 }
 
 /// Returns the next of `count` indices, or the previous one, cyclically.
-fn stepped(at: usize, by: isize, count: usize) -> usize {
+fn step_index(at: usize, by: isize, count: usize) -> usize {
     (at as isize + by).rem_euclid(count.max(1) as isize) as usize
 }
 
@@ -396,7 +396,7 @@ impl Viewer {
     fn show_next_picture(&mut self, press: &Press<'_>, by: isize) {
         let is_shown = |(picture, _): &(Picture, &str)| *picture == self.settings.picture;
         let at = Picture::ALL.iter().position(is_shown).unwrap_or(0);
-        self.settings.picture = Picture::ALL[stepped(at, by, Picture::ALL.len())].0;
+        self.settings.picture = Picture::ALL[step_index(at, by, Picture::ALL.len())].0;
         self.compare(press.ctx);
     }
 
@@ -425,7 +425,7 @@ impl Viewer {
 
     fn choose_next_light(&mut self, by: isize) {
         let count = self.settings.lights.len();
-        self.settings.chosen = stepped(self.settings.chosen, by, count);
+        self.settings.chosen = step_index(self.settings.chosen, by, count);
         self.pace.touch();
     }
 
@@ -444,7 +444,8 @@ impl Viewer {
             return;
         };
         // Move horizontally, so that the light keeps its height.
-        let ahead = (settings.view.ahead() * Vec3::new(1.0, 0.0, 1.0)).normalize_or(Vec3::NEG_Z);
+        let ahead = (settings.view.forward_direction() * Vec3::new(1.0, 0.0, 1.0))
+            .normalize_or(Vec3::NEG_Z);
         let right = ahead.cross(Vec3::Y);
         if self.handles.turns && light.can_turn() {
             let turn = |axis, angle| Quat::from_axis_angle(axis, LIGHT_TURN * angle);
@@ -467,7 +468,7 @@ impl Viewer {
             _ => self.stage.argument.as_str(),
         };
         let present = all.iter().position(|bookmark| bookmark.name == name);
-        let next = present.map_or(0, |at| stepped(at, by, all.len()));
+        let next = present.map_or(0, |at| step_index(at, by, all.len()));
         if let Some(bookmark) = all.get(next) {
             self.open(press.ctx, bookmark.scene, Then::Compare(*bookmark));
         }
@@ -506,7 +507,11 @@ mod tests {
     #[test]
     fn steps_go_round() {
         assert_eq!(
-            (stepped(0, -1, 3), stepped(2, 1, 3), stepped(0, 1, 0)),
+            (
+                step_index(0, -1, 3),
+                step_index(2, 1, 3),
+                step_index(0, 1, 0)
+            ),
             (2, 0, 0)
         );
     }

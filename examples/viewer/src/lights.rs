@@ -31,7 +31,7 @@ pub(crate) struct LookedAt {
 
 /// The kinds, in the order of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Kind {
+pub(crate) enum LightKind {
     Directional,
     Spot,
     Point,
@@ -39,7 +39,7 @@ pub(crate) enum Kind {
     Disc,
 }
 
-impl Kind {
+impl LightKind {
     pub(crate) const ALL: [Self; 5] = [
         Self::Directional,
         Self::Spot,
@@ -58,7 +58,7 @@ impl Kind {
         }
     }
 
-    pub(crate) const fn of(light: &Light) -> Self {
+    pub(crate) const fn of_light(light: &Light) -> Self {
         match light {
             Light::Directional { .. } => Self::Directional,
             Light::Spot { .. } => Self::Spot,
@@ -81,7 +81,7 @@ impl EditLight {
     }
 
     /// Returns a new light above the centre of a scene.
-    pub(crate) fn above(bounds: &Aabb) -> Self {
+    pub(crate) fn above_bounds(bounds: &Aabb) -> Self {
         let reach = reach_of(bounds);
         let position = bounds.center() + Vec3::new(0.15, 0.45, 0.2) * reach;
         let light = Light::Point {
@@ -136,8 +136,8 @@ impl EditLight {
 
     /// Converts the light to another kind with the same position, direction and extent, as far as
     /// the kinds have them.
-    pub(crate) fn retype(&mut self, kind: Kind, bounds: &Aabb) {
-        if Kind::of(&self.light) == kind {
+    pub(crate) fn retype(&mut self, kind: LightKind, bounds: &Aabb) {
+        if LightKind::of_light(&self.light) == kind {
             return;
         }
         let position = self.marker(&LookedAt {
@@ -167,19 +167,19 @@ impl EditLight {
         };
         let extent = if radius > 0.0 { radius } else { 0.04 * away };
         self.light = match kind {
-            Kind::Directional => Light::Directional {
+            LightKind::Directional => Light::Directional {
                 direction,
                 angular_diameter: 2.0 * (radius / away).atan(),
             },
-            Kind::Spot => Light::Spot {
+            LightKind::Spot => Light::Spot {
                 position,
                 direction,
                 inner: 0.6,
                 outer: 0.75,
                 radius,
             },
-            Kind::Point => Light::Point { position, radius },
-            Kind::Rect => {
+            LightKind::Point => Light::Point { position, radius },
+            LightKind::Rect => {
                 let half_u = direction.any_orthonormal_vector() * extent;
                 Light::Rect {
                     center: position,
@@ -187,7 +187,7 @@ impl EditLight {
                     half_v: direction.cross(half_u).normalize() * extent,
                 }
             }
-            Kind::Disc => Light::Disc {
+            LightKind::Disc => Light::Disc {
                 center: position,
                 normal: direction,
                 radius: extent,
@@ -199,9 +199,9 @@ impl EditLight {
     /// such a spot light back.
     pub(crate) fn set_perspective(&mut self, has_perspective: bool, bounds: &Aabb) {
         let kind = if has_perspective {
-            Kind::Spot
+            LightKind::Spot
         } else {
-            Kind::Directional
+            LightKind::Directional
         };
         self.retype(kind, bounds);
         let reach = reach_of(bounds);
@@ -292,16 +292,16 @@ mod tests {
     #[test]
     fn retyped_lights_are_valid_and_stay_where_they_are() {
         for light in lights() {
-            for kind in Kind::ALL {
+            for kind in LightKind::ALL {
                 let mut edited = EditLight::of_scene(light, 1);
                 edited.retype(kind, &bounds());
                 let words = format!("{light:?} as {kind:?}: {:?}", edited.light);
-                assert_eq!(Kind::of(&edited.light), kind, "{words}");
+                assert_eq!(LightKind::of_light(&edited.light), kind, "{words}");
                 assert!(edited.light.validate().is_ok(), "{words}");
                 if let (Some(before), Some(after)) = (light.position(), edited.light.position()) {
                     assert_eq!(before, after, "{words}");
                 }
-                if kind == Kind::of(&light) {
+                if kind == LightKind::of_light(&light) {
                     assert_eq!(edited.light, light, "{words}");
                 }
             }
@@ -315,7 +315,7 @@ mod tests {
             panic!("{:?}", edited.light);
         };
         let normal = half_u.cross(half_v).normalize();
-        edited.retype(Kind::Disc, &bounds());
+        edited.retype(LightKind::Disc, &bounds());
         let Light::Disc {
             normal: of_disc,
             radius,
@@ -326,9 +326,9 @@ mod tests {
         };
         assert!(normal.dot(of_disc).abs() > 0.9999, "{normal} {of_disc}");
         assert!((radius - 0.2).abs() < 1e-5, "{radius}");
-        edited.retype(Kind::Directional, &bounds());
+        edited.retype(LightKind::Directional, &bounds());
         assert!(direction_of(&edited.light).dot(normal).abs() > 0.9999);
-        edited.retype(Kind::Spot, &bounds());
+        edited.retype(LightKind::Spot, &bounds());
         let Light::Spot {
             radius: of_spot,
             direction,
@@ -367,6 +367,6 @@ mod tests {
         }
         edited.set_perspective(false, &bounds());
         assert!(direction_of(&edited.light).dot(direction_of(&sun)) > 0.9999);
-        assert_eq!(Kind::of(&edited.light), Kind::Directional);
+        assert_eq!(LightKind::of_light(&edited.light), LightKind::Directional);
     }
 }

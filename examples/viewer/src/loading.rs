@@ -10,7 +10,7 @@ use crate::{
     path::MotionPath,
     render::{FrameSettings, Renderer},
     settings::Settings,
-    stage::{OnStep, Stage},
+    stage::{OnStep, ViewerScene},
 };
 use anyhow::Result;
 use umbrage::glam::UVec2;
@@ -29,7 +29,7 @@ pub(crate) enum Then {
 
 /// Source of a scene.
 #[derive(Clone)]
-pub(crate) enum Source {
+pub(crate) enum SceneSource {
     /// Name of a built-in scene, or path of a file.
     Argument(String),
     /// Files dropped on the page. The first is the scene.
@@ -41,7 +41,7 @@ pub(crate) enum Source {
 #[derive(Clone)]
 pub(crate) struct Request {
     pub name: String,
-    pub source: Source,
+    pub source: SceneSource,
     pub then: Then,
     /// The window's settings at the time of the request. The first frame uses them.
     pub settings: Settings,
@@ -53,7 +53,7 @@ pub(crate) struct Request {
 
 /// A loaded scene.
 pub(crate) struct Loaded {
-    pub stage: Stage,
+    pub stage: ViewerScene,
     pub renderer: Renderer,
     pub path: Option<MotionPath>,
     /// Message for the user.
@@ -81,8 +81,8 @@ impl Loading {
                 let request = request.clone();
                 Job::start(ctx, move |progress| {
                     let on_step: OnStep<'_> = &|step| progress.step(step);
-                    let Source::Argument(argument) = &request.source;
-                    match Stage::of_argument(argument, on_step)? {
+                    let SceneSource::Argument(argument) = &request.source;
+                    match ViewerScene::of_argument(argument, on_step)? {
                         Some(stage) => request.prepare(stage, on_step),
                         None => Ok(None),
                     }
@@ -106,9 +106,9 @@ impl Loading {
     /// Returns the built-in scene or the file that is being loaded.
     pub(crate) fn argument(&self) -> Option<&str> {
         match &self.request.source {
-            Source::Argument(argument) => Some(argument),
+            SceneSource::Argument(argument) => Some(argument),
             #[cfg(target_arch = "wasm32")]
-            Source::Files(_) => None,
+            SceneSource::Files(_) => None,
         }
     }
 
@@ -139,7 +139,7 @@ impl Loading {
     }
 }
 
-fn upload_label(stage: &Stage) -> String {
+fn upload_label(stage: &ViewerScene) -> String {
     let count = stage.geometry.triangles().len();
     format!("{count} triangles go to the device")
 }
@@ -149,7 +149,7 @@ impl Request {
     ///
     /// # Errors
     /// Returns an error if the device can't hold it.
-    fn prepare(&self, stage: Stage, on_step: OnStep<'_>) -> Result<Option<Loaded>> {
+    fn prepare(&self, stage: ViewerScene, on_step: OnStep<'_>) -> Result<Option<Loaded>> {
         if !on_step(upload_label(&stage)) {
             return Ok(None);
         }
@@ -176,7 +176,7 @@ impl Request {
             log::warn!("{}: {error:#}", self.name);
         }
         let moving = match self.then {
-            Then::Compare(bookmark) => bookmark.moving(),
+            Then::Compare(bookmark) => bookmark.moving_scene(),
             Then::Show | Then::AsLeft(_) => None,
         };
         let path = moving
@@ -193,7 +193,7 @@ impl Request {
 
 impl Then {
     /// Changes settings that show the stage.
-    pub(crate) fn apply(&self, settings: &mut Settings, stage: &Stage) {
+    pub(crate) fn apply(&self, settings: &mut Settings, stage: &ViewerScene) {
         match self {
             Self::Show => {}
             Self::AsLeft(left) => settings.show_as_left(left),

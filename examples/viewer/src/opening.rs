@@ -2,7 +2,7 @@
 
 use crate::{
     drops::scene_among,
-    loading::{Loading, Request, Source, Then, absolute},
+    loading::{Loading, Request, SceneSource, Then, absolute},
     viewer::{FIRST_SCENE, Viewer},
 };
 use umbrage::glam::UVec2;
@@ -11,10 +11,15 @@ impl Viewer {
     /// Starts to load another scene, and cancels one that is loading. The current scene stays until
     /// the new one is ready. If the new one can't be shown, a message states the reason.
     pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
-        self.load(ctx, argument, Source::Argument(absolute(argument)), then);
+        self.load(
+            ctx,
+            argument,
+            SceneSource::Argument(absolute(argument)),
+            then,
+        );
     }
 
-    fn load(&mut self, ctx: &egui::Context, name: &str, source: Source, then: Then) {
+    fn load(&mut self, ctx: &egui::Context, name: &str, source: SceneSource, then: Then) {
         self.message = None;
         let request = Request {
             name: name.to_owned(),
@@ -97,7 +102,7 @@ impl Viewer {
         {
             let mut files = files;
             files.swap(0, first);
-            self.load(ctx, &name, Source::Files(files), Then::Show);
+            self.load(ctx, &name, SceneSource::Files(files), Then::Show);
         }
         self.message = note;
     }

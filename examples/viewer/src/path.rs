@@ -1,6 +1,6 @@
 //! The motion of a failure: the camera, its projection or the light follows a path, back and forth.
 
-use crate::{camera::ViewCamera, stage::Stage};
+use crate::{camera::ViewCamera, stage::ViewerScene};
 use umbrage::{
     Camera, Light, View,
     cpu::Cpu,
@@ -20,7 +20,7 @@ pub(crate) struct MotionPath {
     pub moving: MovingScene,
     /// The width of a texel of the first map, metres.
     texel: f64,
-    pub is_playing: bool,
+    pub is_running: bool,
     /// Position of the motion. `None` before it begins, and after the user moves the camera or the
     /// light.
     pub under_way: Option<UnderWay>,
@@ -52,7 +52,7 @@ impl MotionPath {
     /// Returns an error if no map can be fitted to the view.
     pub(crate) fn new(
         moving: MovingScene,
-        stage: &Stage,
+        stage: &ViewerScene,
         view: &ViewCamera,
         map_size: u32,
     ) -> anyhow::Result<Self> {
@@ -68,7 +68,7 @@ impl MotionPath {
         Ok(Self {
             moving,
             texel,
-            is_playing: true,
+            is_running: true,
             under_way: None,
         })
     }
@@ -92,7 +92,7 @@ impl MotionPath {
             return *first;
         };
         if self.moving.motion == Motion::Jitter {
-            return jittered(first, under_way.index());
+            return jittered_camera(first, under_way.index());
         }
         let step = self.step(under_way);
         self.moving.motion.camera(first, &step)
@@ -107,7 +107,7 @@ impl MotionPath {
 }
 
 /// Returns the camera with its projection offset within a pixel. Its depth stays reversed.
-fn jittered(camera: &Camera, index: u32) -> Camera {
+fn jittered_camera(camera: &Camera, index: u32) -> Camera {
     let pixels = jitter(index);
     let ndc = 2.0 * pixels / camera.size.as_vec2();
     // Multiply from the left, so that w scales the shift.
@@ -126,7 +126,10 @@ mod tests {
 
     #[test]
     fn paths_go_there_and_back() {
-        let view = ViewCamera::new(&Stage::nothing().camera, &Stage::nothing().bounds);
+        let view = ViewCamera::new(
+            &ViewerScene::nothing().camera,
+            &ViewerScene::nothing().bounds,
+        );
         let index = |steps: u32| {
             let seconds = (steps as f32 + 0.5) / STEPS_A_SECOND;
             let under_way = UnderWay {
@@ -148,11 +151,11 @@ mod tests {
     #[test]
     fn cures_change_less_than_faults() {
         for bookmark in bookmarks::all() {
-            let Some(moving) = bookmark.moving() else {
+            let Some(moving) = bookmark.moving_scene() else {
                 continue;
             };
             let scene = umbrage::scenes::by_argument(bookmark.scene).expect("built in");
-            let stage = Stage::of_scene(bookmark.scene, bookmark.scene, scene).expect("seen");
+            let stage = ViewerScene::of_scene(bookmark.scene, bookmark.scene, scene).expect("seen");
             let view = ViewCamera::new(&stage.camera, &stage.bounds);
             let light = stage.lights[0];
             let mut path =

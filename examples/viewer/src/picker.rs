@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     /// Returns the names of the remaining lines for a typed text.
-    fn found(choice: Choice, typed: &str) -> Vec<String> {
+    fn found_names(choice: Choice, typed: &str) -> Vec<String> {
         let picker = Picker {
             typed: typed.to_owned(),
             ..Picker::new(choice)
@@ -195,23 +195,23 @@ mod tests {
             ("missing", "tower-out-of-view"),
             ("penumbra", "two-blockers"),
         ] {
-            let found = found(Choice::Failure, typed);
+            let found = found_names(Choice::Failure, typed);
             assert!(
                 found.iter().any(|found| found == name),
                 "{typed}: {found:?}"
             );
         }
-        assert!(found(Choice::Failure, "nowhere-at-all").is_empty());
+        assert!(found_names(Choice::Failure, "nowhere-at-all").is_empty());
     }
 
     #[test]
     fn scenes_and_techniques_are_found_by_their_summaries_behind_names() {
-        assert_eq!(found(Choice::Scene, "fence")[0], "fence");
+        assert_eq!(found_names(Choice::Scene, "fence")[0], "fence");
         // Only its summary has the word.
-        assert!(found(Choice::Scene, "church").contains(&"nave".to_owned()));
-        assert_eq!(found(Choice::Technique(0), "pcf")[0], "pcf");
-        assert_eq!(found(Choice::Scene, "c3 ro")[0], "c3-room");
-        let bricks = found(Choice::Scene, "wall");
+        assert!(found_names(Choice::Scene, "church").contains(&"nave".to_owned()));
+        assert_eq!(found_names(Choice::Technique(0), "pcf")[0], "pcf");
+        assert_eq!(found_names(Choice::Scene, "c3 ro")[0], "c3-room");
+        let bricks = found_names(Choice::Scene, "wall");
         let first_of_summaries = bricks.iter().position(|name| !name.contains("wall"));
         let last_of_names = bricks.iter().rposition(|name| name.contains("wall"));
         assert!(first_of_summaries > last_of_names, "{bricks:?}");

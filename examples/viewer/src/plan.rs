@@ -102,13 +102,13 @@ pub(crate) fn step_label(step: Step<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stage::Stage;
+    use crate::stage::ViewerScene;
 
     /// Workers of a web page exchange bytes in this way.
     #[test]
     fn a_request_and_its_plan_go_over_as_bytes() {
         let scene = umbrage::scenes::by_argument("cubes").expect("built in");
-        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let stage = ViewerScene::of_scene("cubes", "cubes", scene).expect("it can be seen");
         let request = PlanRequest {
             subject: Subject {
                 camera: stage.camera,
@@ -142,7 +142,7 @@ mod tests {
             here.chosen.map(|setting| setting.label())
         );
         let stage_bytes = postcard::to_allocvec(&stage).expect("written");
-        let read: Stage = postcard::from_bytes(&stage_bytes).expect("read");
+        let read: ViewerScene = postcard::from_bytes(&stage_bytes).expect("read");
         assert_eq!(read.geometry.fingerprint(), stage.geometry.fingerprint());
         assert_eq!(
             (read.materials, read.textures),

@@ -37,7 +37,7 @@ pub(crate) fn report(viewer: &Viewer) -> Value {
         "folded": settings.panel_is_folded,
         "path": viewer.path.as_ref().map(|path| json!({
             "name": path.moving.name,
-            "playing": path.is_playing,
+            "playing": path.is_running,
             "step": path.index(),
         })),
         "zoom": settings.zoom,

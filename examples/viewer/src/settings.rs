@@ -5,7 +5,7 @@ use crate::{
     lights::{EditLight, MAX_LIGHTS},
     measure::pictures::Picture,
     side::{SideSettings, entry},
-    stage::Stage,
+    stage::ViewerScene,
 };
 use serde::{Deserialize, Serialize};
 use umbrage::{Aabb, plan::motion::FrameMotion};
@@ -106,7 +106,7 @@ mod list_of_two {
 
 impl Default for Settings {
     fn default() -> Self {
-        let stage = Stage::nothing();
+        let stage = ViewerScene::nothing();
         Self {
             scene: String::new(),
             sides: ["pcf", "exact"].map(|name| SideSettings::new(entry(name), 1.0)),
@@ -139,12 +139,12 @@ impl Settings {
             side.cascades = side.cascades.clamp(1, 8);
         }
         out.shown_side = out.shown_side.min(1);
-        out.show(&Stage::nothing());
+        out.show(&ViewerScene::nothing());
         out
     }
 
     /// Adopts a scene's lights and camera.
-    pub(crate) fn show(&mut self, stage: &Stage) {
+    pub(crate) fn show(&mut self, stage: &ViewerScene) {
         let count = stage.lights.len();
         let lights = stage.lights.iter().take(MAX_LIGHTS);
         self.lights = lights
@@ -175,7 +175,7 @@ impl Settings {
     }
 
     /// Returns the settings to save.
-    pub(crate) fn to_save(&self, stage: &Stage) -> Self {
+    pub(crate) fn to_save(&self, stage: &ViewerScene) -> Self {
         Self {
             scene: stage.argument.clone(),
             has_lights: true,
@@ -192,7 +192,7 @@ impl Settings {
     pub(crate) fn add_light(&mut self, bounds: &Aabb) {
         if self.lights.len() < MAX_LIGHTS {
             self.chosen = self.lights.len();
-            self.lights.push(EditLight::above(bounds));
+            self.lights.push(EditLight::above_bounds(bounds));
         }
     }
 
@@ -219,9 +219,9 @@ mod tests {
     use umbrage::{Light, glam::Vec3};
 
     /// Returns a built-in scene, and settings for it.
-    fn shown() -> (Stage, Settings) {
+    fn shown_settings() -> (ViewerScene, Settings) {
         let scene = umbrage::scenes::by_argument("cubes").expect("built in");
-        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let stage = ViewerScene::of_scene("cubes", "cubes", scene).expect("it can be seen");
         let mut settings = Settings::new(None, &[None, None]);
         settings.show(&stage);
         (stage, settings)
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn what_is_kept_comes_back() {
-        let (stage, mut left) = shown();
+        let (stage, mut left) = shown_settings();
         left.sides[0].range = 7.5;
         left.shown_side = 1;
         left.opacity = Some(0.5);
@@ -241,7 +241,7 @@ mod tests {
             position: Vec3::new(1.0, 2.0, 3.0),
             radius: 0.25,
         };
-        left.lights.push(EditLight::above(&stage.bounds));
+        left.lights.push(EditLight::above_bounds(&stage.bounds));
         left.lights[1].is_on = false;
         left.chosen = 1;
         let text = serde_json::to_string(&left.to_save(&stage)).expect("written");
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn files_of_older_programs_are_read() {
-        let (stage, settings) = shown();
+        let (stage, settings) = shown_settings();
         let saved = settings.to_save(&stage);
         let mut old = serde_json::to_value(&saved).expect("written");
         let of_old = ["scene", "sides", "view", "split", "picture"];
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn broken_lights_are_left_out() {
-        let (stage, mut settings) = shown();
+        let (stage, mut settings) = shown_settings();
         let mut again = settings.clone();
         settings.lights[0].light = Light::Point {
             position: Vec3::ZERO,
@@ -285,14 +285,14 @@ mod tests {
         settings.lights.truncate(1);
         again.show_as_left(&settings.to_save(&stage));
         assert_eq!(again.lights, own, "the scene's own are better than none");
-        settings.lights.push(EditLight::above(&stage.bounds));
+        settings.lights.push(EditLight::above_bounds(&stage.bounds));
         again.show_as_left(&settings.to_save(&stage));
         assert_eq!(again.lights, settings.lights[1..]);
     }
 
     #[test]
     fn a_scene_without_lights_stays_dark() {
-        let (stage, mut settings) = shown();
+        let (stage, mut settings) = shown_settings();
         let mut again = settings.clone();
         settings.lights.clear();
         again.show_as_left(&settings.to_save(&stage));

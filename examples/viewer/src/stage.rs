@@ -13,7 +13,7 @@ pub(crate) type OnStep<'a> = &'a dyn Fn(String) -> bool;
 
 /// A scene with its placed triangles. Workers of a web page transfer it as bytes.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Stage {
+pub(crate) struct ViewerScene {
     /// Name of a built-in scene, or path of a file. Empty for scenes from memory, which can't be
     /// read again.
     pub argument: String,
@@ -27,7 +27,7 @@ pub(crate) struct Stage {
     pub bounds: Aabb,
 }
 
-impl Stage {
+impl ViewerScene {
     /// Returns the empty stage that is shown until the first scene has been read.
     pub(crate) fn nothing() -> Self {
         Self {

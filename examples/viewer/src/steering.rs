@@ -87,7 +87,7 @@ impl Viewer {
 
     fn end_path(&mut self) {
         if let Some(path) = &mut self.path {
-            path.is_playing = false;
+            path.is_running = false;
             path.under_way = None;
         }
     }
@@ -106,7 +106,7 @@ impl Viewer {
         if !is_as_left {
             self.end_path();
         }
-        let Some(path) = self.path.as_mut().filter(|path| path.is_playing) else {
+        let Some(path) = self.path.as_mut().filter(|path| path.is_running) else {
             return;
         };
         let under_way = path.under_way.get_or_insert(UnderWay {
@@ -124,9 +124,9 @@ impl Viewer {
     }
 
     /// Starts or pauses the path.
-    pub(crate) fn play_or_pause(&mut self) {
+    pub(crate) fn toggle_motion(&mut self) {
         match &mut self.path {
-            Some(path) => path.is_playing = !path.is_playing,
+            Some(path) => path.is_running = !path.is_running,
             None => {
                 self.message = Some("This scene has no motion. Press F3 and choose a failure in motion, such as hills-pan.".to_owned());
             }

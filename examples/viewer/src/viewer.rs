@@ -5,7 +5,7 @@ use crate::{
     focus::Focus,
     gizmo::LightHandles,
     job::Job,
-    lights::Kind,
+    lights::LightKind,
     loading::Loading,
     measure::{figures::ViewFigures, maps::MapPicture, subject::Subject},
     pace::Pace,
@@ -14,7 +14,7 @@ use crate::{
     plan::{self, PlanRequest},
     render::{Renderer, present::Presenter},
     settings::{FirstShown, Settings},
-    stage::Stage,
+    stage::ViewerScene,
 };
 use anyhow::{Context as _, Result};
 use eframe::egui_wgpu::RenderState;
@@ -31,7 +31,7 @@ const NARROW: f32 = 700.0;
 pub(crate) struct Viewer {
     pub render: RenderState,
     pub presenter: Presenter,
-    pub stage: Stage,
+    pub stage: ViewerScene,
     pub renderer: Renderer,
     pub settings: Settings,
     /// Changes to the settings of the first scene, until it is shown.
@@ -74,7 +74,7 @@ impl Viewer {
     /// # Errors
     /// Returns an error if the device can't be used.
     pub(crate) fn new(render: RenderState, settings: Settings) -> Result<Self> {
-        let stage = Stage::nothing();
+        let stage = ViewerScene::nothing();
         let renderer = Renderer::new(&render.device, &render.queue, &stage, &settings)?;
         Ok(Self {
             presenter: Presenter::new(&render.device, render.target_format),
@@ -203,7 +203,7 @@ impl Viewer {
     fn try_to_plan(&mut self, ctx: &egui::Context) -> Result<(Job<Plan>, PlanRequest)> {
         let request = self.plan_request();
         let request = request.context("Select a light that is on: a plan is for one light.")?;
-        let kind = Kind::of(&request.subject.light);
+        let kind = LightKind::of_light(&request.subject.light);
         self.refused = self.renderer.sides[0].refused_techniques(kind)?;
         Ok((plan::start(ctx, &request, &self.refused)?, request))
     }

@@ -33,15 +33,15 @@ pub struct BoxBlurKernel {
 impl BoxBlurKernel {
     /// Returns the filter along rows for moments in this encoding.
     pub(crate) fn along_rows(radius: u32, encoding: Encoding) -> Self {
-        Self::along(IVec2::X, radius, encoding)
+        Self::along_step(IVec2::X, radius, encoding)
     }
 
     /// Returns the filter along columns.
     pub(crate) fn along_columns(radius: u32, encoding: Encoding) -> Self {
-        Self::along(IVec2::Y, radius, encoding)
+        Self::along_step(IVec2::Y, radius, encoding)
     }
 
-    fn along(step: IVec2, radius: u32, encoding: Encoding) -> Self {
+    fn along_step(step: IVec2, radius: u32, encoding: Encoding) -> Self {
         let share = 1.0 / (2 * radius + 1) as f32;
         Self {
             encoding: encoding.of_means(),
@@ -189,13 +189,13 @@ mod tests {
             layers: 2,
             format: Format::Rg32,
         };
-        let mut image = Image::filled(desc, 0.0);
+        let mut image = Image::filled_with(desc, 0.0);
         for (i, value) in image.texels.iter_mut().enumerate() {
             *value = (i as f32 * 0.37).sin();
         }
         for radius in [0, 1, 3, 20] {
-            let rows = play(&BoxBlurKernel::along_rows(radius, Encoding::Floats), &image);
-            let both = play(
+            let rows = run_kernel(&BoxBlurKernel::along_rows(radius, Encoding::Floats), &image);
+            let both = run_kernel(
                 &BoxBlurKernel::along_columns(radius, Encoding::Floats),
                 &rows,
             );
@@ -222,8 +222,8 @@ mod tests {
         }
     }
 
-    fn play(kernel: &BoxBlurKernel, image: &Image) -> Image {
-        let mut out = Image::filled(image.desc, 9.0);
+    fn run_kernel(kernel: &BoxBlurKernel, image: &Image) -> Image {
+        let mut out = Image::filled_with(image.desc, 9.0);
         let row = image.desc.size.x as usize * image.desc.format.channels();
         let images = [image.view()];
         let inputs = Inputs {

@@ -94,7 +94,7 @@ fn bounds_are_bounds_and_better_ones_leak_less() {
 const MOMENT_BIASES: [f32; 2] = [3e-6, 6e-5];
 
 /// Returns the moments mixed with the fixed distribution, as in the kernel.
-fn biased(moments: Vec4, bias: f32) -> Vec4 {
+fn biased_moments(moments: Vec4, bias: f32) -> Vec4 {
     moments + (Vec4::new(0.0, 0.375, 0.0, 0.375) - moments) * bias
 }
 
@@ -114,7 +114,7 @@ fn maps_of_one_depth_err_by_their_bias_alone() {
     let epsilon = f64::from(f32::EPSILON);
     for bias in MOMENT_BIASES {
         for depth in [1.0_f32, -1.0, 0.0, 0.001, -0.3, 0.5, 0.95] {
-            let moments = biased(power_moments(0.5 * depth + 0.5), bias);
+            let moments = biased_moments(power_moments(0.5 * depth + 0.5), bias);
             let mean_square = f64::from(bias) * (f64::from(depth).powi(2) + 0.375);
             let mut worst = 0.0_f64;
             let mut check = |z: f32| {
@@ -172,13 +172,13 @@ fn maps_of_two_depths_err_by_their_bias_alone() {
         ] {
             for share in [0.02, 0.1, 0.5, 0.9] {
                 let distribution = vec![(0.5 * a + 0.5, share), (0.5 * b + 0.5, 1.0 - share)];
-                let moments = biased(mean_powers(&distribution), bias);
+                let moments = biased_moments(mean_powers(&distribution), bias);
                 let [a, b] = [a, b].map(f64::from);
                 let q = |z: f64| ((z - a) * (z - b)).powi(2);
                 let of_bias = 0.1875 * (q(-1.0) + q(1.0)) + 0.625 * q(0.0);
                 let coefficients = ((1.0 + a.abs()) * (1.0 + b.abs())).powi(2);
                 let mean = f64::from(bias) * of_bias + 3.0 * epsilon * coefficients;
-                let mut told = 0;
+                let mut reported = 0;
                 for i in -(1 << 15)..=1 << 15 {
                     let z = i as f32 / (1 << 15) as f32;
                     let expected = if f64::from(z) < a { 1.0 } else { 0.0 };
@@ -187,7 +187,7 @@ fn maps_of_two_depths_err_by_their_bias_alone() {
                         continue;
                     }
                     let most = mean / q(f64::from(z)) + 3.0 * epsilon;
-                    told += u32::from(most < 1e-3);
+                    reported += u32::from(most < 1e-3);
                     for bound in [hamburger, hausdorff] {
                         let lit = f64::from(bound(moments, z));
                         let error = (lit - expected).abs();
@@ -197,7 +197,7 @@ fn maps_of_two_depths_err_by_their_bias_alone() {
                         );
                     }
                 }
-                assert!(told > 1000, "{told}");
+                assert!(reported > 1000, "{reported}");
             }
         }
     }
@@ -208,7 +208,7 @@ fn maps_of_two_depths_err_by_their_bias_alone() {
 fn four_moments_tell_two_depths_exactly() {
     for (near, far, share) in [(0.2, 0.7, 0.3), (0.4, 0.5, 0.9), (0.05, 0.95, 0.5)] {
         let distribution = vec![(near, share), (far, 1.0 - share)];
-        let moments = biased(mean_powers(&distribution), MOMENT_BIASES[0]);
+        let moments = biased_moments(mean_powers(&distribution), MOMENT_BIASES[0]);
         for bound in [hamburger, hausdorff] {
             let dark = bound(moments, 2.0 * (far - 1e-3) - 1.0);
             let lit = bound(moments, 2.0 * (near - 0.01) - 1.0);

@@ -163,9 +163,9 @@ mod tests {
     use crate::filtering::moments::mipmaps::level_start;
     use umbrage_core::{Format, Image, ImageDesc, Simd};
 
-    fn play(kernel: &HalveKernel, image: &Image, size: UVec2) -> Image {
+    fn run_kernel(kernel: &HalveKernel, image: &Image, size: UVec2) -> Image {
         let desc = ImageDesc { size, ..image.desc };
-        let mut out = Image::filled(desc, 9.0);
+        let mut out = Image::filled_with(desc, 9.0);
         let images = [image.view()];
         let inputs = Inputs {
             images: &images,
@@ -190,16 +190,16 @@ mod tests {
                 layers: 2,
                 format: Format::Rg32,
             };
-            let mut image = Image::filled(desc, 0.0);
+            let mut image = Image::filled_with(desc, 0.0);
             for (i, value) in image.texels.iter_mut().enumerate() {
                 *value = (i as f32 * 0.37).sin();
             }
             let levels = 3;
             let along_rows = HalveKernel::along_rows(levels, Encoding::Floats);
-            let rows = play(&along_rows, &image, desc.size);
+            let rows = run_kernel(&along_rows, &image, desc.size);
             let height = level_start(size, levels + 1);
             let along_columns = HalveKernel::along_columns(levels, Encoding::Floats);
-            let got = play(&along_columns, &rows, UVec2::new(size / 2, height));
+            let got = run_kernel(&along_columns, &rows, UVec2::new(size / 2, height));
             for level in 1..=levels {
                 let side = level_side(size, level);
                 let count = 1 << level;

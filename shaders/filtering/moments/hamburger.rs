@@ -19,7 +19,7 @@ const LEAST_VARIANCE: f32 = 1e-9;
     clippy::manual_clamp,
     reason = "WGSL's min and max, in this order, also for NaN"
 )]
-pub(crate) fn bounded(x: f32) -> f32 {
+pub(crate) fn bound_to_unit(x: f32) -> f32 {
     x.max(-1.0).min(1.0)
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn bounded(x: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     // Clamp means to -1..1, the range of valid input, so that nothing overflows for any input.
-    let [mean, mean2, mean3, mean4] = moments.to_array().map(bounded);
+    let [mean, mean2, mean3, mean4] = moments.to_array().map(bound_to_unit);
     let variance = (mean2 - mean * mean).max(LEAST_VARIANCE);
     let covariance = mean3 - mean * mean2;
     let slope = covariance / variance;
@@ -99,7 +99,7 @@ pub(crate) fn lit_by_three(central: Vec4, own: f32, share: f32, others: Vec2) ->
 )]
 pub(crate) fn hamburger(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
-    let own = bounded(depth) - central.x;
+    let own = bound_to_unit(depth) - central.x;
     let share = share_at(central, own);
     let lit = lit_by_three(central, own, share, other_depths(central, own));
     lit.max(0.0).min(1.0)

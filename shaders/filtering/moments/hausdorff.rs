@@ -3,7 +3,7 @@
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
 use crate::filtering::moments::hamburger::{
-    bounded, central_moments, lit_by_three, not_zero, other_depths, share_at,
+    bound_to_unit, central_moments, lit_by_three, not_zero, other_depths, share_at,
 };
 use glam::Vec4;
 use umbrage_core::{Module, module};
@@ -77,7 +77,7 @@ pub(crate) fn lit_by_four(central: Vec4, own: f32) -> f32 {
 )]
 pub(crate) fn hausdorff(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
-    let own = bounded(depth) - central.x;
+    let own = bound_to_unit(depth) - central.x;
     let others = other_depths(central, own);
     let share = share_at(central, own);
     let by_three = lit_by_three(central, own, share, others);

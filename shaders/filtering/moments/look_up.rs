@@ -10,7 +10,7 @@ use crate::{
             MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
             mipmap_level, texels_spanned,
         },
-        of_depth::{MOMENTS_OF_DEPTH, centred},
+        of_depth::{MOMENTS_OF_DEPTH, centre_depth},
         stored::Encoding,
     },
     lanes::{
@@ -58,7 +58,7 @@ pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
 /// same reason as [`Taps`].
 pub(crate) trait LightBound<const CHANNELS: usize> {
     /// Returns the fraction of light, 0..=1, at a centred depth. `lit_by_moments` in WGSL.
-    fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
+    fn lit_fraction(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
 
     /// Returns the clip depth to compare. `compared_depth` in WGSL.
     #[inline(always)]
@@ -187,11 +187,11 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
         }
         // Use two loops, so that the one for most maps has no branch.
         let lit = if self.encoding == Encoding::Floats {
-            self.lit_at::<true>(batch, &places, &texels)
+            self.lit_at_all::<true>(batch, &places, &texels)
         } else {
-            self.lit_at::<false>(batch, &places, &texels)
+            self.lit_at_all::<false>(batch, &places, &texels)
         };
-        batch.one_by_one(out, |l, i| self.known(l).unwrap_or(lit[i]));
+        batch.one_by_one(out, |l, i| self.known_visibility(l).unwrap_or(lit[i]));
     }
 }
 
@@ -271,7 +271,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
     /// Returns the fractions of light from the moments between the texels of each receiver of a
     /// batch. `FLOATS` means that the texels hold moments without an encoding.
     #[inline(always)]
-    fn lit_at<const FLOATS: bool>(
+    fn lit_at_all<const FLOATS: bool>(
         &self,
         batch: &Batch,
         places: &Places,
@@ -289,7 +289,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
                 }
             }
             let moments = blend(&corners, Vec2::new(places.right[i], places.down[i]));
-            out[i] = self.lit(&batch.lookup(i), moments, 0.0);
+            out[i] = self.lit_at(&batch.lookup(i), moments, 0.0);
         }
         out
     }
@@ -297,7 +297,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
     /// Returns the visibility of receivers outside the map or beyond the far plane, which need no
     /// moments.
     #[inline(always)]
-    fn known(&self, l: &ShadowCoord) -> Option<f32> {
+    fn known_visibility(&self, l: &ShadowCoord) -> Option<f32> {
         let size = self.size as f32;
         let is_inside =
             l.texel.x >= 0.0 && l.texel.y >= 0.0 && l.texel.x < size && l.texel.y < size;
@@ -311,15 +311,15 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
     /// Returns the fraction of light from moments at a receiver. A coarser level increases the
     /// variance of the averaged positions by `spread` texels squared.
     #[inline(always)]
-    fn lit(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
-        let depth = centred(self.bound.compared_depth(l, spread));
-        let lit = self.bound.lit(moments, depth);
+    fn lit_at(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
+        let depth = centre_depth(self.bound.compared_depth(l, spread));
+        let lit = self.bound.lit_fraction(moments, depth);
         without_bleeding(lit, self.bleeding.amount, self.bleeding.scale)
     }
 
     /// Returns the moments at a receiver, blended between four texels.
     #[inline(always)]
-    fn blended(&self, l: &ShadowCoord) -> [f32; CHANNELS] {
+    fn blended_moments(&self, l: &ShadowCoord) -> [f32; CHANNELS] {
         self.between_texels(self.finest, l.texel, self.size, 0, l.layer)
     }
 
@@ -370,7 +370,7 @@ struct MipmappedLookups<'a, const CHANNELS: usize, B> {
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MipmappedLookups<'_, CHANNELS, B> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
-        if let Some(known) = self.finest.known(l) {
+        if let Some(known) = self.finest.known_visibility(l) {
             return known;
         }
         let span = self.span;
@@ -378,23 +378,23 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MipmappedLookups<'
         let normal = Vec3::new(span.nx[offset], span.ny[offset], span.nz[offset]);
         let level = self.map.level(l.layer, position, normal);
         let finer = level.x as u32;
-        let mut moments = self.blended(l, finer);
+        let mut moments = self.blended_level(l, finer);
         if level.y > 0.0 {
-            let coarser = self.blended(l, finer + 1);
+            let coarser = self.blended_level(l, finer + 1);
             for (moment, coarser) in moments.iter_mut().zip(coarser) {
                 *moment += (coarser - *moment) * level.y;
             }
         }
-        self.finest.lit(l, moments, added_variance(level))
+        self.finest.lit_at(l, moments, added_variance(level))
     }
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MipmappedLookups<'_, CHANNELS, B> {
     /// Returns the moments at a receiver in a level.
     #[inline(always)]
-    fn blended(&self, l: &ShadowCoord, level: u32) -> [f32; CHANNELS] {
+    fn blended_level(&self, l: &ShadowCoord, level: u32) -> [f32; CHANNELS] {
         if level == 0 {
-            return self.finest.blended(l);
+            return self.finest.blended_moments(l);
         }
         let size = self.finest.size as u32;
         let at = l.texel * (1.0 / (1_u32 << level) as f32);
@@ -411,15 +411,15 @@ mod tests {
     use crate::lanes::fixtures::{LAYERS, SIZE, batch};
 
     /// Test bound whose result differs for all moments and depths.
-    struct Told;
+    struct DepthReporter;
 
-    impl<const CHANNELS: usize> LightBound<CHANNELS> for Told {
-        fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32 {
-            let mut told = 0.1 * depth.abs();
+    impl<const CHANNELS: usize> LightBound<CHANNELS> for DepthReporter {
+        fn lit_fraction(&self, moments: [f32; CHANNELS], depth: f32) -> f32 {
+            let mut reported = 0.1 * depth.abs();
             for (i, moment) in moments.into_iter().enumerate() {
-                told += moment / (i + 2) as f32;
+                reported += moment / (i + 2) as f32;
             }
-            told
+            reported
         }
     }
 
@@ -434,7 +434,7 @@ mod tests {
         texels: &[[f32; CHANNELS]],
         encoding: Encoding,
         clamped: bool,
-    ) -> MomentLookups<'_, CHANNELS, Told> {
+    ) -> MomentLookups<'_, CHANNELS, DepthReporter> {
         MomentLookups {
             finest: Texels {
                 texels,
@@ -444,7 +444,7 @@ mod tests {
             encoding,
             size: SIZE,
             clamped,
-            bound: &Told,
+            bound: &DepthReporter,
             bleeding: BleedingReduction {
                 amount: 0.0,
                 scale: 0.4,
@@ -454,7 +454,7 @@ mod tests {
 
     /// Returns how many results of batches differ from those of single receivers in `judged`. The
     /// second number counts the comparisons.
-    fn differing<const CHANNELS: usize>(
+    fn count_differing<const CHANNELS: usize>(
         judged: &[[f32; CHANNELS]],
         encoding: Encoding,
         clamped: bool,
@@ -472,10 +472,10 @@ mod tests {
                 let l = batch.lookup(i);
                 let single = if !l.covered {
                     1.0
-                } else if let Some(known) = expected.known(&l) {
+                } else if let Some(known) = expected.known_visibility(&l) {
                     known
                 } else {
-                    expected.lit(&l, expected.blended(&l), 0.0)
+                    expected.lit_at(&l, expected.blended_moments(&l), 0.0)
                 };
                 out[0] += usize::from(lit != single);
                 out[1] += 1;
@@ -487,14 +487,14 @@ mod tests {
     fn check<const CHANNELS: usize>(encodings: &[Encoding]) {
         for clamped in [false, true] {
             for &encoding in encodings {
-                let [other, all] = differing(&texels::<CHANNELS>(), encoding, clamped);
+                let [other, all] = count_differing(&texels::<CHANNELS>(), encoding, clamped);
                 assert!(other == 0 && all > 2000, "{encoding:?}: {other} of {all}");
                 // Negative control: one channel is slightly greater.
                 let mut spoilt = texels::<CHANNELS>();
                 spoilt
                     .iter_mut()
                     .for_each(|texel| texel[CHANNELS - 1] += 0.01);
-                let [other, _] = differing(&spoilt, encoding, clamped);
+                let [other, _] = count_differing(&spoilt, encoding, clamped);
                 assert!(other > all / 4, "{encoding:?}: {other} of {all}");
             }
         }

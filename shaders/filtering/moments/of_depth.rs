@@ -25,14 +25,14 @@ pub(crate) const MOMENTS_OF_DEPTH: Module = module!("of_depth");
     clippy::manual_clamp,
     reason = "WGSL's min and max, in this order, also for NaN"
 )]
-pub(crate) fn centred(depth: f32) -> f32 {
+pub(crate) fn centre_depth(depth: f32) -> f32 {
     2.0 * depth.max(0.0).min(1.0) - 1.0
 }
 
 /// Returns depth and its square (Donnelly and Lauritzen 2006, "Variance shadow maps").
 #[inline(always)]
 pub(crate) fn variance_moments(depth: f32) -> Vec2 {
-    let z = centred(depth);
+    let z = centre_depth(depth);
     Vec2::new(z, z * z)
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn variance_moments(depth: f32) -> Vec2 {
 /// `rising` and `falling` are powers of two per unit of centred depth.
 #[inline(always)]
 pub(crate) fn exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4 {
-    let z = centred(depth);
+    let z = centre_depth(depth);
     let up = power_of_two(rising * z);
     let down = power_of_two(-(falling * z));
     Vec4::new(up, up * up, down, down * down)
@@ -51,7 +51,7 @@ pub(crate) fn exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4
 /// mapping").
 #[inline(always)]
 pub(crate) fn power_moments(depth: f32) -> Vec4 {
-    let z = centred(depth);
+    let z = centre_depth(depth);
     let square = z * z;
     Vec4::new(z, square, square * z, square * square)
 }
@@ -223,7 +223,7 @@ impl SimdTask for MomentsOfRow<'_> {
             }
             MomentKind::OneExponential { .. } => {
                 for (pair, &depth) in pairs.iter_mut().zip(self.depths) {
-                    let up = power_of_two(rising * centred(depth));
+                    let up = power_of_two(rising * centre_depth(depth));
                     *pair = [up, up * up];
                 }
                 return;

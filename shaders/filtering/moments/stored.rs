@@ -260,7 +260,7 @@ mod tests {
         (channel.clamp(0.0, 1.0) * 65_535.0 + 0.5).floor() * (1.0 / 65_535.0)
     }
 
-    fn through(encoding: Encoding, moments: &[f32]) -> Vec<f32> {
+    fn through_encoding(encoding: Encoding, moments: &[f32]) -> Vec<f32> {
         let mut texels = moments.to_vec();
         encoding.store(&mut texels);
         texels
@@ -280,7 +280,7 @@ mod tests {
         let mut most = Vec4::ZERO;
         for depth in depths {
             let pair = variance_moments(depth).to_array();
-            let got = through(Encoding::Variance16, &pair);
+            let got = through_encoding(Encoding::Variance16, &pair);
             assert!((got[0] - pair[0]).abs() <= 2.1 * half, "{depth}");
             assert!((got[1] - pair[1]).abs() <= 1.1 * half, "{depth}");
 
@@ -288,7 +288,7 @@ mod tests {
             let channels = store_powers(powers);
             least = least.min(channels);
             most = most.max(channels);
-            let got = through(Encoding::Powers16, &powers.to_array());
+            let got = through_encoding(Encoding::Powers16, &powers.to_array());
             // The factors are the row sums of `load_powers`.
             for (i, factors) in [2.07, 1.13, 2.05, 1.13].into_iter().enumerate() {
                 let off = (got[i] - powers[i]).abs();
@@ -296,7 +296,7 @@ mod tests {
             }
 
             let exponentials = exponential_moments(depth, 60.0, 60.0).to_array();
-            let got = through(Encoding::Exponentials16, &exponentials);
+            let got = through_encoding(Encoding::Exponentials16, &exponentials);
             for (got, value) in got.iter().zip(exponentials) {
                 let relative = got / value - 1.0;
                 assert!(relative.abs() <= 1.0 / 512.0, "{depth}: {relative}");

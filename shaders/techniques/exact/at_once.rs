@@ -50,7 +50,7 @@ pub(super) fn answer_all(
         geometry,
         holes,
         faces: &faces,
-        rays: Rays::of(uniforms, frame),
+        rays: Rays::from_uniforms(uniforms, frame),
     };
     let casters = geometry.casters();
     let runs = casters.start as usize / RUN..(casters.end as usize).div_ceil(RUN);
@@ -171,7 +171,7 @@ impl Hide<'_> {
         if visit.casters.count_ones() > MANY {
             let mut children = boxes.met_by(&casters.reach) & open;
             while let Some(child) = take_lowest(&mut children) {
-                out[child] = visit.casters & casters.meeting(&boxes.get(child));
+                out[child] = visit.casters & casters.meeting_bits(&boxes.get(child));
             }
             return out;
         }

@@ -48,7 +48,7 @@ pub(super) fn item_word(bounds: CellBox, depth: u32) -> u32 {
 
 /// Returns the query word of receivers in this box with this greatest depth, all below 32.
 #[inline(always)]
-pub(super) fn asking_word(bounds: CellBox, depth: u32) -> u32 {
+pub(super) fn receiver_word(bounds: CellBox, depth: u32) -> u32 {
     let [x0, y0] = bounds.low;
     let [x1, y1] = bounds.high;
     let fields = x1
@@ -62,14 +62,14 @@ pub(super) fn asking_word(bounds: CellBox, depth: u32) -> u32 {
 /// Returns whether an item's caster, and so all after it in its list, are deeper than the
 /// receivers.
 #[inline(always)]
-pub(super) fn ends_list(item: u32, asking: u32) -> bool {
-    (asking - item) & DEPTH_GUARD == 0
+pub(super) fn ends_list(item: u32, querying: u32) -> bool {
+    (querying - item) & DEPTH_GUARD == 0
 }
 
 /// Returns whether an item's caster may block receivers.
 #[inline(always)]
-pub(super) fn may_hide(item: u32, asking: u32) -> bool {
-    (asking - item) & GUARDS == GUARDS
+pub(super) fn may_hide(item: u32, querying: u32) -> bool {
+    (querying - item) & GUARDS == GUARDS
 }
 
 #[cfg(test)]
@@ -92,15 +92,18 @@ mod tests {
                     high: [x1, y1],
                 }
             };
-            let [item, asking] = [random_box(0), random_box(4)];
+            let [item, querying] = [random_box(0), random_box(4)];
             let [item_depth, depth] = [number(8), number(9)];
             let overlap = |axis: usize| {
-                item.low[axis] <= asking.high[axis] && item.high[axis] >= asking.low[axis]
+                item.low[axis] <= querying.high[axis] && item.high[axis] >= querying.low[axis]
             };
             let expected = overlap(0) && overlap(1) && item_depth <= depth;
-            let found = may_hide(item_word(item, item_depth), asking_word(asking, depth));
-            assert_eq!(found, expected, "{item:?} {item_depth}, {asking:?} {depth}");
-            let ends = ends_list(item_word(item, item_depth), asking_word(asking, depth));
+            let found = may_hide(item_word(item, item_depth), receiver_word(querying, depth));
+            assert_eq!(
+                found, expected,
+                "{item:?} {item_depth}, {querying:?} {depth}"
+            );
+            let ends = ends_list(item_word(item, item_depth), receiver_word(querying, depth));
             assert_eq!(ends, item_depth > depth);
             hidden += u32::from(found);
         }

@@ -86,15 +86,20 @@ impl LightFrame {
     pub(super) fn new(light: &Light, geometry: &Geometry) -> Self {
         let mut casters = geometry.caster_bounds();
         if casters.is_empty() {
-            casters = Aabb::around([Vec3::ZERO]);
+            casters = Aabb::from_points([Vec3::ZERO]);
         }
         let tiles = tiles_along(geometry.casters().len());
-        Self::around(light, &casters, &geometry.bounds(), tiles)
+        Self::around_casters(light, &casters, &geometry.bounds(), tiles)
     }
 
     /// Returns the frame of a light around casters in a box. `everything` is the box around the
     /// casters and all ray origins. `tiles` are those along the longer side of a directional light.
-    pub(super) fn around(light: &Light, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
+    pub(super) fn around_casters(
+        light: &Light,
+        casters: &Aabb,
+        everything: &Aabb,
+        tiles: u32,
+    ) -> Self {
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, everything, tiles),
             None => Self::along_sun(light.direction_from(Vec3::ZERO), casters, everything, tiles),
@@ -111,7 +116,7 @@ impl LightFrame {
     }
 
     fn around_lamp(lamp: Vec3, everything: &Aabb, tiles: u32) -> Self {
-        let with_lamp = everything.union(&Aabb::around([lamp]));
+        let with_lamp = everything.union(&Aabb::from_points([lamp]));
         let reach = with_lamp.diagonal();
         // Six faces share the triangles.
         let tiles = (tiles / 2).max(4);
@@ -264,7 +269,7 @@ impl LightFrame {
     }
 
     /// Returns the depth minus the margin.
-    pub(super) fn before(&self, depth: f32) -> f32 {
+    pub(super) fn depth_before(&self, depth: f32) -> f32 {
         if self.is_lamp {
             depth * (1.0 - self.depth_margin()) - self.rounding
         } else {
@@ -280,7 +285,7 @@ impl LightFrame {
     }
 
     /// Returns the depth plus the margin.
-    pub(super) fn behind(&self, depth: f32) -> f32 {
+    pub(super) fn depth_behind(&self, depth: f32) -> f32 {
         if self.is_lamp {
             depth * (1.0 + self.depth_margin()) + self.rounding
         } else {
@@ -294,9 +299,9 @@ impl LightFrame {
     pub(super) fn nearest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if self.is_lamp {
             // The function is one over the depth.
-            self.before(1.0 / greatest.max(f32::MIN_POSITIVE))
+            self.depth_before(1.0 / greatest.max(f32::MIN_POSITIVE))
         } else {
-            self.before(least)
+            self.depth_before(least)
         }
     }
 
@@ -326,9 +331,9 @@ impl LightFrame {
     #[inline(always)]
     pub(super) fn farthest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if !self.is_lamp {
-            self.behind(greatest)
+            self.depth_behind(greatest)
         } else if least > 0.0 {
-            self.behind(1.0 / least)
+            self.depth_behind(1.0 / least)
         } else {
             f32::INFINITY
         }

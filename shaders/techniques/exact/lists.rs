@@ -63,8 +63,8 @@ pub(super) struct Lists {
 struct CornerRows(OnceLock<Rows>);
 
 impl CornerRows {
-    fn of(geometry: &Geometry) -> Rows {
-        let kept = geometry.derived(|_| Self::default());
+    fn of_geometry(geometry: &Geometry) -> Rows {
+        let kept = geometry.derive_once(|_| Self::default());
         let make = || {
             let mut rows = zeros(3 * geometry.casters().len().max(1));
             let out = writable(&mut rows);
@@ -102,12 +102,12 @@ pub(super) struct KeptLists {
 
 impl KeptLists {
     /// Returns the lists of a light over a geometry's casters, from the cache if possible.
-    pub(super) fn of(light: &Light, geometry: &Geometry) -> Arc<Self> {
+    pub(super) fn of_light(light: &Light, geometry: &Geometry) -> Arc<Self> {
         let frame = LightFrame::new(light, geometry);
         // Create the slot for corners early: copies of the geometry share only what was created
         // before.
-        geometry.derived(|_| CornerRows::default());
-        let kept = geometry.derived(|_| Kept::default());
+        geometry.derive_once(|_| CornerRows::default());
+        let kept = geometry.derive_once(|_| Kept::default());
         // The lists follow from the frame and the triangles.
         let is_same = |lists: &Arc<Self>| lists.frame == frame;
         let lock = || kept.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,7 +136,7 @@ impl KeptLists {
         }
     }
 
-    /// Returns the lists, which are built on first use. `geometry` is that of [`of`](Self::of), or
+    /// Returns the lists, which are built on first use. `geometry` is that of [`of_geometry`](Self::of_geometry), or
     /// empty if it was not called.
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
         if let Some(lists) = self.made.get() {
@@ -212,13 +212,13 @@ impl Lists {
             .collect();
         drop(touches);
 
-        let [tiles, cells, items] = joined(&lists);
+        let [tiles, cells, items] = join_lists(&lists);
         Self {
             frame,
             tiles,
             cells,
             items,
-            corners: CornerRows::of(geometry),
+            corners: CornerRows::of_geometry(geometry),
         }
     }
 }
@@ -248,7 +248,7 @@ fn line_of_tiles(
 }
 
 /// Returns the joined tables of all tiles, cells and items.
-fn joined(lists: &[TileLists]) -> [Rows; 3] {
+fn join_lists(lists: &[TileLists]) -> [Rows; 3] {
     let mut tiles = Vec::new();
     let mut starts = Vec::new();
     let mut end = PartStart::default();

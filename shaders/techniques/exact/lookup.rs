@@ -2,9 +2,9 @@
 //! Neighbours in one cell walk its list together.
 
 use super::{
-    AskedCell, ExactUniforms,
+    ExactUniforms, QueriedCell,
     holes::CasterHoles,
-    item_key::{CellBox, KEY_STEPS, asking_word, ends_list, may_hide},
+    item_key::{CellBox, KEY_STEPS, ends_list, may_hide, receiver_word},
     light_frame::LightFrame,
     lists::Lists,
 };
@@ -23,7 +23,7 @@ use umbrage_core::{
 
 /// Data that receivers query.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'a> {
+pub(super) struct LookupInput<'a> {
     pub(super) uniforms: &'a ExactUniforms,
     pub(super) lists: &'a Lists,
     /// Alpha test of the casters; `None` if none is alpha-tested.
@@ -31,12 +31,17 @@ pub(super) struct Asked<'a> {
 }
 
 /// Fills `out`, which is as long as the span, with the light's visibility.
-pub(super) fn look_up_span(simd: Simd, asked: Asked<'_>, span: &Span<'_>, out: &mut [f32]) {
-    let Asked {
+pub(super) fn look_up_span(
+    simd: Simd,
+    requested: LookupInput<'_>,
+    span: &Span<'_>,
+    out: &mut [f32],
+) {
+    let LookupInput {
         uniforms,
         lists,
         holes,
-    } = asked;
+    } = requested;
     let mut padded = PaddedReceivers::new();
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
@@ -58,13 +63,13 @@ pub(super) fn cells_of_span(
     uniforms: &ExactUniforms,
     lists: &Lists,
     span: &Span<'_>,
-    out: &mut [Option<AskedCell>],
+    out: &mut [Option<QueriedCell>],
 ) {
     let mut padded = PaddedReceivers::new();
     for first in (0..out.len()).step_by(BATCH) {
         let receivers = ReceiverBatch::from(span, first, &mut padded);
         let rays = place(Simd::Native, uniforms, &lists.frame, &receivers);
-        let walk = Walk {
+        let walk = CellWalk {
             lists,
             holes: None,
             rays: &rays,
@@ -80,7 +85,7 @@ pub(super) fn cells_of_span(
             }
             let cell = lists.cells[number as usize];
             let end = lists.cells[number as usize + 1][0];
-            *out = Some(AskedCell {
+            *out = Some(QueriedCell {
                 number,
                 length: end - cell[0],
                 is_covered: rays.depth[i] > f32::from_bits(cell[1]),
@@ -95,15 +100,15 @@ fn place(
     uniforms: &ExactUniforms,
     frame: &LightFrame,
     receivers: &ReceiverBatch<'_>,
-) -> Rays {
+) -> CellRays {
     if frame.is_lamp {
-        simd.run_task(Place::<true> {
+        simd.run_task(LookupPlace::<true> {
             uniforms,
             frame,
             receivers,
         })
     } else {
-        simd.run_task(Place::<false> {
+        simd.run_task(LookupPlace::<false> {
             uniforms,
             frame,
             receivers,
@@ -119,16 +124,16 @@ const LANES: usize = SEGMENT_LANES;
 const PADDED: usize = BATCH + LANES;
 
 /// Array with a value for each receiver of a batch.
-type Numbers = [f32; PADDED];
+type CellNumbers = [f32; PADDED];
 
 /// Rays of a batch of receivers, and their positions on the grid.
-struct Rays {
+struct CellRays {
     segments: SegmentArrays<PADDED>,
-    depth: Numbers,
+    depth: CellNumbers,
     /// Number of the tile; [`NO_TILE`] outside the grid.
     tile: Lanes<i32>,
     /// Position across and down the tile, 0 to 1.
-    within: [Numbers; 2],
+    within: [CellNumbers; 2],
 }
 
 /// Greatest number below 1. Its product with a small integer is still less than that integer.
@@ -138,13 +143,13 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 const WHOLE: f32 = 8_388_608.0;
 const WHOLE_BITS: u32 = 1 << 23;
 
-/// Value of [`Rays::tile`] for receivers that face away from the light.
+/// Value of [`CellRays::tile`] for receivers that face away from the light.
 const FACES_AWAY: i32 = -1;
 
-/// Value of [`Rays::tile`] for receivers outside the grid.
+/// Value of [`CellRays::tile`] for receivers outside the grid.
 const NO_TILE: i32 = -2;
 
-impl Rays {
+impl CellRays {
     fn new() -> Self {
         Self {
             segments: SegmentArrays::default(),
@@ -156,18 +161,18 @@ impl Rays {
 }
 
 /// Task that places a batch of receivers on the grid.
-struct Place<'a, const LAMP: bool> {
+struct LookupPlace<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
     receivers: &'a ReceiverBatch<'a>,
 }
 
-impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
-    type Output = Rays;
+impl<const LAMP: bool> SimdTask for LookupPlace<'_, LAMP> {
+    type Output = CellRays;
 
     #[inline(always)]
-    fn run(self) -> Rays {
-        let mut out = Rays::new();
+    fn run(self) -> CellRays {
+        let mut out = CellRays::new();
         let u = self.uniforms;
         let frame = *self.frame;
         let eye = u.eye.truncate();
@@ -211,7 +216,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
 struct Answer<'a> {
     lists: &'a Lists,
     holes: Option<CasterHoles<'a>>,
-    rays: &'a Rays,
+    rays: &'a CellRays,
     own: &'a [u32],
     out: &'a mut [f32],
 }
@@ -222,7 +227,7 @@ impl SimdTask for Answer<'_> {
     #[inline(always)]
     fn run(self) {
         let rays = self.rays;
-        let walk = Walk {
+        let walk = CellWalk {
             lists: self.lists,
             holes: self.holes,
             rays,
@@ -235,7 +240,7 @@ impl SimdTask for Answer<'_> {
         }
         // Group neighbours in the same cell.
         let places = walk.find_cells();
-        let mut runs = [Run::default(); BATCH];
+        let mut runs = [CellRun::default(); BATCH];
         let run_count = find_runs(&places, count, &mut runs);
         let runs = &mut runs[..run_count];
         // Batch independent memory reads, which overlap. Read all heads before the first list, the
@@ -247,7 +252,7 @@ impl SimdTask for Answer<'_> {
         for run in runs.iter_mut() {
             walk.read_first_item(run);
         }
-        walk.ask(runs, &places);
+        walk.query_lists(runs, &places);
         // Store the blocked receivers.
         for run in runs.iter() {
             let mut hidden = run.all & !run.open;
@@ -262,7 +267,7 @@ impl SimdTask for Answer<'_> {
 
 /// Run of neighbours in the same cell, which query its list together.
 #[derive(Clone, Copy, Default)]
-struct Run {
+struct CellRun {
     /// Index of the first receiver in the batch, and their number.
     first: u8,
     count: u8,
@@ -281,7 +286,7 @@ struct Run {
 
 /// Finds the runs of a batch of `count` receivers. Returns their number.
 #[inline(always)]
-fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize {
+fn find_runs(places: &CellPlaces, count: usize, out: &mut [CellRun; BATCH]) -> usize {
     let mut found = 0;
     let mut first = 0;
     while first < count {
@@ -304,7 +309,7 @@ fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize
 
 /// Caster that may hide the light from some receivers of a run.
 #[derive(Clone, Copy, Default)]
-struct Candidate {
+struct CasterCandidate {
     run: u32,
     caster: u32,
 }
@@ -315,8 +320,8 @@ const WAITING: usize = 64;
 /// Cells of a batch of receivers, and the receivers' positions in them as fractions of their sides.
 struct CellPlaces {
     cell: Lanes<u32>,
-    across: Numbers,
-    down: Numbers,
+    across: CellNumbers,
+    down: CellNumbers,
 }
 
 impl CellPlaces {
@@ -353,14 +358,14 @@ fn step_range(places: &[f32]) -> [u32; 2] {
 }
 
 /// Data for walking lists.
-struct Walk<'a> {
+struct CellWalk<'a> {
     lists: &'a Lists,
     holes: Option<CasterHoles<'a>>,
-    rays: &'a Rays,
+    rays: &'a CellRays,
     own: &'a [u32],
 }
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Finds the cells of a batch of receivers.
     #[inline(always)]
     fn find_cells(&self) -> CellPlaces {
@@ -388,7 +393,7 @@ impl Walk<'_> {
 
     /// Reads the location of a run's list, and blocks the receivers behind its cover.
     #[inline(always)]
-    fn read_head(&self, run: &mut Run) {
+    fn read_head(&self, run: &mut CellRun) {
         let cell = run.cell as usize;
         let [first_item, covered_behind, depth_base, steps_a_depth] = self.lists.cells[cell];
         let covered_behind = Vec4::splat(f32::from_bits(covered_behind));
@@ -402,7 +407,7 @@ impl Walk<'_> {
 
     /// Reads the word of a run's first item.
     #[inline(always)]
-    fn read_first_item(&self, run: &mut Run) {
+    fn read_first_item(&self, run: &mut CellRun) {
         if run.open != 0 && run.first_item != run.end_item {
             let [_, word] = pair_at(&self.lists.items, run.first_item as usize);
             run.first_word = word;
@@ -411,8 +416,8 @@ impl Walk<'_> {
 
     /// Queries the lists of runs.
     #[inline(always)]
-    fn ask(&self, runs: &mut [Run], places: &CellPlaces) {
-        let mut waiting = [Candidate::default(); WAITING];
+    fn query_lists(&self, runs: &mut [CellRun], places: &CellPlaces) {
+        let mut waiting = [CasterCandidate::default(); WAITING];
         let mut count = 0;
         for number in 0..runs.len() {
             let run = runs[number];
@@ -435,29 +440,29 @@ impl Walk<'_> {
                 low: [across[0], down[0]],
                 high: [across[1], down[1]],
             };
-            let asking = asking_word(bounds, depth_step);
-            if ends_list(run.first_word, asking) {
+            let querying = receiver_word(bounds, depth_step);
+            if ends_list(run.first_word, querying) {
                 continue;
             }
             let own = self.own_of_all(&lanes);
             // Walk the list, and collect candidates.
             for item in run.first_item..run.end_item {
                 let [caster, word] = pair_at(&self.lists.items, item as usize);
-                if ends_list(word, asking) {
+                if ends_list(word, querying) {
                     break;
                 }
-                waiting[count] = Candidate {
+                waiting[count] = CasterCandidate {
                     run: number as u32,
                     caster,
                 };
-                count += usize::from(may_hide(word, asking) & (caster != own));
+                count += usize::from(may_hide(word, querying) & (caster != own));
                 if count == WAITING {
-                    self.ask_candidates(&waiting, runs);
+                    self.query_candidates(&waiting, runs);
                     count = 0;
                 }
             }
         }
-        self.ask_candidates(&waiting[..count], runs);
+        self.query_candidates(&waiting[..count], runs);
     }
 
     /// Returns the triangle that contains all of some receivers. Returns no caster's id if they are
@@ -479,7 +484,7 @@ impl Walk<'_> {
 
     /// Blocks those receivers of runs whose rays hit a candidate, except their own triangle.
     #[inline(always)]
-    fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
+    fn query_candidates(&self, candidates: &[CasterCandidate], runs: &mut [CellRun]) {
         // Corners are scattered over memory. Independent reads overlap, so read all before the
         // first test.
         let mut corners = [[Vec3A::ZERO; 3]; WAITING];
@@ -487,7 +492,7 @@ impl Walk<'_> {
             let rows = &self.lists.corners[3 * candidate.caster as usize..][..3];
             *corners = [corner(&rows[0]), corner(&rows[1]), corner(&rows[2])];
         }
-        let mut asking = None;
+        let mut querying = None;
         let mut segments = self.rays.segments.four(0);
         for (corners, candidate) in corners.iter().zip(candidates) {
             let caster = candidate.caster;
@@ -497,8 +502,8 @@ impl Walk<'_> {
             }
             let first = usize::from(run.first);
             // Candidates of one run are consecutive.
-            if asking != Some(candidate.run) {
-                asking = Some(candidate.run);
+            if querying != Some(candidate.run) {
+                querying = Some(candidate.run);
                 segments = self.rays.segments.four(first);
             }
             let corners = [

@@ -68,8 +68,8 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
         min: center - half,
         max: center + half,
     };
-    let casters = view.casters.union(&Aabb::around([center]));
-    let frame = LightFrame::around(view.light, &casters, &everything, TILES);
+    let casters = view.casters.union(&Aabb::from_points([center]));
+    let frame = LightFrame::around_casters(view.light, &casters, &everything, TILES);
     let grid = grid_of(&frame);
     let lists = DeviceLists {
         modules: modules(),
@@ -90,7 +90,7 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
 /// Returns an upper bound of the distance between two points of the scene, metres. It is a power of
 /// two, so that it stays the same while camera and casters move a little.
 fn reach_around(view: &View<'_>) -> f32 {
-    let around = view.casters.union(&Aabb::around([view.camera.eye()]));
+    let around = view.casters.union(&Aabb::from_points([view.camera.eye()]));
     let farthest = RECEIVERS_REACH * around.diagonal();
     farthest.max(1e-3).log2().ceil().exp2().min(1e18)
 }

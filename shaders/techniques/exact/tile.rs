@@ -126,7 +126,7 @@ impl Scratch {
         let grid = CellGrid::new(frame, place, side_log2);
         for i in 0..self.touches.len() {
             let touch = self.touches[i];
-            let range = CellRange::of(&touch, side_log2);
+            let range = CellRange::of_touch(&touch, side_log2);
             if range.is_small() && !touch.is_large {
                 // Use all cells: testing which of them it misses costs more than occasional useless
                 // tests.
@@ -159,7 +159,7 @@ impl Scratch {
         // for linear functions.
         let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
         let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
-        for cell in CellRange::of(touch, side_log2).cells() {
+        for cell in CellRange::of_touch(touch, side_log2).cells() {
             let [cx, cy] = cell;
             let at_cell = at_tile + down * cy as f32 + across * cx as f32;
             let greatest = at_cell + to_greatest;
@@ -294,8 +294,8 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
     let cells = |side_log2: u32| (1_u32 << (2 * side_log2)) as f32;
     let cost = |side_log2: u32| {
         let made = weights.item * items(side_log2) + weights.cell * cells(side_log2);
-        let asked = weights.test * weights.receivers * items(side_log2) / cells(side_log2);
-        made + asked
+        let requested = weights.test * weights.receivers * items(side_log2) / cells(side_log2);
+        made + requested
     };
     let mut best = 0;
     for side_log2 in 1..=FINEST {
@@ -346,7 +346,7 @@ struct CellRange {
 
 impl CellRange {
     #[inline(always)]
-    fn of(touch: &Touch, side_log2: u32) -> Self {
+    fn of_touch(touch: &Touch, side_log2: u32) -> Self {
         let shift = STEPS - side_log2;
         Self {
             low: touch.low.map(|v| u32::from(v) >> shift),

@@ -121,7 +121,7 @@ impl Found<'_> {
         let first_tile = face * frame.tiles.x * frame.tiles.y;
         let mut touch = Touch {
             caster,
-            nearest: frame.before(bounds.nearest),
+            nearest: frame.depth_before(bounds.nearest),
             low: [0; 2],
             high: [0; 2],
             area: bounds.area * frame.tiles_a_unit * frame.tiles_a_unit,
@@ -246,17 +246,17 @@ impl FaceBounds {
             is_whole &= inside == [true; 3];
         }
         if is_whole {
-            return Self::around(&turned);
+            return Self::around_points(&turned);
         }
         let mut polygon = turned.to_vec();
         for side in sides {
             polygon = clip(&polygon, |v| side(v, rim));
         }
-        Self::around(&polygon)
+        Self::around_points(&polygon)
     }
 
     /// Returns the bounds of points in front of the point light; `None` without points.
-    fn around(points: &[Vec3]) -> Option<Self> {
+    fn around_points(points: &[Vec3]) -> Option<Self> {
         let mut out = Self {
             low: Vec2::INFINITY,
             high: Vec2::NEG_INFINITY,

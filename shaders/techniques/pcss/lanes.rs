@@ -133,7 +133,7 @@ fn mean_nearer_lanes<const N: usize>(
 ) -> Lanes<f32> {
     let search = &bounds.search;
     let texel = &bounds.texel;
-    let axes = r.axes.scaled(search);
+    let axes = r.axes.scaled_axes(search);
     let mut sum = [0.0; BATCH];
     let mut weights = [0.0; BATCH];
     for &tap in &set.taps {
@@ -217,7 +217,7 @@ fn count_taps_lanes<const N: usize>(
         };
         reach[i] = if wide < max[i] { wide } else { max[i] };
     }
-    let axes = r.axes.scaled(&reach);
+    let axes = r.axes.scaled_axes(&reach);
     let height = &bounds.height;
     let height_u = &bounds.height_u;
     let height_v = &bounds.height_v;
@@ -263,7 +263,7 @@ fn hides<const N: usize>(
     if any_low == 0 {
         return hidden;
     }
-    let lower = map.depths_at_point::<N>(r, &r.axes.scaled(&nearer), &tap.x, &tap.y);
+    let lower = map.depths_at_point::<N>(r, &r.axes.scaled_axes(&nearer), &tap.x, &tap.y);
     for i in 0..N {
         // A solid caster is wide at its base: it is at least half as high where the ray is at that
         // height.

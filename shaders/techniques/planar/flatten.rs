@@ -71,9 +71,9 @@ impl Slab {
         if heights.iter().all(|&h| h >= self.low && h <= self.high) {
             return corners.to_vec();
         }
-        let above_plane = cut(&corners, |p| self.height(p) - self.low);
+        let above_plane = cut_polygon(&corners, |p| self.height(p) - self.low);
         if self.high.is_finite() {
-            cut(&above_plane, |p| self.high - self.height(p))
+            cut_polygon(&above_plane, |p| self.high - self.height(p))
         } else {
             above_plane
         }
@@ -94,7 +94,7 @@ impl Slab {
 
 /// Returns the part of a polygon where `inside` is not negative. Crossings are measured from the
 /// inner end for both edge directions, so that neighbours get the same one.
-fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+fn cut_polygon(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (i, &p) in polygon.iter().enumerate() {
         let q = polygon[(i + 1) % polygon.len()];
@@ -105,9 +105,9 @@ fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
         }
         if (at_p >= 0.0) != (at_q >= 0.0) {
             out.push(if at_p >= 0.0 {
-                crossing(p, at_p, q, at_q)
+                crossing_point(p, at_p, q, at_q)
             } else {
-                crossing(q, at_q, p, at_p)
+                crossing_point(q, at_q, p, at_p)
             });
         }
     }
@@ -115,7 +115,7 @@ fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 }
 
 /// Returns the intersection of an edge with the border, from the values of `inside` at its ends.
-fn crossing(inner: DVec3, at_inner: f64, outer: DVec3, at_outer: f64) -> DVec3 {
+fn crossing_point(inner: DVec3, at_inner: f64, outer: DVec3, at_outer: f64) -> DVec3 {
     inner.lerp(outer, at_inner / (at_inner - at_outer))
 }
 

@@ -182,7 +182,7 @@ impl Footprint {
                 places: u32::MAX,
             };
         }
-        self.between(
+        self.part_between(
             [bounds.places[0][which], bounds.places[1][which]],
             [bounds.rows[0][which], bounds.rows[1][which]],
         )
@@ -199,11 +199,11 @@ impl Footprint {
         }
         let around =
             |range: &[Vec4; 2]| [range[0].xyz().min_element(), range[1].xyz().max_element()];
-        self.between(around(&bounds.places), around(&bounds.rows))
+        self.part_between(around(&bounds.places), around(&bounds.rows))
     }
 
     #[inline(always)]
-    fn between(&self, places: [f32; 2], rows: [f32; 2]) -> Part {
+    fn part_between(&self, places: [f32; 2], rows: [f32; 2]) -> Part {
         let last_place = (MAX_ROWS - 1) as f32;
         let first = rows[0].ceil().max(0.0);
         let last = rows[1].floor().min(self.last_row);

@@ -15,7 +15,7 @@
 //!   2007, "Visibility Sampling on GPU and Applications", also sample light sources by bit masks of
 //!   edges.
 //!
-//! **No gaps.** All triangles use the same order of corners ([`sorted`]). So neighbours have the
+//! **No gaps.** All triangles use the same order of corners ([`sort_corners`]). So neighbours have the
 //! same function for their common edge, except for its sign, to the last bit. Where it is 0, both
 //! hide the point. **No distance amplification.** An edge's function uses the edge's own vector,
 //! whose error is proportional to its length. So functions of small or distant triangles have an
@@ -37,7 +37,7 @@ pub(super) const HIDDEN: Module = module!("soft_hidden", "hidden.wgsl");
 
 /// Returns a triangle's corners in an order that depends only on their coordinates.
 #[inline(always)]
-pub(super) fn sorted(corners: [Vec3; 3]) -> [Vec3; 3] {
+pub(super) fn sort_corners(corners: [Vec3; 3]) -> [Vec3; 3] {
     let [a, b, c] = corners;
     let [a, b] = in_order(a, b);
     let [b, c] = in_order(b, c);
@@ -65,7 +65,7 @@ pub(super) struct Caster {
 impl Caster {
     #[inline(always)]
     pub(super) fn new(corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = sorted(corners);
+        let [a, b, c] = sort_corners(corners);
         let a_to_b = b - a;
         let a_to_c = c - a;
         Self {
@@ -271,13 +271,13 @@ impl Shade {
     };
 
     /// Finds the functions of a triangle. Returns whether it may hide something from the receivers
-    /// that are `asking` (all bits set). `LAMP`: the light has a position.
+    /// that are `queried` (all bits set). `LAMP`: the light has a position.
     #[inline(always)]
     pub(super) fn find<const LAMP: bool>(
         &mut self,
         caster: &Caster,
         seers: &Seers,
-        asking: &Words,
+        queried: &Words,
         step: Vec2,
     ) -> bool {
         let mut functions = [Functions::ZERO; FUNCTIONS];
@@ -306,7 +306,7 @@ impl Shade {
                 before.middle[i] -= volume * sign;
                 least = lesser(least, greatest(before));
             }
-            may_hide[i] = if least >= 0.0 { asking[i] } else { 0 };
+            may_hide[i] = if least >= 0.0 { queried[i] } else { 0 };
             any |= may_hide[i];
         }
         if any == 0 {
@@ -324,7 +324,7 @@ impl Shade {
     /// Hides the points of a row that the triangle covers. `first` is the row's first point.
     #[inline(always)]
     pub(super) fn close<const LAMP: bool>(&self, first: Vec2, open: &mut Words) {
-        let covered = self.covered::<LAMP>(first);
+        let covered = self.covered_samples::<LAMP>(first);
         for (open, covered) in open.iter_mut().zip(covered) {
             *open &= !covered;
         }
@@ -332,7 +332,7 @@ impl Shade {
 
     /// Returns the points of a row that the triangle covers.
     #[inline(always)]
-    pub(super) fn covered<const LAMP: bool>(&self, first: Vec2) -> Words {
+    pub(super) fn covered_samples<const LAMP: bool>(&self, first: Vec2) -> Words {
         let mut since = [0.0; LANES];
         let mut until = [ALL_PLACES; LANES];
         let functions = if LAMP { FUNCTIONS } else { FUNCTIONS - 1 };

@@ -46,7 +46,7 @@ impl<'a> Leaf<'a> {
         open: &mut Words,
     ) {
         let first = lattice.first_of(row);
-        let covered = shade.covered::<LAMP>(first);
+        let covered = shade.covered_samples::<LAMP>(first);
         for lane in 0..LANES {
             let mut rest = covered[lane] & open[lane];
             while rest != 0 {

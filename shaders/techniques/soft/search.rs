@@ -101,7 +101,7 @@ struct Walk<'a, const LAMP: bool> {
     /// Points of each row that are open for any neighbour.
     open_to_any: [u32; MAX_ROWS],
     /// All bits for neighbours with an open point, else none.
-    asking: Words,
+    queried: Words,
     footprint: Footprint,
     /// Shade of the current triangle.
     shade: Shade,
@@ -155,18 +155,18 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
             own,
             open,
             open_to_any: [0; MAX_ROWS],
-            asking: [0; LANES],
+            queried: [0; LANES],
             footprint: Footprint::NOTHING,
             shade: Shade::NONE,
             shaft: None,
-            shafts: Shafts::all(&shaft_of::<LAMP>(u, &Aabb::around([origins[0]]))),
+            shafts: Shafts::all(&shaft_of::<LAMP>(u, &Aabb::from_points([origins[0]]))),
         };
         out.look_at_rows(0..rows);
         // Bound the receivers with open points.
         let mut start = Aabb::EMPTY;
         for (i, &origin) in origins.iter().enumerate() {
-            if out.asking[i] != 0 {
-                let at = Aabb::around([origin]);
+            if out.queried[i] != 0 {
+                let at = Aabb::from_points([origin]);
                 out.shafts.set(i, &shaft_of::<LAMP>(u, &at));
                 start = start.union(&at);
             }
@@ -208,7 +208,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
                 *all |= bits;
             }
         }
-        self.asking = open_to.map(|bits| if bits == 0 { 0 } else { ALL });
+        self.queried = open_to.map(|bits| if bits == 0 { 0 } else { ALL });
     }
 
     #[inline(always)]
@@ -234,7 +234,7 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
             };
             let entering = self
                 .shafts
-                .entered(corner(&low), corner(&high), &self.asking);
+                .entered_boxes(corner(&low), corner(&high), &self.queried);
             if entering == [0; LANES] {
                 continue;
             }
@@ -247,10 +247,10 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
     fn visit(&mut self, id: u32, corners: [Vec3; 3]) -> bool {
         // Test the shafts of the receivers.
         let [a, b, c] = corners;
-        let asking = self
+        let querying = self
             .shafts
-            .entered(a.min(b).min(c), a.max(b).max(c), &self.asking);
-        if asking == [0; LANES] {
+            .entered_boxes(a.min(b).min(c), a.max(b).max(c), &self.queried);
+        if querying == [0; LANES] {
             return false;
         }
         // Test the projection to the lattice for open points.
@@ -265,13 +265,13 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
         }
         let caster = Caster::new(corners);
         // Receivers on the triangle ignore it.
-        let mut asking = asking;
-        for (asking, own) in asking.iter_mut().zip(self.own) {
-            *asking = if own == id { 0 } else { *asking };
+        let mut querying = querying;
+        for (querying, own) in querying.iter_mut().zip(self.own) {
+            *querying = if own == id { 0 } else { *querying };
         }
         // Find the functions of the triangle.
         let step = self.lattice.step;
-        if !(self.shade).find::<LAMP>(&caster, &self.seers, &asking, step) {
+        if !(self.shade).find::<LAMP>(&caster, &self.seers, &querying, step) {
             return false;
         }
         // Hide the points of each row.
@@ -287,7 +287,7 @@ impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
             }
         }
         self.look_at_rows(part.rows);
-        self.asking == [0; LANES]
+        self.queried == [0; LANES]
     }
 }
 
@@ -298,7 +298,7 @@ fn shaft_of<const LAMP: bool>(u: &SoftUniforms, start: &Aabb) -> Shaft {
     let spread = u.spread.truncate();
     let [low, high] = [center - spread, center + spread];
     if LAMP {
-        Shaft::between(
+        Shaft::between_boxes(
             start,
             &Aabb {
                 min: low,
@@ -306,7 +306,7 @@ fn shaft_of<const LAMP: bool>(u: &SoftUniforms, start: &Aabb) -> Shaft {
             },
         )
     } else {
-        Shaft::along(start, low * u.far, high * u.far)
+        Shaft::along_direction(start, low * u.far, high * u.far)
     }
 }
 
@@ -434,10 +434,10 @@ mod tests {
     fn one_by_one<const LAMP: bool>(geometry: &Geometry, walk: &Walk<'_, LAMP>, open: &mut Open) {
         let mut shade = Shade::NONE;
         for id in geometry.casters() {
-            let asking = walk.own.map(|own| if own == id { 0 } else { ALL });
+            let querying = walk.own.map(|own| if own == id { 0 } else { ALL });
             let caster = Caster::new(geometry.corners(id));
             let step = walk.lattice.step;
-            if !shade.find::<LAMP>(&caster, &walk.seers, &asking, step) {
+            if !shade.find::<LAMP>(&caster, &walk.seers, &querying, step) {
                 continue;
             }
             let leaf = Leaf::new(walk.cut_outs, id, geometry.corners(id));
@@ -452,39 +452,39 @@ mod tests {
 
     /// Result of a comparison.
     #[derive(Default)]
-    struct Compared {
+    struct LookupCounts {
         /// Number of hidden points.
         hidden: u32,
         /// Number of points tested by rays, and of those where rays differ.
-        asked: u32,
+        queried: u32,
         unlike: u32,
     }
 
-    impl Compared {
+    impl LookupCounts {
         fn add(&mut self, other: &Self) {
             self.hidden += other.hidden;
-            self.asked += other.asked;
+            self.queried += other.queried;
             self.unlike += other.unlike;
         }
     }
 
     /// Tests rays to all points that were open for the first receiver before.
-    fn ask_rays<const LAMP: bool>(
+    fn query_rays<const LAMP: bool>(
         search: &Search<'_>,
         walk: &Walk<'_, LAMP>,
         before: &Open,
-    ) -> Compared {
+    ) -> LookupCounts {
         const LANE: usize = 0;
-        let mut out = Compared::default();
+        let mut out = LookupCounts::default();
         for (row, open) in before[..walk.rows].iter().enumerate() {
             let places = (0..MAX_ROWS as u32).filter(|place| open[LANE] >> place & 1 == 1);
             for place in places {
                 let point = walk.lattice.first_of(row) + walk.lattice.step * place as f32;
                 let [o, d] = walk.seers.ray(LANE, point);
                 let d = if LAMP { d } else { d * search.uniforms.far };
-                let is_lit = !search.bvh.occluded(o, d, walk.own[LANE]);
+                let is_lit = !search.bvh.is_occluded(o, d, walk.own[LANE]);
                 let is_open = walk.open[row][LANE] >> place & 1 == 1;
-                out.asked += 1;
+                out.queried += 1;
                 out.unlike += u32::from(is_lit != is_open);
             }
         }
@@ -497,7 +497,7 @@ mod tests {
         state: &mut u32,
         search: &Search<'_>,
         geometry: &Geometry,
-    ) -> Compared {
+    ) -> LookupCounts {
         let scale = geometry.bounds().diagonal() * 0.3;
         // Place them close together, like neighbours, or far apart, as across an edge.
         let spread = scale * [0.01, 0.1, 1.0][*state as usize % 3];
@@ -535,16 +535,16 @@ mod tests {
         // A traversal that ends early must have no open points.
         assert_eq!(walk.open, expected, "{LAMP}, spread {spread}");
         let hidden = count(&before) - count(&expected);
-        Compared {
+        LookupCounts {
             hidden,
-            ..ask_rays(search, &walk, &before)
+            ..query_rays(search, &walk, &before)
         }
     }
 
     /// Compares many traversals of random triangles.
-    fn compare_all(has_holes: bool) -> Compared {
+    fn compare_all(has_holes: bool) -> LookupCounts {
         let mut state = 3;
-        let mut all = Compared::default();
+        let mut all = LookupCounts::default();
         for round in 0..60 {
             let scale = [1.0, 1e-3, 1e4][round % 3];
             let geometry = soup(&mut state, scale, has_holes);
@@ -576,15 +576,15 @@ mod tests {
     #[test]
     fn walks_leave_nothing_out() {
         for has_holes in [false, true] {
-            let Compared {
+            let LookupCounts {
                 hidden,
-                asked,
+                queried: requested,
                 unlike,
             } = compare_all(has_holes);
             assert!(hidden > 100_000, "too few hidden points: {hidden}");
             assert!(
-                unlike <= asked / 10_000,
-                "alpha-tested: {has_holes}: rays differ at {unlike} of {asked} points"
+                unlike <= requested / 10_000,
+                "alpha-tested: {has_holes}: rays differ at {unlike} of {requested} points"
             );
         }
     }

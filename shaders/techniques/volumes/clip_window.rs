@@ -137,7 +137,7 @@ pub(crate) struct VisibleParts(HashMap<u32, VisiblePart<u32>>);
 impl VisibleParts {
     /// Returns the part of the edge that begins at a vertex. Calls `find` once for each vertex.
     /// Calls `add` for each cut of the edge, to create a vertex.
-    pub(crate) fn of(
+    pub(crate) fn edge_part(
         &mut self,
         vertex: u32,
         find: impl FnOnce() -> Option<VisiblePart<DVec3>>,
@@ -237,8 +237,8 @@ mod tests {
             enters: None,
             leaves: Some(Crossing { at: 9, plane: 2 }),
         };
-        assert_eq!(parts.of(5, || Some(found), |_| 9), kept);
-        assert_eq!(parts.of(5, || None, |_| 10), kept);
-        assert_eq!(parts.of(6, || None, |_| 10), VisiblePart::WHOLE);
+        assert_eq!(parts.edge_part(5, || Some(found), |_| 9), kept);
+        assert_eq!(parts.edge_part(5, || None, |_| 10), kept);
+        assert_eq!(parts.edge_part(6, || None, |_| 10), VisiblePart::WHOLE);
     }
 }

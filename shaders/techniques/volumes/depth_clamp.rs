@@ -68,7 +68,7 @@ impl Cutter<'_> {
             if self.is_before(v) {
                 near.push(v);
             } else {
-                far.push(self.flattened(v));
+                far.push(self.flatten_vertex(v));
             }
             if self.is_before(v) != self.is_before(next) {
                 let cut = self.cut([v.min(next), v.max(next)]);
@@ -81,7 +81,7 @@ impl Cutter<'_> {
         }
     }
 
-    fn flattened(&mut self, v: u32) -> u32 {
+    fn flatten_vertex(&mut self, v: u32) -> u32 {
         if let Some(&known) = self.flat.get(&v) {
             return known;
         }

@@ -138,7 +138,7 @@ struct FarVertices {
 
 impl FarVertices {
     /// Returns the far vertex of a caster's vertex.
-    fn of(&self, near: u32) -> u32 {
+    fn far_vertex(&self, near: u32) -> u32 {
         self.first + near
     }
 
@@ -146,7 +146,7 @@ impl FarVertices {
     fn add_caps(&self, corners: [u32; 3], triangles: &mut Vec<[u32; 3]>) {
         let [a, b, c] = corners;
         triangles.push([a, b, c]);
-        triangles.push([self.of(a), self.of(c), self.of(b)]);
+        triangles.push([self.far_vertex(a), self.far_vertex(c), self.far_vertex(b)]);
     }
 
     /// Returns the part within the window of the edge from a vertex to its far end. Adds the
@@ -159,12 +159,12 @@ impl FarVertices {
         vertices: &mut Vec<Vec4>,
     ) -> VisiblePart<u32> {
         let from = vertices[v as usize].as_dvec4().truncate();
-        let to = vertices[self.of(v) as usize].as_dvec4().truncate();
+        let to = vertices[self.far_vertex(v) as usize].as_dvec4().truncate();
         let add_vertex = |at: DVec3| {
             vertices.push(at.as_vec3().extend(1.0));
             vertices.len() as u32 - 1
         };
-        parts.of(v, || window.visible_part(from, to), add_vertex)
+        parts.edge_part(v, || window.visible_part(from, to), add_vertex)
     }
 
     /// Adds the wall of an edge. The cap has the edge from `from` to `to`, so the wall has it from
@@ -177,7 +177,7 @@ impl FarVertices {
         triangles: &mut Vec<[u32; 3]>,
     ) {
         let near = [edge.from, edge.to];
-        let far = near.map(|v| self.of(v));
+        let far = near.map(|v| self.far_vertex(v));
         let [a, b] = visible;
         let enter = [
             a.enters.map_or(near[0], |c| c.at),

@@ -126,7 +126,7 @@ impl Welded {
                     }
                 }
                 Role::Backs => {
-                    let cap = flipped(corners);
+                    let cap = flipped_cap(corners);
                     if self.faces_away(cap.corners, light) == Some(false) {
                         caps.push(cap);
                     }
@@ -134,7 +134,7 @@ impl Welded {
                 Role::All => match away {
                     None => {}
                     Some(true) => {
-                        let cap = flipped(corners);
+                        let cap = flipped_cap(corners);
                         // Test the flipped triangle again, since its rounding may differ.
                         if self.faces_away(cap.corners, light).is_some() {
                             open_caps.push(cap);
@@ -177,7 +177,7 @@ impl Welded {
 }
 
 /// Returns the cap of a triangle whose back faces the light.
-fn flipped(corners: [u32; 3]) -> Cap {
+fn flipped_cap(corners: [u32; 3]) -> Cap {
     let [a, b, c] = corners;
     Cap {
         corners: [a, c, b],
@@ -320,7 +320,7 @@ impl Shells {
             shell.volume += a.dot(b.cross(c));
             shell.bounds = shell
                 .bounds
-                .union(&Aabb::around(t.map(|v| mesh.positions[v as usize])));
+                .union(&Aabb::from_points(t.map(|v| mesh.positions[v as usize])));
         }
         Self {
             of_triangle,

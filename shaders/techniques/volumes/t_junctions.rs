@@ -151,7 +151,7 @@ impl<'a> Grid<'a> {
         }
         let mut found: Vec<(f64, u32)> = candidates
             .into_iter()
-            .filter_map(|v| Some((self.along(a, b, v)?, v)))
+            .filter_map(|v| Some((self.parameter_along(a, b, v)?, v)))
             .collect();
         found.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         // Neighbouring pieces share cells.
@@ -183,7 +183,7 @@ impl<'a> Grid<'a> {
 
     /// Returns the position of a point along the edge from `a` to `b`, between 0 and 1; `None` if
     /// it is not inside the edge.
-    fn along(&self, a: DVec3, b: DVec3, point: u32) -> Option<f64> {
+    fn parameter_along(&self, a: DVec3, b: DVec3, point: u32) -> Option<f64> {
         let p = self.positions[point as usize].as_dvec3();
         let t = (p - a).dot(b - a) / (b - a).length_squared();
         let inside = t > 0.0 && t < 1.0 && p != a && p != b;

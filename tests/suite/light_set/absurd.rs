@@ -7,7 +7,7 @@ use proptest::{prelude::*, test_runner::RngSeed};
 use std::cell::Cell;
 use umbrage_core::{Aabb, Camera, Light};
 use umbrage_techniques::{ShadowMap, TechniquePreset, all};
-use umbrage_tests::absurd_values::{camera, light, number, spoilt, vector};
+use umbrage_tests::absurd_values::{camera, light, number, spoil_preset, vector};
 use umbrage_wgpu::{FrameGeometry, SetFrame, ShadowedLight};
 
 /// Greatest side of a map, texels. The subject is numbers, and not the time of large maps.
@@ -62,7 +62,7 @@ fn sets_answer_or_refuse() {
     };
     proptest!(config, |((light, later, priority) in lights, camera in camera(), (entry, spoils) in settings, (turn, place, corner) in places)| {
         let refuse = |refused: &Cell<u32>| refused.set(refused.get() + 1);
-        let Some(preset) = spoilt(&(entries[entry].preset)(), &spoils) else {
+        let Some(preset) = spoil_preset(&(entries[entry].preset)(), &spoils) else {
             refuse(&refused);
             return Ok(());
         };
@@ -103,7 +103,7 @@ fn sets_answer_or_refuse() {
             let mut encoder = world.program.encoder();
             prop_assert!(set.encode(&mut encoder).is_ok(), "prepared, and not encoded");
             d.queue.submit([encoder.finish()]);
-            let is_served = set.unserved().next().is_none();
+            let is_served = set.unserved_lights().next().is_none();
             let count = if is_served { &served } else { &refused };
             count.set(count.get() + 1);
         }

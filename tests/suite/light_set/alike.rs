@@ -48,13 +48,13 @@ pub(super) struct World {
 
 impl World {
     pub(super) fn new(name: &str) -> Self {
-        Self::of((umbrage_scenes::find(name)
+        Self::of_scene((umbrage_scenes::find(name)
             .expect("a built-in scene")
             .build)())
     }
 
-    pub(super) fn of(mut scene: Scene) -> Self {
-        scene.cameras[0] = scene.cameras[0].resized(UVec2::new(160, 120));
+    pub(super) fn of_scene(mut scene: Scene) -> Self {
+        scene.cameras[0] = scene.cameras[0].with_size(UVec2::new(160, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let receivers = Cpu::new()
             .receivers(&scene.cameras[0], &geometry)
@@ -116,7 +116,7 @@ impl World {
                 }),
                 range: 3 * (run.start - first)..3 * (run.end - first),
                 base_vertex: 0,
-                bounds: Aabb::around(self.geometry.vertices_of(run)),
+                bounds: Aabb::from_points(self.geometry.vertices_of(run)),
             };
             meshes.push(set.add_mesh(&mesh).expect("valid"));
         }
@@ -129,7 +129,7 @@ impl World {
     }
 
     /// Returns a light's shadows with a technique that is executed alone.
-    fn alone(&self, technique: &dyn ShadowTechnique, set: &LightSet) -> Alone<'_> {
+    fn render_alone(&self, technique: &dyn ShadowTechnique, set: &LightSet) -> Alone<'_> {
         let seen = View::new(
             &self.scene.cameras[0],
             &self.scene.lights[0],
@@ -162,7 +162,7 @@ impl Alone<'_> {
     /// Compares a set's mask with the CPU's, and on the pinned driver with that of the technique
     /// alone. Other drivers may round the two shaders differently.
     fn check(&self, label: &str, mask: &[f32]) -> Result<Agreement, String> {
-        let differing = differing(mask, &self.on_gpu);
+        let differing = count_differing(mask, &self.on_gpu);
         if gpu().promises_bits() && differing > 0 {
             return Err(format!(
                 "{label}: {differing} pixels differ from those of the technique alone"
@@ -195,7 +195,7 @@ fn small(entry: &TechniqueEntry) -> Arc<dyn ShadowTechnique> {
     preset.technique()
 }
 
-pub(super) fn differing(a: &[f32], b: &[f32]) -> usize {
+pub(super) fn count_differing(a: &[f32], b: &[f32]) -> usize {
     assert_eq!(a.len(), b.len());
     a.iter()
         .zip(b)
@@ -221,7 +221,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
             ids.push((added.expect("valid"), entry));
         }
         world.program.update(&mut set, &world.frame());
-        let unserved: Vec<(LightId, Unserved)> = set.unserved().collect();
+        let unserved: Vec<(LightId, Unserved)> = set.unserved_lights().collect();
         let mut forward = Forward::default();
         for &(id, entry) in &ids {
             let index = set.index_of(id).expect("is there");
@@ -241,7 +241,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
                 unserved.iter().all(|(other, _)| *other != id),
                 "{what}: {unserved:?}"
             );
-            let alone = world.alone(&*small(entry), &set);
+            let alone = world.render_alone(&*small(entry), &set);
             let agreement = alone.check(&what, &mask).expect("the set agrees");
             undecided += agreement.undecided;
             compared += agreement.compared;
@@ -324,13 +324,13 @@ fn moment_maps_of_a_set_have_mipmaps() {
         .map(|(&id, technique)| {
             let index = set.index_of(id).expect("is there");
             let mask = forward.mask(&world.program, &set, index);
-            let alone = world.alone(technique, &set);
+            let alone = world.render_alone(technique, &set);
             let agreed = alone.check(&technique.settings(), &mask);
             agreed.expect("the set agrees");
             mask
         })
         .collect();
-    let changed = differing(&masks[0], &masks[1]);
+    let changed = count_differing(&masks[0], &masks[1]);
     assert!(changed > 100, "mipmaps change {changed} pixels");
 }
 
@@ -355,8 +355,8 @@ fn another_map_gives_other_bits() {
         size: 191,
         ..ShadowMap::default()
     });
-    let alone = world.alone(&*other.technique(), &set);
-    assert!(differing(&mask, &alone.on_gpu) > 10);
+    let alone = world.render_alone(&*other.technique(), &set);
+    assert!(count_differing(&mask, &alone.on_gpu) > 10);
     assert!(alone.compare_with_cpu("spoilt", &mask).is_err());
 }
 
@@ -375,7 +375,7 @@ fn casters_with_hashed_holes_come_and_go() {
     for holes in scene.materials.iter_mut().filter_map(|m| m.alpha.as_mut()) {
         holes.filter = AlphaFilter::Hashed;
     }
-    come_and_go(&World::of(scene));
+    come_and_go(&World::of_scene(scene));
 }
 
 fn come_and_go(world: &World) {
@@ -396,8 +396,8 @@ fn come_and_go(world: &World) {
         forward.mask(&world.program, set, index)
     };
     let with = mask(&mut set);
-    let alone = world.alone(&*technique, &set);
-    assert_eq!(differing(&with, &alone.on_gpu), 0);
+    let alone = world.render_alone(&*technique, &set);
+    assert_eq!(count_differing(&with, &alone.on_gpu), 0);
     let before = set.casters_box();
     set.set_cut_outs(None).expect("valid");
     let without = mask(&mut set);
@@ -408,7 +408,7 @@ fn come_and_go(world: &World) {
         "the comparison can't fail"
     );
     set.set_cut_outs(world.cut_outs().as_ref()).expect("valid");
-    assert_eq!(differing(&mask(&mut set), &with), 0);
+    assert_eq!(count_differing(&mask(&mut set), &with), 0);
     assert_eq!(set.casters_box(), before);
 }
 

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use umbrage_core::Aabb;
 use umbrage_tests::{
     foreign,
-    light_stage::{LAYER, Stage, at, camera, hard, spot},
+    light_stage::{LAYER, Stage, camera, hard, spot, translation_along_x},
 };
 use umbrage_wgpu::{
     CasterMesh, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved, VertexLayout,
@@ -26,9 +26,15 @@ fn a_still_frame_draws_and_writes_nothing() {
     assert_eq!(stage.frame(), SetReport::default());
     // A moved caster is redrawn where it is visible, and nowhere else.
     let middle = stage.casters[1];
-    stage.set.move_caster(middle, at(0.1)).expect("is there");
+    stage
+        .set
+        .move_caster(middle, translation_along_x(0.1))
+        .expect("is there");
     assert_eq!(stage.frame().redrawn, 1);
-    stage.set.move_caster(middle, at(0.1)).expect("is there");
+    stage
+        .set
+        .move_caster(middle, translation_along_x(0.1))
+        .expect("is there");
     assert_eq!(stage.frame().redrawn, 0);
     // Querying the set's support has no cost, either.
     let frame = SetFrame {
@@ -52,22 +58,22 @@ fn lights_beyond_the_bytes_are_lit_and_listed() {
     let middle = stage.light(0.0, 3.0);
     let right = stage.light(4.0, 2.0);
     stage.frame();
-    assert_eq!(stage.unserved(), [left]);
+    assert_eq!(stage.unserved_ids(), [left]);
     let lit: Vec<bool> = [left, middle, right]
         .into_iter()
-        .map(|id| stage.shadowed(id) == 0)
+        .map(|id| stage.shadowed_pixels(id) == 0)
         .collect();
     assert_eq!(lit, [true, false, false]);
     assert!(stage.set.map_bytes() <= budget.bytes);
     // The remaining light is served when another is removed or has a lower priority.
     stage.set.set_priority(middle, 0.5).expect("is there");
     stage.frame();
-    assert_eq!(stage.unserved(), [middle]);
-    assert!(stage.shadowed(left) > 0 && stage.shadowed(middle) == 0);
+    assert_eq!(stage.unserved_ids(), [middle]);
+    assert!(stage.shadowed_pixels(left) > 0 && stage.shadowed_pixels(middle) == 0);
     stage.set.remove_light(right).expect("is there");
     stage.frame();
-    assert_eq!(stage.unserved(), []);
-    assert!(stage.shadowed(middle) > 0);
+    assert_eq!(stage.unserved_ids(), []);
+    assert!(stage.shadowed_pixels(middle) > 0);
 }
 
 #[test]
@@ -80,13 +86,13 @@ fn redraws_are_spread_over_frames() {
     let lights = [(-4.0, 1.0), (0.0, 3.0), (4.0, 2.0)].map(|(x, p)| stage.light(x, p));
     let first = stage.frame();
     assert_eq!((first.redrawn, first.waiting), (1, 2));
-    let waiting: Vec<(LightId, Unserved)> = stage.set.unserved().collect();
+    let waiting: Vec<(LightId, Unserved)> = stage.set.unserved_lights().collect();
     assert!(waiting.contains(&(lights[0], Unserved::Waiting)) && waiting.len() == 2);
-    assert!(stage.shadowed(lights[1]) > 0 && stage.shadowed(lights[2]) == 0);
+    assert!(stage.shadowed_pixels(lights[1]) > 0 && stage.shadowed_pixels(lights[2]) == 0);
     // Priorities grow with waiting time: two frames later, all are served.
     stage.frame();
     stage.frame();
-    assert_eq!(stage.unserved(), []);
+    assert_eq!(stage.unserved_ids(), []);
     assert_eq!(stage.frame(), SetReport::default());
 }
 
@@ -121,12 +127,12 @@ fn thrown_away_redraws_are_not_put_off() {
         // A light of higher priority uses the whole budget.
         stage.set.set_light(second, spot(-0.4)).expect("is there");
         stage.frame();
-        let at_once = stage.shadowed(first);
-        assert!(at_once > 0 && stage.shadowed(second) > 0);
+        let at_once = stage.shadowed_pixels(first);
+        assert!(at_once > 0 && stage.shadowed_pixels(second) > 0);
         // When no light waits, the shadows are up to date.
         stage.frame();
         stage.frame();
-        assert_eq!(at_once, stage.shadowed(first));
+        assert_eq!(at_once, stage.shadowed_pixels(first));
     }
 }
 
@@ -145,16 +151,16 @@ fn two_hundred_and_fifty_six_lights_fit() {
             lights.push(light(&mut stage, i));
         }
         stage.frame();
-        assert_eq!(stage.unserved(), []);
+        assert_eq!(stage.unserved_ids(), []);
         let is_uniform = stage.set.wgsl().contains("var<uniform> shadow_set");
         assert_eq!(is_uniform, count <= 40, "{count} lights");
-        revisions.push((stage.set.wgsl_revision(), stage.shadowed(lights[0])));
+        revisions.push((stage.set.wgsl_revision(), stage.shadowed_pixels(lights[0])));
     }
     assert_eq!(revisions[0], revisions[1], "lights have room that is left");
     assert_eq!(revisions[1].1, revisions[2].1);
     assert!(revisions[1].0 < revisions[2].0);
     for id in [lights[0], lights[100], lights[255]] {
-        assert!(stage.shadowed(id) > 0);
+        assert!(stage.shadowed_pixels(id) > 0);
     }
     assert_eq!(stage.frame(), SetReport::default());
 }
@@ -178,7 +184,7 @@ fn what_can_not_be_used_is_refused_by_name() {
         indices: None,
         range: 0..3,
         base_vertex: 0,
-        bounds: Aabb::around([Vec3::ZERO]),
+        bounds: Aabb::from_points([Vec3::ZERO]),
     };
     let error = stage.set.add_mesh(&mesh).expect_err("no vertex buffer");
     let text = error.to_string();

@@ -1,6 +1,6 @@
 //! Tests of triangle lists that a device builds, against rays.
 
-use super::alike::{World, differing};
+use super::alike::{World, count_differing};
 use glam::{Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ impl World {
 
     /// Returns the visibility by rays for a light of a set, from each receiver's offset position in
     /// the set's kernel.
-    fn traced(&self, set: &LightSet, light: &Light) -> Vec<f32> {
+    fn trace_mask(&self, set: &LightSet, light: &Light) -> Vec<f32> {
         self.answers(set, light, true)
     }
 
@@ -77,7 +77,7 @@ impl World {
         let [extent, far] = extent_and_far(&bytes);
         let sampler = LightSampler::new(&light.without_extent());
         let seen = &self.receivers;
-        let casts = |o: Vec3, d: Vec3| self.geometry.bvh().occluded(o, d, NO_TRIANGLE);
+        let casts = |o: Vec3, d: Vec3| self.geometry.bvh().is_occluded(o, d, NO_TRIANGLE);
         let ray = |i: usize| {
             if !seen.receives[i] {
                 return 1.0;
@@ -113,18 +113,18 @@ fn mask(world: &World, set: &LightSet, id: LightId) -> Vec<f32> {
 fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
     let id = set.add_light(exact(light)).expect("valid");
     world.program.update(set, &world.frame_without_triangles());
-    let unserved: Vec<_> = set.unserved().collect();
+    let unserved: Vec<_> = set.unserved_lights().collect();
     assert!(unserved.is_empty(), "{unserved:?}");
     let found = mask(world, set, id);
-    let expected = world.traced(set, &light);
+    let expected = world.trace_mask(set, &light);
     set.remove_light(id).expect("is there");
     let shadowed = expected.iter().filter(|&&v| v < 1.0).count();
-    [differing(&found, &expected), shadowed]
+    [count_differing(&found, &expected), shadowed]
 }
 
 /// Returns the allowed number of differences: none on drivers that round like the CPU; on others, a
 /// few rays that hit an edge.
-fn allowed(pixels: usize) -> usize {
+fn allowed_pixels(pixels: usize) -> usize {
     if gpu().snapping() == umbrage_core::Snapping::default() {
         0
     } else {
@@ -139,7 +139,10 @@ fn lists_made_by_the_device_answer_as_rays_do() {
         let mut set = world.set();
         for &light in &world.scene.lights {
             let [wrong, shadowed] = compare(&world, &mut set, light);
-            assert!(wrong <= allowed(world.receivers.len()), "{name}: {wrong}");
+            assert!(
+                wrong <= allowed_pixels(world.receivers.len()),
+                "{name}: {wrong}"
+            );
             assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
         }
     }
@@ -162,7 +165,7 @@ fn random_scenes_are_listed_as_rays_see_them() {
         };
         let mut set = world.set();
         let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
-        prop_assert!(wrong <= allowed(world.receivers.len()), "{} pixels", wrong);
+        prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
         in_shadow.set(in_shadow.get() + shadowed);
     });
     let in_shadow = in_shadow.get();
@@ -172,7 +175,7 @@ fn random_scenes_are_listed_as_rays_see_them() {
 
 /// Returns the world of a random scene, if it has casters.
 fn world_of(scene: Scene) -> Option<World> {
-    let world = World::of(scene);
+    let world = World::of_scene(scene);
     (!world.geometry.casters().is_empty()).then_some(world)
 }
 
@@ -191,7 +194,7 @@ fn rays_of_another_light_answer_otherwise() {
         direction: light.direction_from(Vec3::ZERO) * -1.0 + Vec3::new(0.02, 0.0, 0.0),
         angular_diameter: 0.0,
     };
-    assert!(differing(&found, &world.traced(&set, &moved)) > 10);
+    assert!(count_differing(&found, &world.trace_mask(&set, &moved)) > 10);
 }
 
 /// Lists without capacity fall back to wider cells with the same result. If these have no capacity,
@@ -218,9 +221,9 @@ fn lists_without_room_have_wider_cells() {
     };
     assert_eq!((all.1.has_room, all.1.halved), (true, 0));
     assert!(few.1.has_room && few.1.halved > 0, "{:?}", few.1);
-    assert_eq!(differing(&all.0, &few.0), 0);
+    assert_eq!(count_differing(&all.0, &few.0), 0);
     assert!(!nothing.1.has_room, "{:?}", nothing.1);
-    assert_eq!(differing(&nothing.0, &nothing.2), 0, "nothing casts");
+    assert_eq!(count_differing(&nothing.0, &nothing.2), 0, "nothing casts");
 }
 
 /// A frame whose lists had no capacity increases it for the next ones.
@@ -251,7 +254,7 @@ fn room_grows_by_what_was_needed() {
     assert!(listing.has_room, "{listing:?}");
     assert_eq!(set.report().listed, 0, "nothing moves");
     let found = mask(&world, &set, id);
-    assert_eq!(differing(&found, &world.traced(&set, &light)), 0);
+    assert_eq!(count_differing(&found, &world.trace_mask(&set, &light)), 0);
 }
 
 /// Meshes that compute shaders can't read leave the light without shadows, with a reason that names
@@ -261,7 +264,7 @@ fn buffers_without_the_usage_are_named() {
     let mut stage = Stage::new(SetBudget::default(), &[0.0]);
     let id = stage.set.add_light(exact(spot(0.0))).expect("valid");
     stage.frame();
-    let unserved: Vec<_> = stage.set.unserved().collect();
+    let unserved: Vec<_> = stage.set.unserved_lights().collect();
     let [(of, Unserved::Refused(why))] = &unserved[..] else {
         panic!("{unserved:?}");
     };

@@ -6,7 +6,7 @@ use umbrage_techniques::Traced;
 use umbrage_tests::{
     adapter::{TestDevice, open_with},
     foreign,
-    light_stage::{LAYER, Stage, at, spot},
+    light_stage::{LAYER, Stage, spot, translation_along_x},
 };
 use umbrage_wgpu::{
     FrameGeometry, LightSet, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
@@ -39,7 +39,7 @@ fn tables_beyond_a_binding_are_refused() {
         ..LightSet::REQUIRED_LIMITS
     };
     let d = device(LightSet::REQUIRED_FEATURES, limits);
-    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
     // A light with a map and without tables.
     stage.light(PLACES[0], 1.0);
     let traced = stage.set.add_light(ShadowedLight {
@@ -56,7 +56,7 @@ fn tables_beyond_a_binding_are_refused() {
         }),
     };
     stage.program.update(&mut stage.set, &frame);
-    let unserved: Vec<_> = stage.set.unserved().collect();
+    let unserved: Vec<_> = stage.set.unserved_lights().collect();
     let [(id, Unserved::Refused(why))] = &unserved[..] else {
         panic!("{unserved:?}");
     };
@@ -69,15 +69,15 @@ fn tables_beyond_a_binding_are_refused() {
 #[test]
 fn the_required_limits_are_enough() {
     let d = device(LightSet::REQUIRED_FEATURES, LightSet::REQUIRED_LIMITS);
-    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
     let mut lights = Vec::new();
     for count in [3, 30] {
         while lights.len() < count {
             lights.push(stage.light(PLACES[lights.len() % 3], 1.0));
         }
         stage.frame();
-        assert_eq!(stage.unserved(), []);
-        let shadowed = lights.iter().map(|&id| stage.shadowed(id));
+        assert_eq!(stage.unserved_ids(), []);
+        let shadowed = lights.iter().map(|&id| stage.shadowed_pixels(id));
         assert!(shadowed.into_iter().all(|count| count > 0));
     }
     assert!(stage.set.wgsl().contains("var<storage> shadow_set"));
@@ -100,7 +100,7 @@ fn less_than_the_required_limits_is_not_enough() {
         ..LightSet::REQUIRED_LIMITS
     };
     let d = device(Features::empty(), limits);
-    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
     stage.light(0.0, 1.0);
     let frame = SetFrame {
         camera: &stage.camera,
@@ -116,7 +116,7 @@ const TIMESTAMPS: Features =
 #[test]
 fn each_pass_is_timed() {
     let d = device(TIMESTAMPS, Limits::default());
-    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
     let lights = PLACES.map(|x| stage.light(x, 1.0));
     let frame = SetFrame {
         camera: &stage.camera,
@@ -203,16 +203,19 @@ fn each_pass_is_timed() {
 
 /// Two triangles in one light's layer, of which one moves in each frame.
 fn moving_stage(d: &'static TestDevice, still_layers: StillLayers) -> Stage {
-    let mut stage = Stage::on(d, SetBudget::default(), still_layers, &[0.0, 0.3]);
+    let mut stage = Stage::on_device(d, SetBudget::default(), still_layers, &[0.0, 0.3]);
     stage.light(0.0, 1.0);
     stage
 }
 
-fn play(stage: &mut Stage, frames: std::ops::Range<u32>) {
+fn run_frames(stage: &mut Stage, frames: std::ops::Range<u32>) {
     for i in frames {
         let caster = stage.casters[1];
         let x = 0.31 + 0.01 * (i % 5) as f32;
-        stage.set.move_caster(caster, at(x)).expect("is there");
+        stage
+            .set
+            .move_caster(caster, translation_along_x(x))
+            .expect("is there");
         assert!(stage.frame().redrawn > 0);
     }
 }
@@ -228,7 +231,7 @@ fn still_layers_go_where_copies_take_longer() {
     let mut masks = Vec::new();
     for (triangle, texel, layers) in [(1.0, 1e-9, 2), (1e-9, 1.0, 1), (1.0, 1e-9, 2)] {
         stage.set.assume_prices(triangle, texel);
-        play(&mut stage, 0..5);
+        run_frames(&mut stage, 0..5);
         assert_eq!(
             stage.set.map_bytes(),
             layers * LAYER,
@@ -246,7 +249,7 @@ fn prices_are_measured_where_there_are_timestamps() {
     let mut stage = moving_stage(d, StillLayers::Always);
     assert_eq!(stage.set.measured_prices(), [None, None]);
     for i in 0..20 {
-        play(&mut stage, i..i + 1);
+        run_frames(&mut stage, i..i + 1);
         d.device
             .poll(PollType::wait_indefinitely())
             .expect("the device is there");
@@ -257,6 +260,6 @@ fn prices_are_measured_where_there_are_timestamps() {
     // Without timestamps, no time is known.
     let plain = umbrage_tests::adapter::device();
     let mut without = moving_stage(plain, StillLayers::Always);
-    play(&mut without, 0..3);
+    run_frames(&mut without, 0..3);
     assert_eq!(without.set.measured_prices(), [None, None]);
 }

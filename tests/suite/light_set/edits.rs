@@ -61,7 +61,7 @@ fn placement() -> impl Strategy<Value = Affine3A> {
     })
 }
 
-fn above() -> impl Strategy<Value = Vec3> {
+fn any_above() -> impl Strategy<Value = Vec3> {
     (-4.0_f32..4.0, 4.0_f32..9.0, -4.0_f32..4.0).prop_map(|(x, y, z)| Vec3::new(x, y, z))
 }
 
@@ -71,10 +71,10 @@ fn edit() -> impl Strategy<Value = Edit> {
         3 => (0..3_usize, placement()).prop_map(Edit::AddCaster),
         4 => (any(), placement()).prop_map(|(i, to)| Edit::MoveCaster(i, to)),
         1 => any().prop_map(Edit::RemoveCaster),
-        2 => (0..3_usize, above(), 0..TECHNIQUES).prop_map(|(kind, place, technique)| {
+        2 => (0..3_usize, any_above(), 0..TECHNIQUES).prop_map(|(kind, place, technique)| {
             Edit::AddLight(Lamp { kind, place, technique })
         }),
-        2 => (any(), above()).prop_map(|(i, to)| Edit::MoveLight(i, to)),
+        2 => (any(), any_above()).prop_map(|(i, to)| Edit::MoveLight(i, to)),
         1 => (any(), 0..TECHNIQUES).prop_map(|(i, to)| Edit::ChangeTechnique(i, to)),
         1 => any().prop_map(Edit::RemoveLight),
         1 => (-1.0_f32..1.0).prop_map(Edit::MoveCamera),
@@ -350,7 +350,7 @@ impl<'a> Model<'a> {
 
     fn hop(&mut self, steps: i32) {
         let eye = DVec3::new(f64::from(steps) * Anchor::STEP, 0.0, 0.0);
-        self.anchor = Anchor::near(eye).expect("valid");
+        self.anchor = Anchor::nearest_to(eye).expect("valid");
         for (id, (_, place)) in &self.casters {
             let place = relative(place, self.anchor);
             self.set.rebase_caster(*id, place).expect("is there");
@@ -381,7 +381,7 @@ impl<'a> Model<'a> {
     }
 
     /// Returns a new set with the same contents, relative to the origin.
-    fn anew(&self) -> Self {
+    fn rebuilt_set(&self) -> Self {
         let mut other = Self::new(self.program, self.meshes, StillLayers::Never);
         other.turn = self.turn;
         for &(_, caster) in &self.casters[CORNERS.len()..] {
@@ -396,7 +396,7 @@ impl<'a> Model<'a> {
     /// Returns the mask of each light, on the floor around the anchor.
     fn masks(&mut self) -> Vec<Vec<f32>> {
         self.frame();
-        let unserved: Vec<_> = self.set.unserved().collect();
+        let unserved: Vec<_> = self.set.unserved_lights().collect();
         assert!(unserved.is_empty(), "{unserved:?}");
         let mut forward = Forward::default();
         let mut masks = Vec::new();
@@ -434,7 +434,7 @@ fn a_set_never_shows_what_is_stale() {
             model.hop(0);
         }
         let kept = model.masks();
-        let fresh = model.anew().masks();
+        let fresh = model.rebuilt_set().masks();
         for (i, (kept, fresh)) in kept.iter().zip(&fresh).enumerate() {
             let differing = kept.iter().zip(fresh).filter(|(a, b)| a.to_bits() != b.to_bits());
             prop_assert_eq!(differing.count(), 0, "light {} of {:?}", i, model.lights);
@@ -450,7 +450,7 @@ fn a_set_never_shows_what_is_stale() {
 
 /// Negative control of the comparison above: a set without notice of a change has stale shadows.
 #[test]
-fn a_change_that_the_set_is_not_told_of_is_seen() {
+fn a_change_that_the_set_is_not_notified_of_is_seen() {
     let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let mut model = Model::new(&program, &meshes, StillLayers::Auto);

@@ -19,14 +19,14 @@ const PLACE: DVec3 = DVec3::new(1e6 + 0.1, 40.3, -2e6 - 0.7);
 const START: DVec3 = DVec3::new(1e6 - 1900.0, 40.3, -2e6 - 0.7);
 
 /// A light: its position relative to the scene, and its technique.
-type Lamp = (DVec3, usize);
+type LampPlace = (DVec3, usize);
 
 /// A set, and the program's record of the world.
 struct World {
     program: ForwardProgram,
     set: LightSet,
     casters: Vec<(CasterId, DAffine3)>,
-    lights: Vec<(LightId, Lamp)>,
+    lights: Vec<(LightId, LampPlace)>,
     eye: DVec3,
     anchor: Anchor,
 }
@@ -41,7 +41,7 @@ fn map(fit: Fit, layout: Layout) -> ShadowMap {
 }
 
 /// Returns a sun with cascades that follow the camera, or a spot light.
-fn light(lamp: &Lamp, anchor: Anchor) -> ShadowedLight {
+fn light(lamp: &LampPlace, anchor: Anchor) -> ShadowedLight {
     let (place, kind) = *lamp;
     let technique: Arc<dyn ShadowTechnique> = match kind {
         0 => Arc::new(Pcf { radius: 1 }.on(map(
@@ -75,7 +75,7 @@ fn light(lamp: &Lamp, anchor: Anchor) -> ShadowedLight {
 impl World {
     /// Creates a set at the anchor of an eye, with triangles and lights at these positions,
     /// relative to [`PLACE`].
-    fn new(eye: DVec3, budget: SetBudget, places: &[DVec3], lamps: &[Lamp]) -> Self {
+    fn new(eye: DVec3, budget: SetBudget, places: &[DVec3], lamps: &[LampPlace]) -> Self {
         let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
         let mut set = program.set(budget, StillLayers::Auto);
         // Make copies free, so that layers with still and moving casters are always split.
@@ -83,7 +83,7 @@ impl World {
         let corners = [[-0.8_f32, 0.0, -0.8], [0.8, 0.1, -0.8], [0.0, 0.4, 0.8]];
         let usage = BufferUsages::VERTEX | BufferUsages::STORAGE;
         let mesh = foreign::add_triangle(program.d, &mut set, usage, corners);
-        let anchor = Anchor::near(eye).expect("finite");
+        let anchor = Anchor::nearest_to(eye).expect("finite");
         let mut casters = Vec::new();
         for place in places {
             let turn = DQuat::from_rotation_y(place.x);
@@ -120,8 +120,8 @@ impl World {
 
     /// Moves the eye above the scene, and the anchor with it. Returns whether the anchor changed.
     fn walk(&mut self) -> bool {
-        self.eye = arrived();
-        let anchor = self.anchor.held(self.eye).expect("finite");
+        self.eye = arrived_position();
+        let anchor = self.anchor.kept_for(self.eye).expect("finite");
         let has_hopped = anchor != self.anchor;
         self.anchor = anchor;
         has_hopped
@@ -141,8 +141,8 @@ impl World {
     }
 
     /// Moves everything to the anchor: as a hop, or as moves of all casters.
-    fn hop(&mut self, is_told: bool) {
-        if is_told {
+    fn hop(&mut self, is_reported: bool) {
+        if is_reported {
             self.rebase();
             return;
         }
@@ -176,7 +176,7 @@ impl World {
         let d = self.program.d;
         let floor = ForwardProgram::of_texels(d, size, &positions, &normals, &triangles);
         let mut forward = Forward::default();
-        let mask = |(id, _): &(LightId, Lamp)| {
+        let mask = |(id, _): &(LightId, LampPlace)| {
             let index = self.set.index_of(*id).expect("is there");
             forward.mask(&floor, &self.set, index)
         };
@@ -184,11 +184,11 @@ impl World {
     }
 }
 
-fn arrived() -> DVec3 {
+fn arrived_position() -> DVec3 {
     PLACE + DVec3::new(0.2, 5.0, 9.0)
 }
 
-fn differing(a: &[Vec<f32>], b: &[Vec<f32>]) -> usize {
+fn count_differing(a: &[Vec<f32>], b: &[Vec<f32>]) -> usize {
     let pixels = a.iter().flatten().zip(b.iter().flatten());
     pixels.filter(|(a, b)| a.to_bits() != b.to_bits()).count()
 }
@@ -201,7 +201,7 @@ fn places() -> impl Strategy<Value = DVec3> {
     (-6.0..6.0_f64, 1.0..3.0_f64, -4.0..4.0_f64).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-fn lamps() -> impl Strategy<Value = Lamp> {
+fn lamps() -> impl Strategy<Value = LampPlace> {
     let above = (-3.0..3.0_f64, 6.0..9.0_f64, -3.0..3.0_f64);
     (above, 0..3_usize).prop_map(|((x, y, z), kind)| (DVec3::new(x, y, z), kind))
 }
@@ -227,7 +227,7 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
             kept.frame();
         }
         // Start from the old anchor, with the eye at its final position.
-        kept.eye = arrived();
+        kept.eye = arrived_position();
         for _ in 0..10 {
             kept.frame();
         }
@@ -235,24 +235,24 @@ fn after_a_hop_shadows_are_those_of_a_set_made_there() {
         kept.rebase();
         kept.frame();
         let after_hop = kept.masks();
-        let mut anew = World::new(arrived(), SetBudget::default(), &places, &lamps);
-        anew.frame();
-        let made_there = anew.masks();
-        prop_assert_eq!(differing(&after_hop, &made_there), 0, "{:?}", lamps);
+        let mut rebuilt = World::new(arrived_position(), SetBudget::default(), &places, &lamps);
+        rebuilt.frame();
+        let made_there = rebuilt.masks();
+        prop_assert_eq!(count_differing(&after_hop, &made_there), 0, "{:?}", lamps);
         in_shadow.set(in_shadow.get() + dark(&made_there));
         // Negative control: one caster keeps its placement relative to the old anchor.
         let (forgotten, placed) = kept.casters[0];
-        let before = Anchor::near(START).expect("finite").placement(&placed);
+        let before = Anchor::nearest_to(START).expect("finite").placement(&placed);
         kept.set.rebase_caster(forgotten, before).expect("is there");
         kept.frame();
-        spoilt.set(spoilt.get() + usize::from(differing(&kept.masks(), &made_there) > 0));
+        spoilt.set(spoilt.get() + usize::from(count_differing(&kept.masks(), &made_there) > 0));
     });
     let [in_shadow, spoilt] = [in_shadow, spoilt].map(|count| count.get());
     assert!(in_shadow > 2000, "only {in_shadow} pixels in shadow");
     assert!(spoilt >= 18, "only {spoilt} of 24 wrong sets are detected");
 }
 
-const FOUR_LAMPS: [Lamp; 4] = [
+const FOUR_LAMPS: [LampPlace; 4] = [
     (DVec3::new(-3.0, 7.0, 0.3), 2),
     (DVec3::new(0.5, 8.0, -0.3), 2),
     (DVec3::new(3.0, 7.0, 0.2), 2),
@@ -267,27 +267,36 @@ const THREE_PLACES: [DVec3; 3] = [
 /// A budget of redraws may not delay redraws after a hop, as it may after moves.
 #[test]
 fn no_light_waits_after_a_hop() {
-    let mut anew = World::new(arrived(), SetBudget::default(), &THREE_PLACES, &FOUR_LAMPS);
-    anew.frame();
-    let made_there = anew.masks();
+    let mut rebuilt = World::new(
+        arrived_position(),
+        SetBudget::default(),
+        &THREE_PLACES,
+        &FOUR_LAMPS,
+    );
+    rebuilt.frame();
+    let made_there = rebuilt.masks();
     assert!(dark(&made_there) > 100);
-    for is_told in [true, false] {
+    for is_reported in [true, false] {
         let mut kept = World::new(START, FEW_REDRAWS, &THREE_PLACES, &FOUR_LAMPS);
         for _ in 0..10 {
             kept.frame();
         }
         assert!(kept.walk());
-        kept.hop(is_told);
+        kept.hop(is_reported);
         kept.frame();
         let waiting = kept.set.report().waiting;
-        let other = differing(&kept.masks(), &made_there);
-        assert_eq!((waiting > 0, other > 0), (!is_told, !is_told), "{other}");
+        let other = count_differing(&kept.masks(), &made_there);
+        assert_eq!(
+            (waiting > 0, other > 0),
+            (!is_reported, !is_reported),
+            "{other}"
+        );
         // Nothing is redrawn after the hop has finished.
         for _ in 0..10 {
             kept.frame();
         }
         assert_eq!(kept.set.report().redrawn, 0);
-        assert_eq!(differing(&kept.masks(), &made_there), 0);
+        assert_eq!(count_differing(&kept.masks(), &made_there), 0);
     }
 }
 
@@ -295,12 +304,12 @@ fn no_light_waits_after_a_hop() {
 #[test]
 fn casters_that_were_still_stay_still() {
     let mut bytes = Vec::new();
-    for is_told in [true, false] {
+    for is_reported in [true, false] {
         let lamps = &FOUR_LAMPS[..1];
         let mut kept = World::new(START, SetBudget::default(), &THREE_PLACES, lamps);
         kept.frame();
         assert!(kept.walk());
-        kept.hop(is_told);
+        kept.hop(is_reported);
         kept.frame();
         // Move one caster by itself.
         let (id, placed) = &mut kept.casters[0];

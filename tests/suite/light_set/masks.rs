@@ -59,12 +59,12 @@ fn masks_are_what_the_forward_renderer_sees() {
     let lights = PLACES.map(|x| stage.light(x, 1.0));
     stage.frame();
     // Skip the light in the middle, and use another order than that of their indices.
-    let asked = [lights[2], lights[0]];
-    let expected = asked.map(|id| forward(&stage.program, &stage.set, id));
+    let requested = [lights[2], lights[0]];
+    let expected = requested.map(|id| forward(&stage.program, &stage.set, id));
     assert!(expected.iter().all(|mask| mask.iter().any(|&v| v < 1.0)));
     assert_ne!(expected[0], expected[1]);
     let seen = MaskReceivers::Positions(stage.program.gbuffer());
-    let found = masks(&stage.program, &mut stage.set, seen, &asked);
+    let found = masks(&stage.program, &mut stage.set, seen, &requested);
     assert_eq!(found, expected);
 }
 
@@ -126,7 +126,7 @@ impl ShadowTechnique for Broken {
 /// Errors of the compiler are returned at once or on request, and the set continues without the
 /// light that caused them.
 #[test]
-fn errors_of_the_compiler_are_told_at_once_or_later() {
+fn errors_of_the_compiler_are_reported_at_once_or_later() {
     for when in [ApiErrors::AtOnce, ApiErrors::Later] {
         let mut stage = Stage::new(SetBudget::default(), &PLACES);
         let options = LightSetOptions {
@@ -150,11 +150,11 @@ fn errors_of_the_compiler_are_told_at_once_or_later() {
             format: MaskFormat::Unorm8,
         };
         let queue = &stage.program.d.queue;
-        let told = stage.set.prepare_masks(queue, &inputs).err();
-        let asked = stage.set.take_error();
+        let reported = stage.set.prepare_masks(queue, &inputs).err();
+        let requested = stage.set.take_error();
         let (error, other) = match when {
-            ApiErrors::AtOnce => (told, asked),
-            ApiErrors::Later => (asked, told),
+            ApiErrors::AtOnce => (reported, requested),
+            ApiErrors::Later => (requested, reported),
         };
         assert_eq!(other.map(|e| e.to_string()), None, "{when:?}");
         let text = error.expect("a name is unknown").to_string();
@@ -258,7 +258,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
         stage.set.set_technique(light, moved).expect("is there");
     }
     stage.frame();
-    let camera = camera(0.5).resized(UVec2::new(160, 120));
+    let camera = camera(0.5).with_size(UVec2::new(160, 120));
     let floor = SeenFloor::new(&camera);
     let up = vec![Vec3::Y.extend(0.0).to_array(); floor.positions.len()];
     let ids = vec![u32::MAX; floor.positions.len()];
@@ -297,9 +297,9 @@ fn masks_come_from_depth_and_normals_of_any_format() {
         );
     }
     // Negative control: another camera's matrix results in other positions.
-    let camera_beside = umbrage_tests::light_stage::camera(1.5);
+    let shifted_camera = umbrage_tests::light_stage::camera(1.5);
     let wrong = DepthBuffer {
-        world_from_clip: SeenFloor::new(&camera_beside).world_from_clip,
+        world_from_clip: SeenFloor::new(&shifted_camera).world_from_clip,
         ..depth
     };
     let seen = MaskReceivers::Depth {

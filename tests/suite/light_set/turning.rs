@@ -44,7 +44,7 @@ fn turn_around(fit: Fit) -> [u64; 2] {
     let (mut stage, sun) = stage(fit);
     stage.camera = camera(0.0);
     assert_eq!(stage.frame().redrawn, 3);
-    let before = stage.shadowed(sun);
+    let before = stage.shadowed_pixels(sun);
     let mut total = [0, 0];
     for step in 1..=24 {
         stage.camera = camera(step as f32 * std::f32::consts::TAU / 24.0);
@@ -53,7 +53,7 @@ fn turn_around(fit: Fit) -> [u64; 2] {
         total[0] += u64::from(report.redrawn);
         total[1] += report.uploaded;
     }
-    assert!(before > 20 && before == stage.shadowed(sun));
+    assert!(before > 20 && before == stage.shadowed_pixels(sun));
     total
 }
 

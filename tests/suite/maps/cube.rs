@@ -5,7 +5,7 @@
 //! constant within the kernel's radius, plus two texels, around it: an error that no true shadow
 //! edge explains.
 
-use super::Case;
+use super::MapCase;
 use glam::{UVec2, Vec2, Vec3};
 use umbrage_core::{
     Backend, Camera, Instance, Layout, Mesh, Recipe, Scene, ShadowTechnique,
@@ -51,7 +51,7 @@ struct OnFace {
 impl OnFace {
     /// Computes the position. Texels are those of faces of exactly 90 degrees; true ones are
     /// slightly larger.
-    fn of(d: Vec3) -> Self {
+    fn of_direction(d: Vec3) -> Self {
         let unit = [Vec3::X, Vec3::Y, Vec3::Z];
         let major = (0..3)
             .max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs()))
@@ -76,23 +76,23 @@ impl OnFace {
     }
 
     /// Returns the ray from the light through a position `step` texels away from this one.
-    fn beside(&self, step: Vec2) -> Vec3 {
+    fn ray_at_offset(&self, step: Vec2) -> Vec3 {
         let t = (self.texel + step) / (SIZE as f32 / 2.0);
         (self.axes[0] + self.axes[1] * t.x + self.axes[2] * t.y) * self.distance
     }
 }
 
-fn lamp(case: &Case) -> Vec3 {
+fn lamp(case: &MapCase) -> Vec3 {
     case.light().position().expect("a light with a position")
 }
 
-fn on_face(case: &Case, pixel: usize) -> OnFace {
-    OnFace::of(case.truth.receivers.position(pixel) - lamp(case))
+fn on_face(case: &MapCase, pixel: usize) -> OnFace {
+    OnFace::of_direction(case.truth.receivers.position(pixel) - lamp(case))
 }
 
 /// Reports whether the reference changes within `texels` around a pixel, on the plane of its
 /// surface.
-fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
+fn near_edge(case: &MapCase, pixel: usize, texels: f32) -> bool {
     let lamp = lamp(case);
     let receivers = &case.truth.receivers;
     let p = receivers.position(pixel);
@@ -102,7 +102,7 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
         (0..24).map(move |k| (ring as f32 / 8.0, k as f32 * std::f32::consts::TAU / 24.0))
     });
     let rays = rings.map(|(r, turn)| {
-        face.beside(Vec2::from_angle(turn) * r * texels * std::f32::consts::SQRT_2)
+        face.ray_at_offset(Vec2::from_angle(turn) * r * texels * std::f32::consts::SQRT_2)
     });
     let on_plane = rays.map(|ray| lamp + ray * ((p - lamp).dot(n) / ray.dot(n)));
     let points: Vec<ReceiverPoint> = on_plane
@@ -123,17 +123,17 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
 }
 
 /// Wrong pixels in the seam band and elsewhere.
-fn false_pixels(case: &Case, mask: &[f32]) -> [Vec<usize>; 2] {
+fn false_pixels(case: &MapCase, mask: &[f32]) -> [Vec<usize>; 2] {
     let wrong = |&i: &usize| (mask[i] - case.truth.visibility[i]).abs() > ERROR_THRESHOLD;
     let (band, elsewhere) = case
-        .counted()
+        .counted_pixels()
         .filter(wrong)
         .partition(|&i| on_face(case, i).to_edge() <= 2.0);
     [band, elsewhere]
 }
 
 /// Unexplained pixels in the seam band and elsewhere.
-fn unexplained(case: &Case, mask: &[f32], reach: f32) -> [usize; 2] {
+fn unexplained_pixels(case: &MapCase, mask: &[f32], reach: f32) -> [usize; 2] {
     false_pixels(case, mask).map(|wrong| {
         wrong
             .into_iter()
@@ -143,17 +143,17 @@ fn unexplained(case: &Case, mask: &[f32], reach: f32) -> [usize; 2] {
 }
 
 /// Evaluated pixels in the seam band.
-fn band(case: &Case) -> usize {
-    case.counted()
+fn band(case: &MapCase) -> usize {
+    case.counted_pixels()
         .filter(|&i| on_face(case, i).to_edge() <= 2.0)
         .count()
 }
 
 #[test]
 fn faces_meet_without_seams() {
-    let case = Case::named("lamp-in-room");
+    let case = MapCase::with_name("lamp-in-room");
     let shadowed = case
-        .counted()
+        .counted_pixels()
         .filter(|&i| on_face(&case, i).to_edge() <= 2.0 && case.truth.visibility[i] == 0.0);
     assert!(
         band(&case) > 400 && shadowed.count() > 40,
@@ -163,7 +163,7 @@ fn faces_meet_without_seams() {
     for (technique, reach) in techniques() {
         let mask = case.mask(&technique);
         assert_eq!(
-            unexplained(&case, &mask, reach),
+            unexplained_pixels(&case, &mask, reach),
             [0, 0],
             "{} {}",
             technique.name(),
@@ -172,7 +172,7 @@ fn faces_meet_without_seams() {
     }
 }
 
-fn render(case: &Case, recipe: &Recipe) -> Vec<f32> {
+fn render(case: &MapCase, recipe: &Recipe) -> Vec<f32> {
     Cpu::new()
         .render(&case.view(), recipe)
         .expect("renders")
@@ -182,20 +182,22 @@ fn render(case: &Case, recipe: &Recipe) -> Vec<f32> {
 /// Negative control: a face that is turned by a few texels must be detected as a seam.
 #[test]
 fn a_turned_face_is_caught() {
-    let case = Case::named("lamp-in-room");
+    let case = MapCase::with_name("lamp-in-room");
     let technique = Hard {}.on(map(Bias::NORMAL_OFFSET));
     let mut recipe = technique.recipe(&case.view()).expect("cubes serve bulbs");
     for cast in &mut recipe.casts {
-        cast.space = cast.space.nudged(Vec2::splat(6.0), 0.0, UVec2::splat(SIZE));
+        cast.space = cast
+            .space
+            .nudge_by(Vec2::splat(6.0), 0.0, UVec2::splat(SIZE));
     }
-    let [count, _] = unexplained(&case, &render(&case, &recipe), 0.5);
+    let [count, _] = unexplained_pixels(&case, &render(&case, &recipe), 0.5);
     assert!(count > 5, "only {count} pixels show the turned faces");
 }
 
 /// Only faces with casters and visible receivers are drawn, and each of them matters.
 #[test]
 fn faces_are_drawn_if_they_are_needed() {
-    let case = Case::of(one_octant());
+    let case = MapCase::of_scene(one_octant());
     let recipe = Hard {}
         .on(map(Bias::NORMAL_OFFSET))
         .recipe(&case.view())
@@ -271,6 +273,6 @@ fn one_octant() -> Scene {
 
 #[test]
 fn unseen_pixels_do_not_count() {
-    let case = Case::of(one_octant());
-    assert!(case.truth.pixels.contains(&Pixel::Empty) && case.counted().count() > 1000);
+    let case = MapCase::of_scene(one_octant());
+    assert!(case.truth.pixels.contains(&Pixel::Empty) && case.counted_pixels().count() > 1000);
 }

@@ -1,6 +1,6 @@
 //! Tests of the effect of coarse and packed depth.
 
-use super::Case;
+use super::MapCase;
 use umbrage_core::{Backend, Extents, Fit, Light, RasterBias, ShadowTechnique};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, MapFormat, MapTechnique, ShadowMap};
@@ -19,7 +19,7 @@ fn hard(format: MapFormat, constant: f32, fit: Fit) -> MapTechnique<Hard> {
 
 /// The sun's tight fit around far-range, with its depth range extended by `factor` in front of the
 /// first caster and behind the last receiver.
-fn stretched(case: &Case, factor: f32) -> Fit {
+fn stretched_fit(case: &MapCase, factor: f32) -> Fit {
     let bounds = case.geometry.bounds();
     let reach = (bounds.max - bounds.min).length() * 0.5;
     let center = bounds.center();
@@ -51,10 +51,10 @@ const TAKEN_BACK: RasterBias = RasterBias {
     clamp: 0.0,
 };
 
-fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
+fn false_shadow(case: &MapCase, format: MapFormat, factor: f32) -> f64 {
     let map = ShadowMap {
         format,
-        fit: stretched(case, factor),
+        fit: stretched_fit(case, factor),
         bias: FOR_FLOATS,
         ..ShadowMap::default()
     };
@@ -65,7 +65,7 @@ fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
 /// the receiver's plane doesn't cover them. Floats have sufficient precision, packed or not.
 #[test]
 fn sixteen_bits_grow_acne_with_range() {
-    let case = Case::named("far-range");
+    let case = MapCase::with_name("far-range");
     for factor in [1.0, 4.0, 16.0] {
         let shares = [MapFormat::Depth32, MapFormat::Rgba8, MapFormat::Depth16]
             .map(|f| false_shadow(&case, f, factor));
@@ -81,8 +81,8 @@ fn sixteen_bits_grow_acne_with_range() {
 /// Packing keeps every bit of depths from 1/256 on, so not one comparison changes.
 #[test]
 fn packed_depth_is_depth() {
-    let case = Case::named("far-range");
-    let technique = |format| hard(format, 1e-4, stretched(&case, 2.0));
+    let case = MapCase::with_name("far-range");
+    let technique = |format| hard(format, 1e-4, stretched_fit(&case, 2.0));
     let mut recipe = technique(MapFormat::Depth32)
         .recipe(&case.view())
         .expect("serves the sun");

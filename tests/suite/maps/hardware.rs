@@ -1,6 +1,6 @@
 //! Tests of comparison samplers on a device: `pcf_hardware` and `pcf_merged`.
 
-use super::Case;
+use super::MapCase;
 use umbrage_core::{Backend, RecipeError, ShadowTechnique, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
@@ -46,10 +46,10 @@ fn techniques() -> Vec<TechniquePreset> {
 }
 
 /// A built-in scene in a small image, since there are many kernels.
-fn small(name: &str) -> Case {
+fn small(name: &str) -> MapCase {
     let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
     scene.cameras[0].size = glam::UVec2::new(96, 72);
-    Case::of(scene)
+    MapCase::of_scene(scene)
 }
 
 /// On the pinned driver, both halves are bit-equal. Elsewhere, lookups into the same map differ in
@@ -57,7 +57,7 @@ fn small(name: &str) -> Case {
 #[test]
 fn both_halves_agree() {
     let mut faults = Vec::new();
-    let mut played = 0;
+    let mut rendered = 0;
     let mut refused = 0;
     for name in ["figure", "lamp-in-room"] {
         let case = small(name);
@@ -93,19 +93,19 @@ fn both_halves_agree() {
                     cpu.mask.len()
                 ));
             }
-            played += 1;
+            rendered += 1;
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     // Every kernel is larger than a cube's face of one texel.
-    assert_eq!((played, refused), (2 * 6 * 7 - 7, 7));
+    assert_eq!((rendered, refused), (2 * 6 * 7 - 7, 7));
 }
 
 /// Negative control: the comparison must detect a different kernel. The GPU's filter is one texel
 /// wider here.
 #[test]
 fn another_kernel_is_caught() {
-    let case = Case::named("figure");
+    let case = MapCase::with_name("figure");
     let map = ShadowMap {
         size: 200,
         ..ShadowMap::default()
@@ -135,7 +135,7 @@ fn another_kernel_is_caught() {
 /// one comparison, and steps vanish.
 #[test]
 fn blended_edges_are_closer_to_truth() {
-    let case = Case::named("figure");
+    let case = MapCase::with_name("figure");
     let map = |samples: u32| {
         let bias = Bias::normal_offset(PcfHardware::reach(samples));
         ShadowMap {
@@ -159,7 +159,7 @@ fn blended_edges_are_closer_to_truth() {
 
 #[test]
 fn maps_that_hold_no_depth_are_not_supported() {
-    let case = Case::named("figure");
+    let case = MapCase::with_name("figure");
     for map in [
         ShadowMap {
             format: MapFormat::Rgba8,

@@ -1,6 +1,6 @@
 //! Tests of second depth and midpoints against constant biases, and of their failures.
 
-use super::Case;
+use super::MapCase;
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{
     Bias, Hard, MapFilter as _, MapTechnique, Midpoint, SecondDepth, ShadowMap,
@@ -23,7 +23,7 @@ fn second_depth() -> MapTechnique<SecondDepth> {
 }
 
 /// Returns the fraction of wrong pixels, summed over the scenes.
-fn wrong(cases: &[Case], technique: &dyn ShadowTechnique) -> f64 {
+fn wrong(cases: &[MapCase], technique: &dyn ShadowTechnique) -> f64 {
     cases.iter().map(|case| case.errors(technique).mean).sum()
 }
 
@@ -37,7 +37,7 @@ fn every_constant_is_worse_on_closed_meshes() {
         "c2-sphere-sun",
         "c3-sphere-bulb",
     ]
-    .map(Case::named);
+    .map(MapCase::with_name);
     let midpoint = wrong(&cases, &midpoint());
     let second = wrong(&cases, &second_depth());
     for i in 0..=40 {
@@ -60,7 +60,7 @@ fn every_constant_is_worse_on_closed_meshes() {
 /// them.
 #[test]
 fn open_meshes_defeat_both() {
-    let case = [Case::named("open-shells")];
+    let case = [MapCase::with_name("open-shells")];
     let hard = wrong(&case, &Hard {}.on(map(Bias::ADAPTIVE)));
     let bare = Midpoint { radius: 0 }.on(map(Bias::NONE));
     let second = wrong(&case, &second_depth());
@@ -75,7 +75,7 @@ fn open_meshes_defeat_both() {
 /// sides.
 #[test]
 fn thin_walls_leak_by_second_depth() {
-    let case = Case::named("sealed-room");
+    let case = MapCase::with_name("sealed-room");
     let light = |technique: &dyn ShadowTechnique| case.errors(technique).false_light;
     assert!(light(&second_depth()) > 0.0);
     assert_eq!(

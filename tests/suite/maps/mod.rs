@@ -15,19 +15,19 @@ use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::find;
 
 /// A scene with its reference.
-struct Case {
+struct MapCase {
     scene: Scene,
     geometry: Geometry,
     truth: Truth,
 }
 
-impl Case {
+impl MapCase {
     /// Returns a built-in scene.
-    fn named(name: &str) -> Self {
-        Self::of((find(name).expect("a built-in scene").build)())
+    fn with_name(name: &str) -> Self {
+        Self::of_scene((find(name).expect("a built-in scene").build)())
     }
 
-    fn of(scene: Scene) -> Self {
+    fn of_scene(scene: Scene) -> Self {
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let options = TruthOptions {
             samples: 64,
@@ -81,7 +81,7 @@ impl Case {
     }
 
     /// Returns the evaluated pixels.
-    fn counted(&self) -> impl Iterator<Item = usize> + '_ {
+    fn counted_pixels(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.pixels.len()).filter(|&i| self.truth.pixels[i] == Pixel::Counted)
     }
 }

@@ -12,7 +12,7 @@ const PANIC: i32 = 101;
 
 /// Runs a program into pipes that were closed before it started. Returns its exit status, and its
 /// error output unless that was closed, too.
-fn unread(program: &str, arguments: &[&str], errors_too: bool) -> (ExitStatus, String) {
+fn run_unread(program: &str, arguments: &[&str], errors_too: bool) -> (ExitStatus, String) {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
     let errors = if errors_too {
@@ -39,7 +39,7 @@ pub(crate) fn assert_ends_quietly(program: &str, arguments: &[&str]) {
     let read = command.args(arguments).output();
     let code = read.expect("the program starts").status.code();
     assert_eq!(code, Some(0), "{arguments:?} succeeds when it is read");
-    let (status, errors) = unread(program, arguments, false);
+    let (status, errors) = run_unread(program, arguments, false);
     assert_eq!(errors, "", "{arguments:?}");
     // The write failed, and the program noticed it.
     assert_eq!(status.code(), Some(CLOSED_PIPE), "{arguments:?}");
@@ -47,13 +47,13 @@ pub(crate) fn assert_ends_quietly(program: &str, arguments: &[&str]) {
 
 /// Panics if the program prints an error when its help is not read.
 pub(crate) fn assert_help_does_not_panic(program: &str, arguments: &[&str]) {
-    let (_, errors) = unread(program, arguments, false);
+    let (_, errors) = run_unread(program, arguments, false);
     assert_eq!(errors, "", "{arguments:?}");
 }
 
 /// Panics unless the program fails without a panic when its errors are not read.
 pub(crate) fn assert_fails_without_panic(program: &str, arguments: &[&str]) {
-    let (status, _) = unread(program, arguments, true);
+    let (status, _) = run_unread(program, arguments, true);
     let failed = matches!(status.code(), Some(code) if code != PANIC && code != 0);
     assert!(failed, "{arguments:?}: {status}");
 }

@@ -1,6 +1,6 @@
 //! Finds or installs a graphics adapter.
 
-use crate::run::{beside, run, spell};
+use crate::run::{run, sibling_program, spell};
 use anyhow::{Context as _, Result, bail};
 use std::{fs, process::Command};
 
@@ -14,14 +14,14 @@ pub(crate) fn find() -> Result<Option<String>> {
 
 /// Checks that the tests' adapter is the driver with the promised bits.
 pub(crate) fn check_pinned() -> Result<()> {
-    let mut program = beside("adapter")?;
+    let mut program = sibling_program("adapter")?;
     run(with_runtime_dir(program.arg("--pinned"))?)
         .context("bits can't be compared on this driver: install Mesa 22.3.6 (Debian 12), or omit --pinned-driver")
 }
 
 /// Returns the name of the tests' adapter in an environment that `prepare` sets up.
 pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<String>> {
-    let mut program = beside("adapter")?;
+    let mut program = sibling_program("adapter")?;
     prepare(&mut program);
     let output = with_runtime_dir(&mut program)?
         .output()

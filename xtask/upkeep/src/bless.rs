@@ -2,7 +2,7 @@
 
 use crate::{
     cli::BlessOptions,
-    run::{Usage, beside, cargo, run},
+    run::{Usage, cargo, run, sibling_program},
 };
 use anyhow::{Result, bail};
 
@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 /// so that both share their dependencies.
 pub(crate) fn bless(options: &BlessOptions) -> Result<()> {
     run(cargo().args(["build", "--bin", "bless"]))?;
-    let mut command = beside("bless")?;
+    let mut command = sibling_program("bless")?;
     if options.all {
         command.arg("--all");
     } else {

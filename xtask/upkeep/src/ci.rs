@@ -143,7 +143,7 @@ struct Packed {
 
 /// Packs all published packages, and unpacks each into a folder inside `folder`.
 fn pack(folder: &Path) -> Result<Vec<Packed>> {
-    let published = published()?;
+    let published = published_packages()?;
     let mut command = cargo();
     // Uncommitted changes may be packed, too. `check_packed` verifies the packed files.
     command.args(["package", "--allow-dirty", "--no-verify"]);
@@ -215,7 +215,7 @@ pub(crate) struct Published {
 }
 
 /// Returns all packages without `publish = false`.
-pub(crate) fn published() -> Result<Vec<Published>> {
+pub(crate) fn published_packages() -> Result<Vec<Published>> {
     let metadata = metadata()?;
     let packages = metadata["packages"]
         .as_array()

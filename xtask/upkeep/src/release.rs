@@ -1,7 +1,7 @@
 //! Release checks in addition to `ci`: they need more programs and take longer.
 
 use crate::{
-    ci::{Step, published, run_all},
+    ci::{Step, published_packages, run_all},
     cli::{ReleaseOptions, ReleaseStep},
     run::{cargo, root, run, target_folder},
     web::build_page,
@@ -36,10 +36,10 @@ const MIRI_TESTS: [&str; 10] = [
 
 /// Runs the selected steps, or all.
 pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
-    let is_asked = |step: ReleaseStep| options.only.is_empty() || options.only.contains(&step);
+    let is_requested = |step: ReleaseStep| options.only.is_empty() || options.only.contains(&step);
     let steps = ReleaseStep::value_variants()
         .iter()
-        .filter(|&&step| is_asked(step))
+        .filter(|&&step| is_requested(step))
         .map(|&step| -> Step {
             match step {
                 ReleaseStep::OldestRust => ("oldest-rust", Box::new(oldest_rust)),
@@ -60,8 +60,8 @@ const OLDEST_RUST: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Checks that the workspace compiles with that Rust.
 fn oldest_rust() -> Result<()> {
     println!("oldest Rust in the manifest: {OLDEST_RUST}");
-    let told = cargo().arg("--version").output()?.stdout;
-    let mut check = if is_of(&String::from_utf8_lossy(&told), OLDEST_RUST) {
+    let reported = cargo().arg("--version").output()?.stdout;
+    let mut check = if is_of(&String::from_utf8_lossy(&reported), OLDEST_RUST) {
         println!("it is the running toolchain");
         cargo()
     } else {
@@ -83,8 +83,8 @@ fn oldest_rust() -> Result<()> {
 
 /// Reports whether `cargo --version` printed a version, such as 1.95, or a patch of it, such as
 /// 1.95.1, but no pre-release, such as 1.95.0-nightly.
-fn is_of(told: &str, version: &str) -> bool {
-    let number = told.strip_prefix("cargo ").unwrap_or_default();
+fn is_of(reported: &str, version: &str) -> bool {
+    let number = reported.strip_prefix("cargo ").unwrap_or_default();
     let number = number.split_whitespace().next().unwrap_or_default();
     let rest = number.strip_prefix(version);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.')) && !number.contains('-')
@@ -112,7 +112,7 @@ fn versions() -> Result<()> {
     needs("semver-checks", "cargo-semver-checks")?;
     let mut check = cargo();
     check.args(["semver-checks", "--baseline-rev", &tag]);
-    for package in published()? {
+    for package in published_packages()? {
         check.args(["--package", &package.name]);
     }
     run(&mut check)
@@ -151,7 +151,7 @@ fn miri() -> Result<()> {
 fn publish() -> Result<()> {
     let mut command = cargo();
     command.args(["publish", "--dry-run"]);
-    for package in published()? {
+    for package in published_packages()? {
         command.args(["--package", &package.name]);
     }
     run(&mut command)

@@ -49,7 +49,7 @@ pub(crate) fn target_folder() -> Result<PathBuf> {
 }
 
 /// Returns a command of one of our programs, which cargo has built next to this one.
-pub(crate) fn beside(name: &str) -> Result<Command> {
+pub(crate) fn sibling_program(name: &str) -> Result<Command> {
     let program = std::env::current_exe().context("the path of this program is unknown")?;
     Ok(Command::new(program.with_file_name(format!(
         "{name}{}",

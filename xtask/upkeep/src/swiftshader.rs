@@ -31,7 +31,7 @@ pub(crate) struct SwiftShader {
 
 impl SwiftShader {
     /// Returns the driver that an earlier run has unpacked; `None` if there is none.
-    pub(crate) fn unpacked() -> Result<Option<Self>> {
+    pub(crate) fn unpacked_driver() -> Result<Option<Self>> {
         let folder = folder()?;
         if !folder.join(LIBRARY).exists() {
             return Ok(None);

@@ -43,7 +43,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         command.env("UMBRAGE_PINNED_DRIVER", "required");
     }
     let totals = run_tests(command.args(&options.arguments))?;
-    let mut failed = told(&totals, start, &adapter);
+    let mut failed = print_totals(&totals, start, &adapter);
     // Run the tests that compare backends on the second driver.
     if let Some(driver) = second {
         println!("testing on SwiftShader");
@@ -54,12 +54,12 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
             command.env(NTH_CASE, TENTH);
         }
         let totals = run_tests(&mut command)?;
-        failed += told(&totals, start, "SwiftShader");
+        failed += print_totals(&totals, start, "SwiftShader");
         // Filters that match no test are a failure, too.
         failed += usize::from(totals.passed == 0);
     }
     // Run some tests under each model of a driver.
-    if plays_second_driver(options) {
+    if runs_second_driver(options) {
         for model in DRIVER_MODELS {
             failed += test_under(model, options.drivers, &adapter)?;
         }
@@ -74,7 +74,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
 /// Builds the tests, and meanwhile fetches the packages of drivers to install: building uses the
 /// cores, and fetching the network.
 fn build_and_fetch(options: &TestOptions) -> Result<()> {
-    let fetch_second = plays_second_driver(options) && options.install_driver;
+    let fetch_second = runs_second_driver(options) && options.install_driver;
     std::thread::scope(|scope| {
         let fetching = scope.spawn(|| {
             // One after the other: apt-get runs once at a time.
@@ -96,7 +96,7 @@ fn build_and_fetch(options: &TestOptions) -> Result<()> {
 }
 
 /// Reports whether some tests run again on the second driver: unless the user selected tests.
-const fn plays_second_driver(options: &TestOptions) -> bool {
+const fn runs_second_driver(options: &TestOptions) -> bool {
     options.arguments.is_empty()
 }
 
@@ -151,17 +151,17 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     let name = adapter.split(" (").next().unwrap_or(adapter);
     command.env("WGPU_ADAPTER_NAME", name);
     let totals = run_tests(&mut command)?;
-    let failed = told(&totals, start, &format!("{adapter}, {model}"));
+    let failed = print_totals(&totals, start, &format!("{adapter}, {model}"));
     Ok(failed + usize::from(totals.passed == 0))
 }
 
 /// Returns the driver on which some tests run again, and prints a message if it is missing. `None`
 /// if the user selected tests.
 fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
-    if !plays_second_driver(options) {
+    if !runs_second_driver(options) {
         return Ok(None);
     }
-    let there = SwiftShader::unpacked()?;
+    let there = SwiftShader::unpacked_driver()?;
     if there.is_none() {
         println!(
             "no tests on SwiftShader, a second driver with other rounding: {}",
@@ -172,7 +172,7 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
 }
 
 /// Prints the result of tests, and returns the number of failures.
-fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
+fn print_totals(totals: &Totals, start: Instant, adapter: &str) -> usize {
     let minutes = start.elapsed().as_secs_f64() / 60.0;
     let verdict = if totals.good { "passed" } else { "FAILED" };
     println!(

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_are_told_with_and_without_a_letter() {
+    fn versions_are_reported_with_and_without_a_letter() {
         assert!(names_version("wasm-bindgen 0.2.130\n", "0.2.130"));
         assert!(names_version("mdbook v0.5.4\n", "0.5.4"));
         assert!(!names_version("mdbook v0.5.40\n", "0.5.4"));

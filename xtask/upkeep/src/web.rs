@@ -155,11 +155,11 @@ fn print_sizes(out: &Path) -> Result<()> {
         let bytes = fs::metadata(&file)
             .with_context(|| format!("cannot read {}", file.display()))?
             .len();
-        let small = compressed(&file);
+        let small = compressed_bytes(&file);
         sum = sum.zip(small).map(|(sum, small)| sum + small);
-        table.add_row([name, &bytes.to_string(), &told(small)]);
+        table.add_row([name, &bytes.to_string(), &bytes_label(small)]);
     }
-    table.add_row(["all", "", &told(sum)]);
+    table.add_row(["all", "", &bytes_label(sum)]);
     println!("{table}");
     match sum {
         Some(sum) if sum > MOST_COMPRESSED => bail!(
@@ -170,12 +170,12 @@ fn print_sizes(out: &Path) -> Result<()> {
     }
 }
 
-fn told(bytes: Option<u64>) -> String {
+fn bytes_label(bytes: Option<u64>) -> String {
     bytes.map_or("gzip is missing".to_owned(), |bytes| bytes.to_string())
 }
 
 /// Returns the compressed size of a file as servers send it, bytes; `None` without `gzip`.
-fn compressed(file: &Path) -> Option<u64> {
+fn compressed_bytes(file: &Path) -> Option<u64> {
     let mut gzip = Command::new("gzip");
     gzip.args(["-9", "-c"]).arg(file).stderr(Stdio::null());
     let output = gzip.output().ok()?;

@@ -52,7 +52,7 @@ impl<'a> SeenPoints<'a> {
     }
 
     /// Returns the points within a slice of a camera's view.
-    pub(crate) fn within(&self, slice: SliceOfView) -> Self {
+    pub(crate) fn within_slice(&self, slice: SliceOfView) -> Self {
         let unboxed = Self {
             slice: Some(slice),
             ..self.clone()
@@ -71,7 +71,7 @@ impl<'a> SeenPoints<'a> {
             boxes[(tile.start / RUN) as usize] = if slice.holds_all_of(&block.bounds) {
                 block.bounds
             } else {
-                Aabb::around(unboxed.points_in(tile))
+                Aabb::from_points(unboxed.points_in(tile))
             };
         }
         Self {
@@ -121,7 +121,7 @@ fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
     // Handle tiles at the border of the image point by point.
     let is_cut_off = (column + 1) * TILE > width || (row + 1) * TILE > height;
     if is_cut_off {
-        return Aabb::around(points_in(receivers, column, row));
+        return Aabb::from_points(points_in(receivers, column, row));
     }
     let first = row * TILE * width + column * TILE;
     let mut around = Aabb::EMPTY;

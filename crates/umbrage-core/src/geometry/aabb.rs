@@ -22,7 +22,7 @@ impl Aabb {
 
     /// Returns the smallest box around the points. A NaN coordinate makes the box NaN, so that
     /// [`Aabb::validate`] fails.
-    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
             .into_iter()
             .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
@@ -116,11 +116,11 @@ mod tests {
                 vec![good, good.with_x(bad), -good],
                 vec![good.with_z(bad), good],
             ] {
-                let error = Aabb::around(points).validate().unwrap_err();
+                let error = Aabb::from_points(points).validate().unwrap_err();
                 assert!(error.to_string().contains("box's m"), "{error}");
             }
         }
-        let one = Aabb::around([good, -good]);
+        let one = Aabb::from_points([good, -good]);
         let none = Aabb {
             min: Vec3::NAN,
             max: Vec3::NAN,

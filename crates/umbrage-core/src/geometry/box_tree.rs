@@ -66,7 +66,7 @@ impl BoxTree {
         let count = geometry.triangles().len() as u32;
         let box_of = |run: u32| {
             let first = run * RUN;
-            Aabb::around(geometry.vertices_of(first..(first + RUN).min(count)))
+            Aabb::from_points(geometry.vertices_of(first..(first + RUN).min(count)))
         };
         let runs = (0..count.div_ceil(RUN)).into_par_iter().map(box_of);
         Self::new(runs.collect())
@@ -88,12 +88,12 @@ impl BoxTree {
 
     /// Returns the number of entries tested one by one so far.
     #[cfg(feature = "testing")]
-    pub(crate) fn counted(&self) -> u64 {
+    pub(crate) fn box_count(&self) -> u64 {
         self.counted.load(atomic::Ordering::Relaxed)
     }
 
     /// Returns the box around the runs that contain entries of a range.
-    pub(crate) fn around(&self, entries: Range<u32>) -> Aabb {
+    pub(crate) fn enclosing_box(&self, entries: Range<u32>) -> Aabb {
         let mut all = Aabb::EMPTY;
         let mut walk = self.walk(entries.clone());
         while let Some(block) = walk.next() {
@@ -110,8 +110,8 @@ impl BoxTree {
     }
 
     /// Returns a walk over the boxes that contain entries of a range, in the order of the list.
-    pub(crate) fn walk(&self, entries: Range<u32>) -> Walk<'_> {
-        let mut walk = Walk {
+    pub(crate) fn walk(&self, entries: Range<u32>) -> BoxWalk<'_> {
+        let mut walk = BoxWalk {
             tree: self,
             entries,
             open: Vec::new(),
@@ -133,11 +133,11 @@ impl BoxTree {
     ) -> f64 {
         let mut least = f64::INFINITY;
         let mut open = BinaryHeap::new();
-        open.extend(self.root(&entries).map(|node| Candidate {
+        open.extend(self.root(&entries).map(|node| NearCandidate {
             bound: bound(&self.bounds(node)),
             node,
         }));
-        while let Some(Candidate { bound: below, node }) = open.pop() {
+        while let Some(NearCandidate { bound: below, node }) = open.pop() {
             if below >= least {
                 break;
             }
@@ -149,7 +149,7 @@ impl BoxTree {
             for child in self.children(node, &entries) {
                 let bound = bound(&self.bounds(child));
                 if bound < least {
-                    open.push(Candidate { bound, node: child });
+                    open.push(NearCandidate { bound, node: child });
                 }
             }
         }
@@ -199,14 +199,14 @@ impl BoxTree {
 
 /// A walk over the tree, which descends only into groups that the caller enters.
 #[derive(Clone, Debug)]
-pub(crate) struct Walk<'a> {
+pub(crate) struct BoxWalk<'a> {
     tree: &'a BoxTree,
     entries: Range<u32>,
     /// The boxes still to visit, the next one last.
     open: Vec<Node>,
 }
 
-impl Walk<'_> {
+impl BoxWalk<'_> {
     /// Returns the next box.
     pub(crate) fn next(&mut self) -> Option<Block> {
         let node = self.open.pop()?;
@@ -231,28 +231,28 @@ impl Walk<'_> {
 
 /// A box in the search queue.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct NearCandidate {
     bound: f64,
     node: Node,
 }
 
 /// Reversed order, because a heap pops the greatest entry first.
-impl Ord for Candidate {
+impl Ord for NearCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound)
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for NearCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for NearCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for NearCandidate {}

@@ -23,11 +23,11 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
 
     /// Returns a triangle.
     pub fn triangle(corners: [P; 3]) -> Self {
-        Self::of(corners)
+        Self::from_corners(corners)
     }
 
     /// Returns the polygon with these corners, at most `MAX`.
-    pub fn of<const COUNT: usize>(corners: [P; COUNT]) -> Self {
+    pub fn from_corners<const COUNT: usize>(corners: [P; COUNT]) -> Self {
         let mut polygon = Self::empty();
         for corner in corners {
             polygon.push(corner);

@@ -53,7 +53,7 @@ fn card(texture: Option<Texture>, repeats: f32) -> Scene {
     }
 }
 
-fn baked(scene: &Scene) -> Geometry {
+fn bake_scene(scene: &Scene) -> Geometry {
     Geometry::bake(scene).unwrap()
 }
 
@@ -62,7 +62,7 @@ fn baked(scene: &Scene) -> Geometry {
 fn rays_pass_through_clear_texels() {
     let size = UVec2::new(13, 7);
     let is_there = |x: u32, y: u32| !hash(x + 100 * y).is_multiple_of(3);
-    let g = baked(&card(Some(texture(size, is_there)), 2.5));
+    let g = bake_scene(&card(Some(texture(size, is_there)), 2.5));
     let mut random = Random(3);
     let mut passed = 0;
     let mut met = 0;
@@ -86,7 +86,7 @@ fn rays_pass_through_clear_texels() {
             continue;
         }
         let expected = is_there(texel.x, texel.y);
-        assert_eq!(g.bvh().occluded(o, d, u32::MAX), expected, "{place}");
+        assert_eq!(g.bvh().is_occluded(o, d, u32::MAX), expected, "{place}");
         let nearest = g.bvh().nearest(&g, o, d, u32::MAX);
         assert_eq!(nearest.is_some(), expected, "{place}");
         if expected {
@@ -106,13 +106,13 @@ fn what_is_behind_a_hole_is_hit() {
         material: None,
         ..Instance::new(0, Affine3A::from_translation(Vec3::Z * 5.0))
     });
-    let g = baked(&scene);
+    let g = bake_scene(&scene);
     let o = Vec3::new(1.5, 1.0, -3.0);
     // The alpha-tested card comes first in the list, and is passed at z = 0.75.
     assert_eq!(g.cut_outs().unwrap().runs(), &[0..2, 4..4]);
     let met = g.bvh().nearest(&g, o, Vec3::Z * 10.0, u32::MAX).unwrap();
     assert!((met - 0.875).abs() < 1e-6, "{met}");
-    assert!(!g.bvh().occluded(o, Vec3::Z * 5.0, u32::MAX));
+    assert!(!g.bvh().is_occluded(o, Vec3::Z * 5.0, u32::MAX));
 }
 
 /// A texture without visible holes behaves like no alpha texture, and a clear texture like no
@@ -121,9 +121,9 @@ fn what_is_behind_a_hole_is_hit() {
 fn textures_without_holes_and_without_anything() {
     // The card shows three quarters of the texture's width, and the hole is in its last fifth.
     let is_shown = |x: u32, _: u32| x < 4;
-    let full = baked(&card(Some(texture(UVec2::splat(5), is_shown)), 0.75));
-    let clear = baked(&card(Some(texture(UVec2::splat(3), |_, _| false)), 1.0));
-    let plain = baked(&card(None, 1.0));
+    let full = bake_scene(&card(Some(texture(UVec2::splat(5), is_shown)), 0.75));
+    let clear = bake_scene(&card(Some(texture(UVec2::splat(3), |_, _| false)), 1.0));
+    let plain = bake_scene(&card(None, 1.0));
     assert!(plain.cut_outs().is_none() && !plain.has_cut_out_casters());
     assert!(full.has_cut_out_casters());
     assert!(!full.without_casters().has_cut_out_casters());
@@ -132,9 +132,9 @@ fn textures_without_holes_and_without_anything() {
     for _ in 0..4000 {
         let o = random.vector() * 4.0;
         let d = random.vector() * 8.0;
-        let expected = plain.bvh().occluded(o, d, u32::MAX);
-        assert_eq!(full.bvh().occluded(o, d, u32::MAX), expected);
-        assert!(!clear.bvh().occluded(o, d, u32::MAX));
+        let expected = plain.bvh().is_occluded(o, d, u32::MAX);
+        assert_eq!(full.bvh().is_occluded(o, d, u32::MAX), expected);
+        assert!(!clear.bvh().is_occluded(o, d, u32::MAX));
         hits += u32::from(expected);
     }
     assert!(hits > 100, "{hits}");
@@ -157,7 +157,7 @@ fn textures_without_a_hole_cut_nothing_out() {
         // A material without an alpha texture precedes it in the list.
         scene.materials.insert(0, Material::default());
         scene.instances[0].material = Some(1);
-        let geometry = baked(&scene);
+        let geometry = bake_scene(&scene);
         assert_eq!(geometry.has_holes(0), geometry.has_cut_out_casters());
         assert_eq!(geometry.has_holes(0), geometry.cut_outs().is_some());
         geometry.has_holes(0)
@@ -175,7 +175,7 @@ fn textures_without_a_hole_cut_nothing_out() {
 /// `is_hole_around` considers all texels in the box.
 #[test]
 fn what_is_around_a_point() {
-    let g = baked(&card(Some(texture(UVec2::splat(2), |x, y| x == y)), 1.0));
+    let g = bake_scene(&card(Some(texture(UVec2::splat(2), |x, y| x == y)), 1.0));
     let cut_outs = g.cut_outs().unwrap();
     // Corner b of the first triangle is at the right and the bottom: texel (1, 1).
     let near_b = [[0.1, 0.8, 0.1], [0.05, 0.9, 0.05]];
@@ -219,7 +219,7 @@ fn textures_are_kept_once_for_each_cut_off() {
         let mut second = scene.instances[0];
         second.material = Some(1);
         scene.instances.push(second);
-        let g = baked(&scene);
+        let g = bake_scene(&scene);
         (g.cut_outs().unwrap().rows().len(), g.fingerprint())
     };
     // One row, two for each of four triangles, and 200 bits in two rows of 128.
@@ -230,7 +230,7 @@ fn textures_are_kept_once_for_each_cut_off() {
 
 #[test]
 fn tables_are_read_back_and_spoilt_ones_refused() {
-    let g = baked(&card(Some(texture(UVec2::splat(12), |x, y| x > y)), 1.0));
+    let g = bake_scene(&card(Some(texture(UVec2::splat(12), |x, y| x > y)), 1.0));
     let rows = g.cut_outs().unwrap().rows().to_vec();
     let read = CutOuts::from_rows(&rows, &[], 2).unwrap();
     assert_eq!(read.as_deref(), g.cut_outs().map(|c| &**c));

@@ -21,7 +21,7 @@ const MAX_COMPARED: usize = 64;
 
 /// Returns the mesh of a valid scene's instance, displaced if its material requires it. `baked` is
 /// the number of triangles that the geometry already has.
-pub(crate) fn applied<'a>(
+pub(crate) fn apply_displacement<'a>(
     scene: &'a Scene,
     instance: &Instance,
     baked: usize,
@@ -36,7 +36,7 @@ pub(crate) fn applied<'a>(
     };
     let room = MAX_SUBDIVIDED_TRIANGLES.saturating_sub(baked);
     mesh.check_subdivisions(relief.subdivisions, room)?;
-    let fine = with_normals(mesh).subdivided(relief.subdivisions)?;
+    let fine = with_normals(mesh).subdivide(relief.subdivisions)?;
     let positions = displaced_positions(&fine, &scene.textures[relief.texture], relief.lambda);
     let displaced = if material.normal_map.is_some() {
         Mesh { positions, ..fine }
@@ -54,7 +54,7 @@ impl Mesh {
     /// # Errors
     /// Errors if the mesh or the texture is invalid, the mesh has no texture coordinates, or lambda
     /// is not finite.
-    pub fn displaced(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
+    pub fn displace_mesh(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
         self.validate()?;
         heights.validate()?;
         crate::invalid::finite("lambda of the displacement", &[lambda])?;
@@ -101,7 +101,7 @@ fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3>
         let normal = unit(normal.as_dvec3());
         offsets.push(displaced(Vec3::ZERO, normal, height(heights, uv), lambda));
     }
-    // Use the exact offset for a lone vertex, so that it is bit-equal to `displaced`.
+    // Use the exact offset for a lone vertex, so that it is bit-equal to `displace_mesh`.
     let mut positions = mesh.positions.clone();
     for (position, offset) in positions.iter_mut().zip(places.shared_mean(&offsets)) {
         *position += offset;

@@ -164,10 +164,10 @@ fn seams_do_not_tear() {
     });
     assert!(is_closed(&seamed));
     let moved = scene(seamed.clone(), waves(), 0.2, 3);
-    let applied = applied(&moved, &moved.instances[0], 0).unwrap();
+    let applied = apply_displacement(&moved, &moved.instances[0], 0).unwrap();
     assert!(is_closed(&applied));
     // Negative control: displacing each vertex alone tears the mesh.
-    let fine = seamed.subdivided(3).unwrap();
+    let fine = seamed.subdivide(3).unwrap();
     let alone = fine.positions.iter().zip(&fine.normals).zip(&fine.uvs);
     let positions = alone
         .map(|((&p, &n), &uv)| displaced(p, n, height(&moved.textures[0], uv), 0.2))
@@ -179,7 +179,7 @@ fn seams_do_not_tear() {
 fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
     let flat = texture(1, |_, _| 1.0);
     let cube = cube(|_, corner| Vec2::splat(0.2 * corner as f32));
-    let sharp = cube.displaced(&flat, 0.1).unwrap();
+    let sharp = cube.displace_mesh(&flat, 0.1).unwrap();
     for (n, old) in sharp.normals.iter().zip(&cube.normals) {
         assert!(n.distance(*old) < 1e-6, "{n} was {old}");
     }
@@ -187,7 +187,7 @@ fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
         normals: cube.positions.iter().map(|p| p.normalize()).collect(),
         ..cube
     };
-    let smooth = round.displaced(&flat, 0.1).unwrap();
+    let smooth = round.displace_mesh(&flat, 0.1).unwrap();
     for (n, p) in smooth.normals.iter().zip(&smooth.positions) {
         assert!(n.distance(p.normalize()) < 0.2, "{n} at {p}");
     }
@@ -204,7 +204,9 @@ fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
 
 #[test]
 fn meshes_without_normals_move_along_averaged_ones() {
-    let lifted = square().displaced(&texture(1, |_, _| 1.0), 0.25).unwrap();
+    let lifted = square()
+        .displace_mesh(&texture(1, |_, _| 1.0), 0.25)
+        .unwrap();
     assert!(lifted.positions.iter().all(|p| p.y == 0.25), "{lifted:?}");
 }
 
@@ -214,14 +216,18 @@ fn what_cannot_be_displaced_is_refused() {
         uvs: Vec::new(),
         ..square()
     };
-    let message = |mesh: &Mesh, lambda| mesh.displaced(&waves(), lambda).unwrap_err().to_string();
+    let message = |mesh: &Mesh, lambda| {
+        mesh.displace_mesh(&waves(), lambda)
+            .unwrap_err()
+            .to_string()
+    };
     assert!(message(&bare, 0.1).contains("has no texture coordinates"));
     assert!(message(&square(), f32::NAN).contains("holds NaN"));
     let empty = Texture {
         texels: Vec::new(),
         ..waves()
     };
-    assert!(square().displaced(&empty, 0.1).is_err());
+    assert!(square().displace_mesh(&empty, 0.1).is_err());
 }
 
 #[test]
@@ -229,13 +235,13 @@ fn too_many_triangles_are_refused_for_the_scene_as_a_whole() {
     let mut scene = scene(square(), waves(), 0.1, 3);
     let room = |triangles| MAX_SUBDIVIDED_TRIANGLES - triangles;
     assert_eq!(
-        applied(&scene, &scene.instances[0], room(128))
+        apply_displacement(&scene, &scene.instances[0], room(128))
             .unwrap()
             .triangles
             .len(),
         128
     );
-    let error = applied(&scene, &scene.instances[0], room(127))
+    let error = apply_displacement(&scene, &scene.instances[0], room(127))
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -245,7 +251,7 @@ fn too_many_triangles_are_refused_for_the_scene_as_a_whole() {
     );
     scene.materials[0].displacement = None;
     assert!(
-        applied(&scene, &scene.instances[0], room(0)).is_ok(),
+        apply_displacement(&scene, &scene.instances[0], room(0)).is_ok(),
         "a mesh that is not subdivided has no limit"
     );
 }

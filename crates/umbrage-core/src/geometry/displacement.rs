@@ -67,7 +67,7 @@ pub fn from_first_centre(t: f32, n: u32) -> f32 {
 
 /// Returns a texel's index among `n`; the one before the first is the last.
 #[inline(always)]
-fn wrapped(t: f32, n: u32) -> u32 {
+fn wrap_texel(t: f32, n: u32) -> u32 {
     if t < 0.0 { n.wrapping_sub(1) } else { t as u32 }
 }
 
@@ -76,7 +76,7 @@ fn wrapped(t: f32, n: u32) -> u32 {
 pub fn bilinear_first(uv: Vec2, size: UVec2) -> UVec2 {
     let x = from_first_centre(uv.x, size.x).floor();
     let y = from_first_centre(uv.y, size.y).floor();
-    UVec2::new(wrapped(x, size.x), wrapped(y, size.y))
+    UVec2::new(wrap_texel(x, size.x), wrap_texel(y, size.y))
 }
 
 /// Returns the texel below and to the right of `first`, repeating.

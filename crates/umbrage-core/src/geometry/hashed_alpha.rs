@@ -289,7 +289,7 @@ fn are_levels(rows: &[[u32; 4]], first: usize, size: UVec2) -> bool {
         if level.size != size || level.last != last || !ends_within {
             return false;
         }
-        size = halved(size);
+        size = half_size(size);
     }
     true
 }
@@ -300,7 +300,7 @@ fn last_level(size: UVec2) -> u32 {
 }
 
 /// Returns the size of the next level: sides are halved and rounded down, but at least 1.
-fn halved(size: UVec2) -> UVec2 {
+fn half_size(size: UVec2) -> UVec2 {
     (size / 2).max(UVec2::ONE)
 }
 
@@ -364,8 +364,8 @@ fn append_levels(rows: &mut Vec<[u32; 4]>, texture: &Texture, cutoff: f32) -> us
         if number > 0 {
             append_texels(rows, &coverages);
         }
-        let next = halved(size);
-        coverages = shrunk(&coverages, size, next);
+        let next = half_size(size);
+        coverages = shrink_coverages(&coverages, size, next);
         size = next;
         row = rows.len() as u32;
     }
@@ -385,18 +385,22 @@ fn append_texels(rows: &mut Vec<[u32; 4]>, coverages: &[f32]) {
 }
 
 /// Downsamples a level to the size of the next one. Averages by area, since sides may be odd.
-fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
+fn shrink_coverages(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
     let [width, height] = from.to_array().map(|n| n as usize);
     let columns = shares(from.x, to.x);
     let rows = shares(from.y, to.y);
     let mut narrow = Vec::with_capacity(columns.len() * height);
     for line in coverages.chunks_exact(width) {
-        narrow.extend(columns.iter().map(|shares| weighed(shares, |x| line[x])));
+        narrow.extend(
+            columns
+                .iter()
+                .map(|shares| weighted_coverage(shares, |x| line[x])),
+        );
     }
     let mut out = Vec::with_capacity(columns.len() * rows.len());
     for shares in &rows {
         for x in 0..columns.len() {
-            out.push(weighed(shares, |y| narrow[y * columns.len() + x]));
+            out.push(weighted_coverage(shares, |y| narrow[y * columns.len() + x]));
         }
     }
     out
@@ -405,7 +409,7 @@ fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
 /// Texels of a line, and the weight of each.
 type Shares = Vec<(usize, f32)>;
 
-fn weighed(shares: &Shares, coverage: impl Fn(usize) -> f32) -> f32 {
+fn weighted_coverage(shares: &Shares, coverage: impl Fn(usize) -> f32) -> f32 {
     shares.iter().map(|&(i, share)| share * coverage(i)).sum()
 }
 

@@ -18,7 +18,7 @@ const SIZE: UVec2 = UVec2::new(104, 77);
 const REPEATS: f32 = 3.0;
 
 /// Returns a texture of random texels, of which `there` in 256 are opaque.
-fn speckled(there: u32) -> Texture {
+fn speckled_texture(there: u32) -> Texture {
     let texel = |i: u32| {
         let alpha = if hash(i) % 256 < there { 0.8 } else { 0.3 };
         [1.0, 1.0, 1.0, alpha]
@@ -54,7 +54,7 @@ fn card(there: u32, filter: AlphaFilter) -> Geometry {
             }),
             ..Material::default()
         }],
-        textures: vec![speckled(there)],
+        textures: vec![speckled_texture(there)],
         ..Scene::default()
     };
     Geometry::bake(&scene).unwrap()
@@ -77,7 +77,7 @@ fn camera(pixels: u32, moved: f32) -> Camera {
 }
 
 /// Returns whether the card is opaque at each pixel of a camera that shows only the card.
-fn shown(geometry: &Geometry, camera: &Camera) -> Vec<bool> {
+fn shown_pixels(geometry: &Geometry, camera: &Camera) -> Vec<bool> {
     let cut_outs: &CutOuts = geometry.cut_outs().unwrap();
     let rays = camera.rays();
     let mut out = Vec::new();
@@ -101,14 +101,14 @@ fn share(shown: &[bool]) -> f64 {
 fn coverage_is_kept_from_any_distance() {
     for there in [20, 100, 230] {
         let geometry = card(there, AlphaFilter::Hashed);
-        let texels = speckled(there).texels;
+        let texels = speckled_texture(there).texels;
         let count = texels.iter().filter(|texel| texel[3] > 0.5).count();
         let expected = count as f64 / texels.len() as f64;
         for pixels in [200, 90, 61, 40] {
             // Shift the image to collect more samples.
             let moves = (0..8).map(|i| 0.37 * i as f32);
             let all: Vec<bool> = moves
-                .flat_map(|moved| shown(&geometry, &camera(pixels, moved)))
+                .flat_map(|moved| shown_pixels(&geometry, &camera(pixels, moved)))
                 .collect();
             let found = share(&all);
             // Five standard deviations of one image, as the pixels of shifted images are not
@@ -141,7 +141,7 @@ fn levels_of_whole_textures_have_no_holes() {
         };
         (0..200_000).filter(|&i| is_hole(i)).count()
     };
-    let mut texture = speckled(256);
+    let mut texture = speckled_texture(256);
     assert_eq!(holes(&texture), 0);
     texture.texels[5][3] = 0.0;
     assert!(holes(&texture) > 0);
@@ -154,13 +154,17 @@ fn near_pixels_and_clear_textures_are_as_without_hashes() {
     let nearest = card(120, AlphaFilter::Nearest);
     // Half of the card shows 1.5 repeats of the texture.
     let near = camera(SIZE.x * 3 / 2 + 1, 0.2);
-    assert_eq!(shown(&hashed, &near), shown(&nearest, &near));
+    assert_eq!(shown_pixels(&hashed, &near), shown_pixels(&nearest, &near));
     let far = camera(40, 0.2);
-    assert_ne!(shown(&hashed, &far), shown(&nearest, &far));
+    assert_ne!(shown_pixels(&hashed, &far), shown_pixels(&nearest, &far));
     let clear = card(0, AlphaFilter::Hashed);
     for pixels in [150, 70, 20, 2, 1] {
         let camera = camera(pixels, 0.2);
-        assert!(shown(&clear, &camera).iter().all(|&is_there| !is_there));
+        assert!(
+            shown_pixels(&clear, &camera)
+                .iter()
+                .all(|&is_there| !is_there)
+        );
     }
 }
 
@@ -173,8 +177,8 @@ fn moved_cameras_see_the_same() {
         for pixels in [60, 45, 33] {
             for step in 0..8 {
                 let moved = 0.1 * step as f32;
-                let before = shown(&geometry, &camera(pixels, moved));
-                let after = shown(&geometry, &camera(pixels, moved + 0.1));
+                let before = shown_pixels(&geometry, &camera(pixels, moved));
+                let after = shown_pixels(&geometry, &camera(pixels, moved + 0.1));
                 changed += before.iter().zip(&after).filter(|(a, b)| a != b).count();
             }
         }
@@ -188,7 +192,7 @@ fn moved_cameras_see_the_same() {
 /// Each level has the mean of the texture, and each texel the coverage of its area.
 #[test]
 fn levels_keep_the_mean() {
-    let texture = speckled(77);
+    let texture = speckled_texture(77);
     let there: Vec<f32> = texture
         .texels
         .iter()
@@ -198,14 +202,14 @@ fn levels_keep_the_mean() {
     let mut level = there.clone();
     let mut size = SIZE;
     while size != UVec2::ONE {
-        let next = halved(size);
-        level = shrunk(&level, size, next);
+        let next = half_size(size);
+        level = shrink_coverages(&level, size, next);
         size = next;
         assert_eq!(level.len() as u32, size.element_product());
         assert!((mean(&level) - mean(&there)).abs() < 1e-4, "{size}");
     }
     let line = [0.0, 0.0, 1.0, 1.0, 1.0];
-    let halves = shrunk(&line, UVec2::new(5, 1), UVec2::new(2, 1));
+    let halves = shrink_coverages(&line, UVec2::new(5, 1), UVec2::new(2, 1));
     assert!((halves[0] - 0.2).abs() < 1e-6 && (halves[1] - 1.0).abs() < 1e-6);
 }
 

@@ -66,7 +66,7 @@ pub struct Geometry {
     #[cfg(feature = "rays")]
     bvh: OnceLock<Arc<Bvh>>,
     #[cfg(feature = "rays")]
-    bvh_tables: OnceLock<[Rows; 2]>,
+    bvh_tables: OnceLock<[SharedRows; 2]>,
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
     max_receiver_extent: OnceLock<f32>,
@@ -106,7 +106,7 @@ impl Group {
 
 /// Table rows of four words, for shaders.
 #[cfg(feature = "rays")]
-type Rows = Arc<[[u32; 4]]>;
+type SharedRows = Arc<[[u32; 4]]>;
 
 impl Geometry {
     /// Transforms every instance of a scene to world space, and displaces it if its material
@@ -321,7 +321,7 @@ impl Geometry {
     pub fn bounds(&self) -> Aabb {
         *self
             .bounds
-            .get_or_init(|| Aabb::around(self.placed.positions.iter().copied()))
+            .get_or_init(|| Aabb::from_points(self.placed.positions.iter().copied()))
     }
 
     /// Returns the box around the casters. Its parts are computed on first use.
@@ -340,11 +340,13 @@ impl Geometry {
             triangles.end / RUN * RUN
         };
         if first_whole_run >= end_of_whole_runs {
-            return Aabb::around(self.vertices_of(triangles));
+            return Aabb::from_points(self.vertices_of(triangles));
         }
-        let before = Aabb::around(self.vertices_of(triangles.start..first_whole_run));
-        let whole = self.box_tree().around(first_whole_run..end_of_whole_runs);
-        let after = Aabb::around(self.vertices_of(end_of_whole_runs..triangles.end));
+        let before = Aabb::from_points(self.vertices_of(triangles.start..first_whole_run));
+        let whole = self
+            .box_tree()
+            .enclosing_box(first_whole_run..end_of_whole_runs);
+        let after = Aabb::from_points(self.vertices_of(end_of_whole_runs..triangles.end));
         before.union(&whole).union(&after)
     }
 
@@ -364,7 +366,7 @@ impl Geometry {
     /// Returns a value computed by `make` from the triangles, and cached by type. Use it for data
     /// that depends on no light or camera, such as welded edges. `make` must not request the same
     /// type.
-    pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
+    pub fn derive_once<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
         self.derived.get_or_make(|| make(self))
     }
 
@@ -373,7 +375,7 @@ impl Geometry {
     pub fn max_receiver_extent(&self) -> f32 {
         *self.max_receiver_extent.get_or_init(|| {
             let extents = self.receivers().into_par_iter().map(|id| {
-                let bounds = Aabb::around(self.corners(id));
+                let bounds = Aabb::from_points(self.corners(id));
                 (bounds.max - bounds.min).max_element()
             });
             extents.reduce(|| 0.0, f32::max)
@@ -394,13 +396,13 @@ impl Geometry {
     /// Returns the number of triangle tests by fits so far.
     #[cfg(feature = "testing")]
     pub fn triangles_looked_at(&self) -> u64 {
-        self.box_tree().counted()
+        self.box_tree().box_count()
     }
 
     /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], computed on first use and then
     /// shared.
     #[cfg(feature = "rays")]
-    pub fn bvh_tables(&self) -> &[Rows; 2] {
+    pub fn bvh_tables(&self) -> &[SharedRows; 2] {
         self.bvh_tables.get_or_init(|| {
             let bvh = self.bvh();
             [bvh.node_rows().into(), bvh.triangle_rows(self).into()]

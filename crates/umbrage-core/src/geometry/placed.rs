@@ -45,7 +45,7 @@ impl PlacedMeshes {
     }
 
     fn append(&mut self, scene: &Scene, instance: &Instance) -> Result<(), Invalid> {
-        let mesh = &*displaced_mesh::applied(scene, instance, self.triangles.len())?;
+        let mesh = &*displaced_mesh::apply_displacement(scene, instance, self.triangles.len())?;
         let base = self.positions.len() as u32;
         let world_from_local = instance.world_from_local;
         for &p in &mesh.positions {
@@ -129,10 +129,10 @@ impl PlacedMeshes {
         if !self.materials.is_empty() {
             self.materials.resize(triangles, NO_MATERIAL);
         }
-        self.hash = self.hashed();
+        self.hash = self.content_hash();
     }
 
-    fn hashed(&self) -> u64 {
+    fn content_hash(&self) -> u64 {
         let mut hash = FIRST_HASH;
         for position in &self.positions {
             for coordinate in position.to_array() {

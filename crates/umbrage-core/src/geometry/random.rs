@@ -8,7 +8,7 @@ pub(in crate::geometry) struct Random(pub(in crate::geometry) u32);
 
 impl Random {
     /// Returns the next number, -1 to 1.
-    pub(in crate::geometry) fn signed(&mut self) -> f32 {
+    pub(in crate::geometry) fn signed_unit(&mut self) -> f32 {
         self.0 = hash(self.0);
         self.0 as f32 / 2_147_483_648.0 - 1.0
     }
@@ -19,8 +19,8 @@ impl Random {
         (self.0 >> 8) as f32 / 16_777_216.0
     }
 
-    /// Returns a vector of three [`Random::signed`] numbers.
+    /// Returns a vector of three [`Random::signed_unit`] numbers.
     pub(in crate::geometry) fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.signed(), self.signed(), self.signed())
+        Vec3::new(self.signed_unit(), self.signed_unit(), self.signed_unit())
     }
 }

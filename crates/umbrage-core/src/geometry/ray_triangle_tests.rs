@@ -54,7 +54,7 @@ fn flat_triangles_and_parallel_segments_miss() {
 #[test]
 fn fans_have_no_cracks() {
     let mut state = Random(1);
-    let mut random = || 0.5 * state.signed();
+    let mut random = || 0.5 * state.signed_unit();
     for _ in 0..2_000 {
         let hub = Vec3::new(random(), random() * 0.1, random());
         let rim: Vec<Vec3> = (0..7)
@@ -110,7 +110,7 @@ fn triangle(state: &mut Random, kind: u32, middle: Vec3) -> [Vec3; 3] {
 
 /// Returns a segment's origin and vector: towards the triangle's interior, an edge or a corner, or
 /// along it.
-fn towards(state: &mut Random, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
+fn ray_towards(state: &mut Random, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
     let [a, b, c] = triangle;
     let s = random(state) + 0.5;
     let t = random(state) + 0.5;
@@ -159,7 +159,7 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
         let middle = Vec3::new(0.8, 0.1, -0.6) * distance;
         let corners = triangle(&mut state, i % 6, middle / size).map(|v| v * size);
         let far = [3.0, 100.0, 1e4][(i / 90 % 3) as usize];
-        let (o, d) = towards(&mut state, corners, far * size);
+        let (o, d) = ray_towards(&mut state, corners, far * size);
         let segment = Segment::new(o, d);
         let t = Corners::new(corners);
         let Some(weights) = exact_weights(&segment, &t) else {
@@ -258,7 +258,7 @@ fn nothing_is_hit_from_afar() {
             needle_and_passer(&mut state, distance)
         } else {
             let corners = triangle(&mut state, i % 12 / 2, Vec3::new(0.8, 0.1, -0.6) * distance);
-            let (o, d) = towards(&mut state, corners, 30.0);
+            let (o, d) = ray_towards(&mut state, corners, 30.0);
             let aside = random_vector(&mut state);
             (corners, [o + aside * aside.length().powi(8), d])
         };

@@ -57,7 +57,7 @@ pub fn longest_axis(d: Vec3) -> u32 {
 /// Returns the components of `v` along `axis` and the two axes that follow it cyclically. Uses
 /// selections instead of an index, so that loops over many vectors are vectorised.
 #[inline(always)]
-fn turned(v: Vec3, axis: u32) -> [f32; 3] {
+fn turn_axes(v: Vec3, axis: u32) -> [f32; 3] {
     let pick = |x: f32, y: f32, z: f32| {
         if axis == 0 {
             x
@@ -82,7 +82,7 @@ impl<const N: usize> SegmentArrays<N> {
     #[inline(always)]
     pub fn set(&mut self, i: usize, o: Vec3, d: Vec3) {
         let axis = longest_axis(d);
-        let [along, first, second] = turned(d, axis);
+        let [along, first, second] = turn_axes(d, axis);
         let scale = inverse_power(along.abs());
         for k in 0..3 {
             self.origin[k][i] = o[k];
@@ -385,7 +385,7 @@ mod tests {
                 // Aim at a corner, an edge, the interior, or anywhere.
                 let inner = corners[0]
                     .lerp(corners[1], 0.5)
-                    .lerp(corners[2], random.signed().abs());
+                    .lerp(corners[2], random.signed_unit().abs());
                 let d = match hash(random.0) % 4 {
                     0 => (corners[0] - o) * 2.0,
                     1 => (corners[0].lerp(corners[1], 0.5) - o) * 1.5,

@@ -42,7 +42,7 @@ impl Shaft {
     /// Builds the shaft of all segments from a point of `start` along a vector in the box from
     /// `low` to `high`.
     #[inline(always)]
-    pub fn along(start: &Aabb, low: Vec3, high: Vec3) -> Self {
+    pub fn along_direction(start: &Aabb, low: Vec3, high: Vec3) -> Self {
         let length = low.abs().max(high.abs()).max_element();
         let margin = length * SHAFT_MARGIN;
         Self {
@@ -55,10 +55,10 @@ impl Shaft {
 
     /// Builds the shaft of all segments from a point of `start` to a point of `end`.
     #[inline(always)]
-    pub fn between(start: &Aabb, end: &Aabb) -> Self {
+    pub fn between_boxes(start: &Aabb, end: &Aabb) -> Self {
         // At the fraction t, a segment from s to e is at s (1 - t) + e t. That is at least the
         // value for the least s and e.
-        Self::along(start, end.min - start.min, end.max - start.max)
+        Self::along_direction(start, end.min - start.min, end.max - start.max)
     }
 }
 
@@ -105,15 +105,15 @@ fn enters(shaft: &Shaft, low: Vec3, high: Vec3) -> bool {
 pub const SHAFT_LANES: usize = 8;
 
 /// One number per shaft.
-type Numbers = [f32; SHAFT_LANES];
+type ShaftNumbers = [f32; SHAFT_LANES];
 
 /// Shafts, for the test of one box by all of them at once.
 #[derive(Clone, Copy, Debug)]
 pub struct Shafts {
-    low: [Numbers; 3],
-    high: [Numbers; 3],
-    low_inverse: [Numbers; 3],
-    high_inverse: [Numbers; 3],
+    low: [ShaftNumbers; 3],
+    high: [ShaftNumbers; 3],
+    low_inverse: [ShaftNumbers; 3],
+    high_inverse: [ShaftNumbers; 3],
 }
 
 impl Shafts {
@@ -144,13 +144,13 @@ impl Shafts {
     }
 
     /// Returns all bits set for each shaft that enters a box, no bits for others. Only shafts with
-    /// bits set in `asking` are tested.
+    /// bits set in `queried` are tested.
     #[inline(always)]
-    pub fn entered(
+    pub fn entered_boxes(
         &self,
         low: Vec3,
         high: Vec3,
-        asking: &[u32; SHAFT_LANES],
+        queried: &[u32; SHAFT_LANES],
     ) -> [u32; SHAFT_LANES] {
         let mut out = [0; SHAFT_LANES];
         for i in 0..SHAFT_LANES {
@@ -169,7 +169,7 @@ impl Shafts {
                 exit = lesser(exit, if rises { 1.0 } else { at_low });
             }
             out[i] = if entry <= exit * EXIT_SLACK {
-                asking[i]
+                queried[i]
             } else {
                 0
             };
@@ -215,7 +215,7 @@ impl ShaftLanes {
     /// Returns a bit for each of four boxes that is entered; `low` and `high` are their sides along
     /// x, y, z.
     #[inline(always)]
-    pub(super) fn entered(&self, low: [Vec4; 3], high: [Vec4; 3]) -> u32 {
+    pub(super) fn entered_lanes(&self, low: [Vec4; 3], high: [Vec4; 3]) -> u32 {
         let mut entry = Vec4::ZERO;
         let mut exit = Vec4::ONE;
         for axis in 0..3 {
@@ -244,7 +244,7 @@ pub(crate) const TWINS: [crate::recipe::twin::Twin; 1] = [
 
 #[cfg(feature = "testing")]
 fn shaft_enters_word(o: Vec3, low: Vec3, high: Vec3, box_low: Vec3, box_high: Vec3) -> u32 {
-    let shaft = Shaft::along(&Aabb::around([o]), low, high);
+    let shaft = Shaft::along_direction(&Aabb::from_points([o]), low, high);
     u32::from(enters(&shaft, box_low, box_high))
 }
 
@@ -277,16 +277,16 @@ mod tests {
                 min: start[0],
                 max: start[1],
             };
-            let shaft = Shaft::along(&around, ends[0], ends[1]);
-            let lanes = ShaftLanes::new(&shaft).entered(
+            let shaft = Shaft::along_direction(&around, ends[0], ends[1]);
+            let lanes = ShaftLanes::new(&shaft).entered_lanes(
                 low.to_array().map(Vec4::splat),
                 high.to_array().map(Vec4::splat),
             );
             let enters = enters(&shaft, low, high);
             assert_eq!(lanes == 0xf, enters);
-            let asking = [u32::MAX; SHAFT_LANES];
-            let of_all = Shafts::all(&shaft).entered(low, high, &asking);
-            assert_eq!(of_all, asking.map(|bits| if enters { bits } else { 0 }));
+            let querying = [u32::MAX; SHAFT_LANES];
+            let of_all = Shafts::all(&shaft).entered_boxes(low, high, &querying);
+            assert_eq!(of_all, querying.map(|bits| if enters { bits } else { 0 }));
             let is_entered = enters_box(o.into(), slab_inverse(d), [low.into(), high.into()]);
             assert!(!is_entered || enters, "{i}: {o} along {d}, {low} to {high}");
             entered += u32::from(is_entered);

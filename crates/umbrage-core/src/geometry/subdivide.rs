@@ -19,7 +19,7 @@ impl Mesh {
     ///
     /// # Errors
     /// Errors if the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
-    pub fn subdivided(&self, times: u32) -> Result<Self, Invalid> {
+    pub fn subdivide(&self, times: u32) -> Result<Self, Invalid> {
         self.check_subdivisions(times, MAX_SUBDIVIDED_TRIANGLES)?;
         let mut mesh = self.clone();
         for _ in 0..times {
@@ -89,7 +89,8 @@ impl Mesh {
         self.positions
             .push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
         if !self.normals.is_empty() {
-            self.normals.push(between(self.normals[p], self.normals[q]));
+            self.normals
+                .push(edge_midpoint(self.normals[p], self.normals[q]));
         }
         if !self.uvs.is_empty() {
             self.uvs.push(self.uvs[p] * 0.5 + self.uvs[q] * 0.5);
@@ -97,7 +98,7 @@ impl Mesh {
         if !self.tangents.is_empty() {
             let t = self.tangents[p];
             let u = self.tangents[q];
-            let direction: Vec3 = between(t.truncate(), u.truncate());
+            let direction: Vec3 = edge_midpoint(t.truncate(), u.truncate());
             self.tangents.push(Vec4::from((direction, t.w)));
         }
         (self.positions.len() - 1) as u32
@@ -105,7 +106,7 @@ impl Mesh {
 }
 
 /// Returns the unit vector halfway between two directions of any length; zero if they are opposite.
-fn between(a: Vec3, b: Vec3) -> Vec3 {
+fn edge_midpoint(a: Vec3, b: Vec3) -> Vec3 {
     (a.normalize_or_zero() + b.normalize_or_zero()).normalize_or_zero()
 }
 
@@ -114,7 +115,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    fn bent() -> Mesh {
+    fn bent_mesh() -> Mesh {
         Mesh {
             name: "bent".to_owned(),
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y],
@@ -137,7 +138,7 @@ mod tests {
 
     #[test]
     fn four_for_one_with_shared_edges() {
-        let fine = bent().subdivided(1).unwrap();
+        let fine = bent_mesh().subdivide(1).unwrap();
         fine.validate().unwrap();
         assert_eq!(
             (fine.triangles.len(), fine.positions.len()),
@@ -145,7 +146,7 @@ mod tests {
             "the common edge has one midpoint"
         );
         assert_eq!(area(&fine), 1.0);
-        let twice = bent().subdivided(3).unwrap();
+        let twice = bent_mesh().subdivide(3).unwrap();
         assert_eq!((twice.triangles.len(), twice.positions.len()), (128, 81));
         assert!(twice.triangles.iter().all(|t| area(&Mesh {
             triangles: vec![*t],
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn attributes_are_blended() {
-        let fine = bent().subdivided(1).unwrap();
+        let fine = bent_mesh().subdivide(1).unwrap();
         let middle = fine
             .positions
             .iter()
@@ -173,16 +174,19 @@ mod tests {
 
     #[test]
     fn too_many_are_refused_with_what_would_do() {
-        let error = bent().subdivided(9).unwrap_err().to_string();
+        let error = bent_mesh().subdivide(9).unwrap_err().to_string();
         assert!(
             error.contains("mesh `bent`: would have 524288 triangles after 9 subdivisions of 2"),
             "{error}"
         );
-        let error = bent().check_subdivisions(5, 600).unwrap_err().to_string();
+        let error = bent_mesh()
+            .check_subdivisions(5, 600)
+            .unwrap_err()
+            .to_string();
         assert!(
             error.ends_with("at most 600 fit; use at most 4 subdivisions"),
             "{error}"
         );
-        assert!(bent().subdivided(u32::MAX).is_err());
+        assert!(bent_mesh().subdivide(u32::MAX).is_err());
     }
 }

@@ -74,7 +74,7 @@ pub enum Split {
     ///
     /// Slices follow the camera, and texels change size with them. To keep slices stable over many
     /// frames, compute the ends of a frame with [`Fit::slice_ends`](crate::Fit::slice_ends). Pass
-    /// them through [`SliceEnds::held`], and use the result as [`Split::Given`].
+    /// them through [`SliceEnds::stabilized`], and use the result as [`Split::Given`].
     Receivers,
     /// Given ends.
     Given(SliceEnds),
@@ -154,7 +154,7 @@ impl SliceEnds {
     ///
     /// Texels change size when an end does, and shadows shimmer in that frame.
     #[must_use]
-    pub fn held(&self, before: &Self) -> Self {
+    pub fn stabilized(&self, before: &Self) -> Self {
         if self.count != before.count {
             return *self;
         }
@@ -262,19 +262,22 @@ mod tests {
     fn ends_grow_at_once_and_shrink_late() {
         let before = ends(&[4.0, 20.0, 100.0]);
         assert_eq!(
-            ends(&[5.0, 19.0, 70.0]).held(&before),
+            ends(&[5.0, 19.0, 70.0]).stabilized(&before),
             ends(&[5.0, 20.0, 70.0])
         );
         // Small changes are ignored.
-        assert_eq!(ends(&[3.9, 18.0, 90.0]).held(&before), before);
-        assert_eq!(ends(&[3.9, 18.0]).held(&before), ends(&[3.9, 18.0]));
+        assert_eq!(ends(&[3.9, 18.0, 90.0]).stabilized(&before), before);
+        assert_eq!(ends(&[3.9, 18.0]).stabilized(&before), ends(&[3.9, 18.0]));
     }
 
     #[test]
     fn held_ends_still_rise() {
         let before = ends(&[100.0, 200.0]);
         // The first end is held at 100. The second shrinks, but not below the first.
-        assert_eq!(ends(&[90.0, 95.0]).held(&before), ends(&[100.0, 100.0]));
+        assert_eq!(
+            ends(&[90.0, 95.0]).stabilized(&before),
+            ends(&[100.0, 100.0])
+        );
     }
 
     #[test]

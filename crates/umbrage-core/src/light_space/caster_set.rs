@@ -44,12 +44,12 @@ impl CasterSet {
         let mut walk = geometry.box_tree().walk(casters.clone());
         while let Some(block) = walk.next() {
             let Some(run) = block.run.clone() else {
-                if !is_group_beside(&block.bounds, &sides) {
+                if !is_group_outside(&block.bounds, &sides) {
                     walk.enter(&block);
                 }
                 continue;
             };
-            if is_beside(&block.bounds, &sides) {
+            if is_outside_sides(&block.bounds, &sides) {
                 continue;
             }
             match runs.last_mut() {
@@ -81,13 +81,13 @@ fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
 }
 
 /// Returns whether a box is entirely on the outer side of one of the planes; false for NaN.
-fn is_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+fn is_outside_sides(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     sides.iter().any(|side| farthest_inside(bounds, side) < 0.0)
 }
 
-/// Returns whether a box is so far outside one of the planes that [`is_beside`] is true of every
+/// Returns whether a box is so far outside one of the planes that [`is_outside_sides`] is true of every
 /// box in it, despite rounding.
-fn is_group_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+fn is_group_outside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     let reach: DVec3 = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     sides.iter().any(|side| {
         let summed = side.truncate().abs().dot(reach) + side.w.abs();
@@ -144,13 +144,13 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beside_or_behind_is_left_out() {
+    fn what_lies_next_to_or_behind_is_left_out() {
         let before = Vec3::new(0.0, 0.0, -5.0);
-        let beside = Vec3::new(20.0, 0.0, -5.0);
+        let adjacent = Vec3::new(20.0, 0.0, -5.0);
         let behind = Vec3::new(0.0, 0.0, 5.0);
         let at_the_rim = Vec3::new(5.05, 0.0, -5.0);
         let set = CasterSet::shown_in(
-            &geometry(&[before, beside, behind, at_the_rim, beside]),
+            &geometry(&[before, adjacent, behind, at_the_rim, adjacent]),
             &space(),
             64,
         );

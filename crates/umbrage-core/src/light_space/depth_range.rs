@@ -104,11 +104,11 @@ pub(crate) fn depth_range_of(
 /// Returns a lower bound of `sign` (1 or -1) times the distance along the view, for the part of a
 /// box in a pyramid. Infinity if there is no such part.
 fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign: f64) -> f64 {
-    let in_view = ViewBox::padded(view_from_world, b);
-    let is_beside = side_normals(tangents)
+    let in_view = ViewBox::padded_box(view_from_world, b);
+    let is_outside = side_normals(tangents)
         .iter()
         .any(|normal| normal.dot(in_view.center) + normal.abs().dot(in_view.half) < 0.0);
-    if is_beside {
+    if is_outside {
         return f64::INFINITY;
     }
     sign * -in_view.center.z - in_view.half.z
@@ -169,7 +169,7 @@ mod tests {
         )
     }
 
-    fn at(z: f32, half: f32) -> [Vec3; 3] {
+    fn corners_at(z: f32, half: f32) -> [Vec3; 3] {
         [
             Vec3::new(-half, -half, z),
             Vec3::new(half, -half, z),
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn planes_hug_what_is_seen() {
-        let [near, far] = range(&[at(8.0, 0.1), at(-10.0, 0.1)]).unwrap();
+        let [near, far] = range(&[corners_at(8.0, 0.1), corners_at(-10.0, 0.1)]).unwrap();
         assert!(
             near < 2.0 && near > 1.99 && far > 20.0 && far < 20.1,
             "{near} {far}"
@@ -187,20 +187,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beside_or_behind_does_not_count() {
-        let behind = at(12.0, 0.1);
-        let beside = at(9.0, 0.1).map(|p| p + Vec3::X * 5.0);
-        assert_eq!(range(&[behind, beside]), None);
+    fn what_is_next_to_or_behind_does_not_count() {
+        let behind = corners_at(12.0, 0.1);
+        let adjacent = corners_at(9.0, 0.1).map(|p| p + Vec3::X * 5.0);
+        assert_eq!(range(&[behind, adjacent]), None);
         assert_eq!(
-            range(&[behind, beside, at(0.0, 0.1)]),
-            range(&[at(0.0, 0.1)])
+            range(&[behind, adjacent, corners_at(0.0, 0.1)]),
+            range(&[corners_at(0.0, 0.1)])
         );
     }
 
     #[test]
     fn a_triangle_that_crosses_the_pyramid_counts_where_it_is_seen() {
         // The corners are far outside, but the middle fills the view 2 m ahead.
-        assert_eq!(range(&[at(8.0, 1e4)]), range(&[at(8.0, 0.1)]));
+        assert_eq!(
+            range(&[corners_at(8.0, 1e4)]),
+            range(&[corners_at(8.0, 0.1)])
+        );
         // A floor under the eye extends behind it. It is visible from where the lower side of the
         // pyramid meets it.
         let floor = [
@@ -228,7 +231,7 @@ mod tests {
         let scaled = |s: f32| {
             let eye = Vec3::new(0.0, 0.0, 10.0 * s);
             let view_from_world = look_along(eye, Vec3::NEG_Z, Vec3::Y).unwrap();
-            let triangle = [at(8.0, 0.1).map(|p| p * s)];
+            let triangle = [corners_at(8.0, 0.1).map(|p| p * s)];
             let [near, far] = depth_range(
                 &ViewPyramid {
                     view_from_world,

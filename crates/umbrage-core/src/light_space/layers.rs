@@ -98,7 +98,7 @@ impl LightSpaces {
     }
 
     /// Removes from each layer the casters outside its sides. `size` is the layers' side, texels.
-    pub(crate) fn leave_out_casters_beside(&mut self, geometry: &Geometry, size: u32) {
+    pub(crate) fn leave_out_outside_casters(&mut self, geometry: &Geometry, size: u32) {
         for (space, casters) in self.spaces.iter().zip(&mut self.casters) {
             if *casters == CasterSet::All {
                 *casters = CasterSet::shown_in(geometry, space, size);

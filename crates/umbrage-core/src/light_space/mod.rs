@@ -66,7 +66,7 @@ impl LightSpace {
     /// Returns the space with its image moved by `texels` right and down, and depth increased by
     /// `depth`. `size` is the map's, in texels.
     #[must_use]
-    pub fn nudged(&self, texels: glam::Vec2, depth: f32, size: glam::UVec2) -> Self {
+    pub fn nudge_by(&self, texels: glam::Vec2, depth: f32, size: glam::UVec2) -> Self {
         let ndc = texels.as_dvec2() * 2.0 / size.as_dvec2();
         // Multiply from the left of the projection, so that w scales the shift.
         let shift = DMat4::from_translation(DVec3::new(ndc.x, -ndc.y, f64::from(depth)));

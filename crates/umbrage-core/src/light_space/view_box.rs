@@ -32,7 +32,7 @@ impl ViewBox {
     /// Returns a box that contains every point or box within the world-space box, as transformed in
     /// `f64` arithmetic. Everything outside this box is therefore outside each of them, bit for
     /// bit.
-    pub(crate) fn padded(view_from_world: &DAffine3, b: &Aabb) -> Self {
+    pub(crate) fn padded_box(view_from_world: &DAffine3, b: &Aabb) -> Self {
         let smallest = Self::new(view_from_world, b);
         let m = view_from_world.matrix3;
         let reach = b.min.abs().max(b.max.abs()).as_dvec3();

@@ -15,7 +15,9 @@
 
 use crate::{
     invalid::Invalid,
-    metrics::{ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, near},
+    metrics::{
+        ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, pixels_near,
+    },
 };
 use glam::UVec2;
 
@@ -95,8 +97,8 @@ impl<'a> TruthImage<'a> {
         check_len("pixel classes", size, pixels.len())?;
         check_len("blockers", size, blocker.len())?;
         let soft = penumbrae(visibility, pixels);
-        let near_soft = near(size, &soft, ACNE_DISTANCE);
-        let near_edge = near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
+        let near_soft = pixels_near(size, &soft, ACNE_DISTANCE);
+        let near_edge = pixels_near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
         Ok(Self {
             size,
             visibility,
@@ -308,7 +310,7 @@ mod tests {
     }
 
     /// Returns the causes when one pixel of truth is replaced.
-    fn spoilt(column: usize, value: f32) -> Causes {
+    fn spoilt_causes(column: usize, value: f32) -> Causes {
         let mut mask = truth().visibility;
         mask[5 * 60 + column] = value;
         measure_with(&mask, &[Pixel::Counted; N])
@@ -335,18 +337,18 @@ mod tests {
             ..Causes::default()
         };
         assert_eq!(
-            spoilt(2, 1.0),
+            spoilt_causes(2, 1.0),
             Causes {
                 gap: one,
                 gap_metres: Some(0.25),
                 ..right
             }
         );
-        assert_eq!(spoilt(6, 1.0), Causes { leak: one, ..right });
-        assert_eq!(spoilt(18, 1.0), Causes { edge: one, ..right });
-        assert_eq!(spoilt(22, 0.0), Causes { edge: one, ..right });
-        assert_eq!(spoilt(30, 0.0), Causes { acne: one, ..right });
-        assert_eq!(spoilt(56, 0.0), Causes { acne: one, ..right });
+        assert_eq!(spoilt_causes(6, 1.0), Causes { leak: one, ..right });
+        assert_eq!(spoilt_causes(18, 1.0), Causes { edge: one, ..right });
+        assert_eq!(spoilt_causes(22, 0.0), Causes { edge: one, ..right });
+        assert_eq!(spoilt_causes(30, 0.0), Causes { acne: one, ..right });
+        assert_eq!(spoilt_causes(56, 0.0), Causes { acne: one, ..right });
     }
 
     /// False light that begins at the contact belongs to the gap as far as it is connected, except

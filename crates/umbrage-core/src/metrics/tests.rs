@@ -92,7 +92,7 @@ fn nothing_counted_gives_zeros() {
 fn distance_is_euclidean() {
     let mut set = vec![false; N];
     set[15 * 40 + 20] = true;
-    let near = near(SIZE, &set, 5);
+    let near = pixels_near(SIZE, &set, 5);
     for i in 0..N as i64 {
         let (dx, dy) = (i % 40 - 20, i / 40 - 15);
         assert_eq!(near[i as usize], dx * dx + dy * dy <= 25, "({dx}, {dy})");
@@ -209,7 +209,7 @@ fn rounding_excuses_one_pixel_in_a_thousand() {
 }
 
 #[test]
-fn a_tiny_difference_is_told_but_tolerated() {
+fn a_tiny_difference_is_reported_but_tolerated() {
     let mut mask = truth();
     mask[7] = 0.5 / 255.0;
     let a = Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).expect("valid");
@@ -244,7 +244,7 @@ fn samples_tell_their_own_error() {
         .collect();
     let all = Errors::measure(size, &mask, &truth, &vec![Pixel::Counted; count]).expect("valid");
     assert_eq!((all.rmse_error, all.unsampled), (0.0, 0));
-    let mut told = 0.0;
+    let mut label = 0.0;
     let mut squared_errors = 0.0;
     let draws = 200;
     for draw in 0..draws {
@@ -260,13 +260,13 @@ fn samples_tell_their_own_error() {
             .collect();
         let errors = Errors::measure(size, &mask, &truth, &pixels).expect("valid");
         assert_eq!(errors.counted + errors.unsampled, count as u64);
-        told += errors.rmse_error / f64::from(draws);
+        label += errors.rmse_error / f64::from(draws);
         squared_errors += (errors.rmse - all.rmse).powi(2) / f64::from(draws);
     }
     let found = squared_errors.sqrt();
     // 200 draws estimate a standard deviation within 5 %, at one standard deviation.
     assert!(
-        (told / found - 1.0).abs() < 0.2,
-        "reported {told}, found {found}"
+        (label / found - 1.0).abs() < 0.2,
+        "reported {label}, found {found}"
     );
 }

@@ -107,7 +107,7 @@ pub struct Image {
 
 impl Image {
     /// Returns an image filled with `value`.
-    pub fn filled(desc: ImageDesc, value: f32) -> Self {
+    pub fn filled_with(desc: ImageDesc, value: f32) -> Self {
         Self {
             desc,
             texels: vec![value; desc.floats() as usize],

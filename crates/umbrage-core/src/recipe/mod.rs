@@ -323,7 +323,10 @@ impl Recipe {
 
     /// Returns the bytes of the tables computed so far.
     pub fn made_table_bytes(&self) -> u64 {
-        let made = self.tables.iter().filter_map(|table| table.rows.made());
+        let made = self
+            .tables
+            .iter()
+            .filter_map(|table| table.rows.made_rows());
         made.map(|rows| size_of_val::<[[u32; 4]]>(rows) as u64)
             .sum()
     }
@@ -347,7 +350,7 @@ impl Recipe {
             check_image(image, limits)?;
         }
         for table in &self.tables {
-            let Some(rows) = table.rows.made() else {
+            let Some(rows) = table.rows.made_rows() else {
                 continue;
             };
             let bytes = size_of_val::<[[u32; 4]]>(rows) as u64;
@@ -365,7 +368,7 @@ impl Recipe {
         }
         // Check the stages.
         for (i, cast) in self.casts.iter().enumerate() {
-            check_numbers(cast).map_err(|e| e.within(format!("cast {i}")))?;
+            check_numbers(cast).map_err(|e| e.within_context(format!("cast {i}")))?;
             self.check_cast(cast)?;
         }
         for filter in &self.filters {

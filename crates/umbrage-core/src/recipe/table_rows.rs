@@ -5,8 +5,8 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-type Rows = Arc<[[u32; 4]]>;
-type Make = dyn Fn() -> Rows + Send + Sync;
+type SharedRows = Arc<[[u32; 4]]>;
+type Make = dyn Fn() -> SharedRows + Send + Sync;
 
 /// Rows of a table. Clones share them.
 #[derive(Clone)]
@@ -14,12 +14,12 @@ pub struct TableRows(Content);
 
 #[derive(Clone)]
 enum Content {
-    Made(Rows),
+    Made(SharedRows),
     OnFirstUse(Arc<Later>),
 }
 
 struct Later {
-    made: OnceLock<Rows>,
+    made: OnceLock<SharedRows>,
     make: Box<Make>,
 }
 
@@ -27,7 +27,7 @@ impl Later {
     /// Computes rows without a lock. The computation may run on a thread pool, where a waiting
     /// thread may be given work that requests the same rows. If several threads compute them, all
     /// use the first result.
-    fn get(&self) -> &Rows {
+    fn get(&self) -> &SharedRows {
         if let Some(rows) = self.made.get() {
             return rows;
         }
@@ -55,7 +55,7 @@ impl TableRows {
     }
 
     /// Returns the rows if they are computed already.
-    pub fn made(&self) -> Option<&Arc<[[u32; 4]]>> {
+    pub fn made_rows(&self) -> Option<&Arc<[[u32; 4]]>> {
         match &self.0 {
             Content::Made(rows) => Some(rows),
             Content::OnFirstUse(later) => later.made.get(),
@@ -77,7 +77,7 @@ impl From<Vec<[u32; 4]>> for TableRows {
 
 impl Debug for TableRows {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self.made() {
+        match self.made_rows() {
             Some(rows) => write!(f, "{} rows", rows.len()),
             None => f.write_str("rows that are not computed yet"),
         }
@@ -90,7 +90,7 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
 
     #[test]
-    fn rows_are_made_once_and_when_asked_for() {
+    fn rows_are_made_once_and_when_requested() {
         let calls = Arc::new(AtomicU32::new(0));
         let counted = calls.clone();
         let rows = TableRows::on_first_use(move || {
@@ -98,13 +98,13 @@ mod tests {
             Arc::new([[7; 4]])
         });
         let copy = rows.clone();
-        assert!(rows.made().is_none());
+        assert!(rows.made_rows().is_none());
         assert_eq!(format!("{rows:?}"), "rows that are not computed yet");
         assert_eq!(calls.load(Ordering::Relaxed), 0);
         assert_eq!(copy.get()[0], [7; 4]);
         assert!(Arc::ptr_eq(rows.get(), copy.get()));
         assert_eq!(calls.load(Ordering::Relaxed), 1);
         assert_eq!(format!("{rows:?}"), "1 rows");
-        assert!(TableRows::from(rows.get().clone()).made().is_some());
+        assert!(TableRows::from(rows.get().clone()).made_rows().is_some());
     }
 }

@@ -29,7 +29,7 @@ use glam::{Affine3A, DAffine3, DVec3, Vec3};
 /// let lamp = DVec3::new(1e6 + 3.0, 4.0, -2e6);
 /// let crate_place = DAffine3::from_translation(DVec3::new(1e6, 0.5, -2e6 - 6.0));
 ///
-/// let anchor = Anchor::near(eye)?;
+/// let anchor = Anchor::nearest_to(eye)?;
 /// assert_eq!(anchor.point(), DVec3::new(1_000_448.0, 0.0, -1_999_872.0));
 ///
 /// let light = Light::Point { position: anchor.position(lamp), radius: 0.1 };
@@ -47,7 +47,7 @@ use glam::{Affine3A, DAffine3, DVec3, Vec3};
 ///
 /// // In the next frame, keep the anchor while the eye is near enough.
 /// let walked = eye + DVec3::new(700.0, 0.0, 0.0);
-/// assert_eq!(anchor.held(walked)?, anchor);
+/// assert_eq!(anchor.kept_for(walked)?, anchor);
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,7 +71,7 @@ impl Anchor {
     ///
     /// # Errors
     /// Errors if a coordinate is not finite or beyond [`Anchor::MAX`].
-    pub fn near(eye: DVec3) -> Result<Self, Invalid> {
+    pub fn nearest_to(eye: DVec3) -> Result<Self, Invalid> {
         check(eye)?;
         let steps = (eye / Self::STEP).round();
         Ok(Self {
@@ -83,13 +83,13 @@ impl Anchor {
     /// otherwise the one nearest to the eye.
     ///
     /// # Errors
-    /// Errors if [`Anchor::near`] does.
-    pub fn held(self, eye: DVec3) -> Result<Self, Invalid> {
+    /// Errors if [`Anchor::nearest_to`] does.
+    pub fn kept_for(self, eye: DVec3) -> Result<Self, Invalid> {
         check(eye)?;
         if eye.distance(self.point) <= Self::REACH {
             return Ok(self);
         }
-        Self::near(eye)
+        Self::nearest_to(eye)
     }
 
     /// Returns the position of the anchor, world space, metres.
@@ -128,16 +128,16 @@ fn check(eye: DVec3) -> Result<(), Invalid> {
 mod tests {
     use super::*;
 
-    fn near(x: f64, y: f64, z: f64) -> Anchor {
-        Anchor::near(DVec3::new(x, y, z)).expect("a good eye")
+    fn anchor_near(x: f64, y: f64, z: f64) -> Anchor {
+        Anchor::nearest_to(DVec3::new(x, y, z)).expect("a good eye")
     }
 
     #[test]
     fn anchors_are_the_nearest_multiples() {
         let point = DVec3::new(1024.0, 0.0, -2048.0);
-        assert_eq!(near(513.0, -511.0, -1537.0).point(), point);
-        assert_eq!(near(0.0, 0.0, 0.0), Anchor::ORIGIN);
-        assert_eq!(near(1e6, -1e6, 300.0).point().x, 977.0 * 1024.0);
+        assert_eq!(anchor_near(513.0, -511.0, -1537.0).point(), point);
+        assert_eq!(anchor_near(0.0, 0.0, 0.0), Anchor::ORIGIN);
+        assert_eq!(anchor_near(1e6, -1e6, 300.0).point().x, 977.0 * 1024.0);
     }
 
     #[test]
@@ -150,7 +150,7 @@ mod tests {
         for metres in out.chain(back).map(|i| 10.0 * f64::from(i)) {
             for sway in [-200.0, 200.0, 0.0] {
                 let held = anchor
-                    .held(DVec3::new(metres + sway, 0.0, 0.0))
+                    .kept_for(DVec3::new(metres + sway, 0.0, 0.0))
                     .expect("a good eye");
                 if held != anchor {
                     hops.push(held.point().x);
@@ -165,14 +165,14 @@ mod tests {
     #[test]
     fn eyes_that_have_no_anchor_are_refused() {
         let most = Anchor::MAX;
-        assert_eq!(near(most, -most, 0.0).point().x, most);
+        assert_eq!(anchor_near(most, -most, 0.0).point().x, most);
         // Up to there every multiple is exact: it differs from the previous one.
         assert_eq!(most - (most - Anchor::STEP), Anchor::STEP);
         for x in [f64::NAN, f64::INFINITY, -f64::INFINITY, most * 1.001] {
             for eye in [DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 1.0, x)] {
-                let why = Anchor::near(eye).expect_err("no anchor").to_string();
+                let why = Anchor::nearest_to(eye).expect_err("no anchor").to_string();
                 assert!(why.contains("use finite coordinates up to 9.2"), "{why}");
-                assert_eq!(Anchor::ORIGIN.held(eye), Anchor::near(eye));
+                assert_eq!(Anchor::ORIGIN.kept_for(eye), Anchor::nearest_to(eye));
             }
         }
     }

@@ -88,7 +88,7 @@ impl Camera {
         clip_from_view: Result<Mat4, Invalid>,
         size: UVec2,
     ) -> Result<Self, Invalid> {
-        let in_camera = |e: Invalid| e.within("camera");
+        let in_camera = |e: Invalid| e.within_context("camera");
         check_size(size).map_err(in_camera)?;
         let view_from_world = look_along(eye, target - eye, up).map_err(in_camera)?;
         let clip_from_view = clip_from_view.map_err(in_camera)?;
@@ -106,7 +106,7 @@ impl Camera {
     /// Errors with the first fault found: a size of zero or beyond [`MAX_SIDE`], a matrix that is
     /// not finite or singular.
     pub fn validate(&self) -> Result<(), Invalid> {
-        check_size(self.size).map_err(|e| e.within("camera"))?;
+        check_size(self.size).map_err(|e| e.within_context("camera"))?;
         invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
         invalid::finite("camera projection", &self.clip_from_view.to_cols_array())?;
         if self.clip_from_view.as_dmat4().determinant() == 0.0 {
@@ -167,7 +167,7 @@ impl Camera {
 
     /// Returns the same camera with another image size; the vertical field of view is kept.
     #[must_use]
-    pub fn resized(&self, size: UVec2) -> Self {
+    pub fn with_size(&self, size: UVec2) -> Self {
         let old_aspect = f64::from(self.size.x) / f64::from(self.size.y);
         let new_aspect = f64::from(size.x) / f64::from(size.y);
         let widen = DMat4::from_scale(DVec3::new(old_aspect / new_aspect, 1.0, 1.0));
@@ -180,10 +180,13 @@ impl Camera {
 
     /// Returns the same camera with its image moved by `pixels` right and down.
     #[must_use]
-    pub fn nudged(&self, pixels: Vec2) -> Self {
+    pub fn nudged_by(&self, pixels: Vec2) -> Self {
         let camera = self.standard();
         Self {
-            clip_from_view: camera.space().nudged(pixels, 0.0, self.size).clip_from_view,
+            clip_from_view: camera
+                .space()
+                .nudge_by(pixels, 0.0, self.size)
+                .clip_from_view,
             ..camera
         }
     }
@@ -196,12 +199,12 @@ impl Camera {
         let right = unprojection.ray(1.0, 0.0);
         let down = unprojection.ray(0.0, 1.0);
         CameraRays {
-            origin: rounded(corner.origin),
-            origin_dx: rounded(right.origin - corner.origin),
-            origin_dy: rounded(down.origin - corner.origin),
-            dir: rounded(corner.direction),
-            dir_dx: rounded(right.direction - corner.direction),
-            dir_dy: rounded(down.direction - corner.direction),
+            origin: round_to_single(corner.origin),
+            origin_dx: round_to_single(right.origin - corner.origin),
+            origin_dy: round_to_single(down.origin - corner.origin),
+            dir: round_to_single(corner.direction),
+            dir_dx: round_to_single(right.direction - corner.direction),
+            dir_dy: round_to_single(down.direction - corner.direction),
         }
     }
 }
@@ -255,7 +258,7 @@ impl Unprojection {
 }
 
 /// Returns a vector for a uniform: 32 bits, with an unused fourth component.
-fn rounded(v: DVec3) -> Vec4 {
+fn round_to_single(v: DVec3) -> Vec4 {
     v.as_vec3().extend(0.0)
 }
 

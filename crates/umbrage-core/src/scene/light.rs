@@ -153,7 +153,7 @@ impl Light {
     /// direction, a negative size, an impossible angle.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_fields()
-            .map_err(|e| e.within(format!("{} light", self.kind())))
+            .map_err(|e| e.within_context(format!("{} light", self.kind())))
     }
 
     fn validate_fields(&self) -> Result<(), Invalid> {

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn directional_lights_are_marked_only_where_one_asks_for_it() {
+    fn directional_lights_are_marked_only_where_one_needs_it() {
         let sun = Light::Directional {
             direction: Vec3::NEG_Y,
             angular_diameter: 0.0,

@@ -252,7 +252,7 @@ pub fn seed(x: u32, y: u32) -> u32 {
 /// and Sobol's second one, each with a nested uniform (Owen) scramble.
 #[inline(always)]
 pub fn unit_square(i: u32, seed: u32) -> Vec2 {
-    scrambled(sobol_bits(i), seed)
+    scramble_bits(sobol_bits(i), seed)
 }
 
 /// Returns point `i` of the sequence before scrambling, as binary fractions with reversed bits
@@ -264,7 +264,7 @@ pub fn sobol_bits(i: u32) -> [u32; 2] {
 
 /// Scrambles a pair of [`sobol_bits`] into 0..1 (24 bits each, never 1).
 #[inline(always)]
-pub fn scrambled(bits: [u32; 2], seed: u32) -> Vec2 {
+pub fn scramble_bits(bits: [u32; 2], seed: u32) -> Vec2 {
     let x = owen(bits[0], seed).reverse_bits();
     let y = owen(bits[1], hash(seed ^ 0x68bc_21eb)).reverse_bits();
     Vec2::new((x >> 8) as f32, (y >> 8) as f32) * (1.0 / 16_777_216.0)

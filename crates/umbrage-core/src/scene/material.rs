@@ -151,7 +151,7 @@ impl Texture {
             // Format names only for texels that are not finite: formatting one for each texel is
             // slow.
             if texel.iter().any(|v| !v.is_finite()) {
-                finite(&format!("texel {i}"), texel).map_err(|e| e.within(&what))?;
+                finite(&format!("texel {i}"), texel).map_err(|e| e.within_context(&what))?;
             }
         }
         Ok(())
@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cut_outs_that_cannot_be_asked_are_refused() {
+    fn cut_outs_that_cannot_be_queried_are_refused() {
         let with = |texture, cutoff| {
             let alpha = Some(AlphaCutout {
                 texture,

@@ -82,7 +82,8 @@ impl Mesh {
                 return Err(Invalid::new(what, why, "use one per vertex or none"));
             }
         }
-        self.validate_numbers().map_err(|e| e.within(&what))?;
+        self.validate_numbers()
+            .map_err(|e| e.within_context(&what))?;
         for (i, triangle) in self.triangles.iter().enumerate() {
             if triangle.iter().any(|&v| v as usize >= count) {
                 let why = format!("triangle {i} is {triangle:?}, but there are {count} vertices");
@@ -179,7 +180,7 @@ impl Scene {
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_name()?;
         self.validate_parts()
-            .map_err(|e| e.within(format!("scene `{}`", self.name)))
+            .map_err(|e| e.within_context(format!("scene `{}`", self.name)))
     }
 
     fn validate_name(&self) -> Result<(), Invalid> {
@@ -202,11 +203,11 @@ impl Scene {
         for (i, material) in self.materials.iter().enumerate() {
             material
                 .validate(self.textures.len())
-                .map_err(|e| e.within(format!("material {i}")))?;
+                .map_err(|e| e.within_context(format!("material {i}")))?;
         }
         for (i, instance) in self.instances.iter().enumerate() {
             self.validate_instance(instance)
-                .map_err(|e| e.within(format!("object {i}")))?;
+                .map_err(|e| e.within_context(format!("object {i}")))?;
         }
         self.lights.iter().try_for_each(Light::validate)?;
         self.cameras.iter().try_for_each(Camera::validate)

@@ -34,7 +34,7 @@ struct Touched {
 
 impl Touched {
     #[inline(always)]
-    fn by(r: &Record) -> Self {
+    fn of_record(r: &Record) -> Self {
         let tile = |pixel: u16| (pixel / TILE as u16) as u8;
         Self {
             min: [tile(r.min[0]), tile(r.min[1])],
@@ -71,7 +71,7 @@ impl Bins {
     /// Adds a triangle.
     #[inline(always)]
     pub(crate) fn push(&mut self, record: Record) {
-        let touched = Touched::by(&record);
+        let touched = Touched::of_record(&record);
         touched.for_each(self.columns, |tile| self.starts[tile] += 1);
         self.touched.push(touched);
         self.records.push(record);

@@ -48,7 +48,7 @@ pub(crate) struct Corner {
 
 impl Corner {
     /// Returns a vertex of the triangle.
-    pub(crate) fn given(position: Vec4) -> Self {
+    pub(crate) fn from_position(position: Vec4) -> Self {
         Self {
             position,
             is_new: false,
@@ -83,7 +83,7 @@ impl Polygon {
     pub(crate) fn new(triangle: [Vec4; 3]) -> Self {
         let mut polygon = Self::EMPTY;
         for position in triangle {
-            polygon.push(Corner::given(position));
+            polygon.push(Corner::from_position(position));
         }
         polygon
     }
@@ -121,7 +121,7 @@ impl Polygon {
     }
 
     /// Returns the part inside a plane, or an empty polygon if a distance isn't finite.
-    pub(crate) fn clipped(&self, plane: &[f32; 4]) -> Self {
+    pub(crate) fn clip_by_plane(&self, plane: &[f32; 4]) -> Self {
         let mut out = Self::EMPTY;
         let corners = self.as_slice();
         for (i, &a) in corners.iter().enumerate() {
@@ -135,7 +135,7 @@ impl Polygon {
                 out.push(a);
             }
             if (distance_a >= 0.0) != (distance_b >= 0.0) {
-                let position = crossing(a.position, distance_a, b.position, distance_b);
+                let position = crossing_point(a.position, distance_a, b.position, distance_b);
                 out.push(Corner::new(position));
             }
         }
@@ -150,7 +150,7 @@ fn signed_distance(plane: &[f32; 4], p: Vec4) -> f32 {
 /// Returns the intersection of the edge from `a` to `b` with a plane, interpolated from the end
 /// closer to it. `distance_a` and `distance_b` are the signed distances of the ends, of different
 /// signs.
-fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
+fn crossing_point(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
     let span = distance_b - distance_a;
     let b_is_nearer = if distance_b < 0.0 {
         -distance_b < distance_a
@@ -175,7 +175,7 @@ pub(crate) fn clip(
     let mut polygon = Polygon::new(triangle);
     for (i, plane) in PLANES.iter().enumerate() {
         if mask & (1 << i) != 0 {
-            polygon = polygon.clipped(plane);
+            polygon = polygon.clip_by_plane(plane);
         }
     }
     polygon.for_each_triangle(|corners| emit(corners.map(|corner| project(corner, viewport))));

@@ -56,7 +56,7 @@ impl Clipping {
         viewport: &Viewport,
         mut emit: impl FnMut([Vec3; 3]),
     ) {
-        let corners = corners.map(|corner| self.rounded(corner));
+        let corners = corners.map(|corner| self.round_clip(corner));
         let guard_band = guard_band(size);
         clip_at_near(corners).for_each_triangle(|piece| {
             let piece = piece.map(|corner| corner.position);
@@ -65,9 +65,9 @@ impl Clipping {
             }
             let is_lost = |corner: &Vec4| has_nearly_zero_w(corner) && corner.w > 0.0;
             let is_behind_all = self == Self::ZeroWBehind && piece.iter().any(is_lost);
-            let mut polygon = Polygon::new(piece).clipped(&FAR);
+            let mut polygon = Polygon::new(piece).clip_by_plane(&FAR);
             for plane in &guard_band {
-                polygon = polygon.clipped(plane);
+                polygon = polygon.clip_by_plane(plane);
             }
             polygon.for_each_triangle(|corners| {
                 let mut window = corners.map(|corner| project(corner, viewport));
@@ -80,7 +80,7 @@ impl Clipping {
     }
 
     /// Returns a vertex (clip space) as this variant rounds it.
-    fn rounded(self, mut clip: Vec4) -> Vec4 {
+    fn round_clip(self, mut clip: Vec4) -> Vec4 {
         // Use any bit that neighbours don't share to select the half that is rounded.
         let is_odd = (clip.x.to_bits() ^ clip.y.to_bits()) & 1 == 1;
         if self == Self::FarRounding && is_odd && clip.z == clip.w {
@@ -105,7 +105,7 @@ fn clip_at_near(triangle: [Vec4; 3]) -> Polygon {
     for (i, &a) in triangle.iter().enumerate() {
         let b = triangle[(i + 1) % 3];
         if a.z >= 0.0 {
-            polygon.push(Corner::given(a));
+            polygon.push(Corner::from_position(a));
         }
         if (a.z >= 0.0) != (b.z >= 0.0) {
             let (before, behind) = if a.z < b.z { (a, b) } else { (b, a) };

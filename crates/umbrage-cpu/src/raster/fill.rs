@@ -140,7 +140,7 @@ impl Patch {
 
     /// Returns the edge functions at a pixel.
     #[inline(always)]
-    fn at(&self, x: i32, y: i32) -> [i32; 3] {
+    fn edges_at(&self, x: i32, y: i32) -> [i32; 3] {
         let right = x - self.min[0];
         let down = y - self.min[1];
         let mut values = [0; 3];
@@ -180,7 +180,7 @@ fn fill_blocks<P: DepthOp, C: HoleTest>(
         let rows = (patch.max[1] - y + 1).min(LANES as i32);
         let mut x = patch.min[0];
         while x <= patch.max[0] {
-            let at = patch.at(x, y);
+            let at = patch.edges_at(x, y);
             // The sign bit of a bitwise or is set if any of the numbers is negative.
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
@@ -231,7 +231,7 @@ impl Edges {
 
     /// Returns a number per lane that is negative outside the triangle.
     #[inline(always)]
-    fn outside(&self) -> [i32; LANES] {
+    fn outside_lanes(&self) -> [i32; LANES] {
         let [a, b, c] = &self.values;
         let mut out = [0; LANES];
         for (i, out) in out.iter_mut().enumerate() {
@@ -287,7 +287,11 @@ fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
         let Some(stored) = row.first_chunk_mut::<LANES>() else {
             return;
         };
-        let outside = if TEST { edges.outside() } else { [0; LANES] };
+        let outside = if TEST {
+            edges.outside_lanes()
+        } else {
+            [0; LANES]
+        };
         let mut z = [0.0; LANES];
         for i in 0..LANES {
             let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);

@@ -332,7 +332,7 @@ impl Worker {
                 rounding
                     .clipping
                     .clip(corners, draw.size, &viewport, |piece| {
-                        if let Some(whole) = Whole::through(piece, rounding)
+                        if let Some(whole) = Whole::through_corners(piece, rounding)
                             && let Some(piece) = whole.place(piece)
                         {
                             group.push(piece, id, &rules, &mut self.bins);

@@ -5,7 +5,7 @@ use crate::raster::{
     Draw, Mode, Position, Rasterizer, Target,
     mode::stored16,
     reference,
-    tests::{KINDS, Random, bits, draw_of, fast, perspective, soup},
+    tests::{KINDS, RasterRandom, bits, draw_of, fast, perspective, soup},
 };
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, RasterBias, Simd};
@@ -30,7 +30,7 @@ fn compare<P: Position>(draw: &Draw<'_, P>, other: &[f32], what: &str) -> Vec<f3
 
 /// Returns depths in front of and behind the triangles, some exactly equal to theirs, some at
 /// either end of the range.
-fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
+fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut RasterRandom) -> Vec<f32> {
     let (least, _) = reference::draw(
         &Draw {
             mode: Mode::Depth,
@@ -59,7 +59,7 @@ fn infinite() -> Mat4 {
 
 /// Returns the same triangles with other weights, some of them infinitely far away along their
 /// direction.
-fn homogeneous(positions: &[Vec3], r: &mut Random) -> Vec<Vec4> {
+fn homogeneous(positions: &[Vec3], r: &mut RasterRandom) -> Vec<Vec4> {
     let scaled = |p: &Vec3| match r.bits() % 4 {
         0 => p.extend(0.0),
         1 => p.extend(1.0),
@@ -70,7 +70,7 @@ fn homogeneous(positions: &[Vec3], r: &mut Random) -> Vec<Vec4> {
 
 #[test]
 fn every_mode_agrees_with_the_plain_rasteriser() {
-    let mut r = Random(2024);
+    let mut r = RasterRandom(2024);
     for i in 0..64 {
         let (positions, triangles) = soup(0..KINDS, 80, &mut r);
         let mut draw = draw_of(&positions, &triangles);
@@ -101,7 +101,7 @@ fn every_mode_agrees_with_the_plain_rasteriser() {
 
 #[test]
 fn homogeneous_vertices_agree_with_the_plain_rasteriser() {
-    let mut r = Random(5);
+    let mut r = RasterRandom(5);
     for i in 0..40 {
         let (positions, triangles) = soup(0..KINDS, 60, &mut r);
         // Most are in front of the eye, and some behind it.
@@ -132,7 +132,7 @@ fn homogeneous_vertices_agree_with_the_plain_rasteriser() {
 
 #[test]
 fn weight_one_makes_a_point() {
-    let mut r = Random(6);
+    let mut r = RasterRandom(6);
     let (positions, triangles) = soup(0..KINDS, 200, &mut r);
     let points: Vec<Vec4> = positions.iter().map(|p| p.extend(1.0)).collect();
     for clip_from_world in [perspective(), infinite()] {
@@ -162,7 +162,7 @@ fn weight_one_makes_a_point() {
 
 #[test]
 fn a_spoilt_other_image_is_noticed() {
-    let mut r = Random(8);
+    let mut r = RasterRandom(8);
     let (positions, triangles) = soup(0..2, 60, &mut r);
     for mode in [Mode::DepthPeel, Mode::DepthPeel16, Mode::StencilDepthFail] {
         let draw = Draw {
@@ -290,7 +290,7 @@ fn counts_wrap_and_go_on_without_clearing() {
 
 #[test]
 fn a_face_and_its_reverse_cancel() {
-    let mut r = Random(9);
+    let mut r = RasterRandom(9);
     let (positions, triangles) = soup(0..6, 600, &mut r);
     // Exclude clipped triangles. Clipping splits the two into different pieces if it removes their
     // first corner, and the planes of those round differently.

@@ -22,7 +22,7 @@ impl PlaneShift {
     };
 
     /// Returns the part for a triangle.
-    pub(crate) fn of(self, id: u32) -> f32 {
+    pub(crate) fn for_triangle(self, id: u32) -> f32 {
         if id.is_multiple_of(2) {
             self.even
         } else {

@@ -12,16 +12,20 @@ use glam::{IVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
 
 /// Texels and ids of an image.
-pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
+pub(crate) type DrawnImages = (Vec<f32>, Vec<u32>);
 
 /// Draws the triangles one after the other into a clear image. `other` is the image that the mode
 /// reads.
-pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
+pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> DrawnImages {
     draw_on(Snapping::default(), draw, other)
 }
 
 /// Draws like [`draw`], with this rounding of vertices.
-pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
+pub(crate) fn draw_on<P: Position>(
+    snapping: Snapping,
+    draw: &Draw<'_, P>,
+    other: &[f32],
+) -> DrawnImages {
     let n = (draw.size.x * draw.size.y) as usize;
     let start = if draw.mode == Mode::StencilDepthFail {
         0.0
@@ -110,7 +114,7 @@ fn fill<P>(
     whole: Option<&Whole>,
     id: u32,
     other: &[f32],
-    drawn: &mut Drawn,
+    drawn: &mut DrawnImages,
 ) {
     let (texels, ids) = drawn;
     // Number of grid points per pixel.

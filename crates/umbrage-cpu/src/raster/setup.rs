@@ -46,7 +46,7 @@ impl SetupRules {
             spacing(greatest_depth)
         };
         let offset = unit * self.bias.constant as f32 + slope * self.bias.slope;
-        clamped(offset, self.bias.clamp)
+        clamp_offset(offset, self.bias.clamp)
     }
 }
 
@@ -150,7 +150,7 @@ impl Group {
         let plane = whole.depth();
         let slope = plane.dx.abs().max(plane.dy.abs());
         let offset = rules.offset(whole.greatest_depth(), slope);
-        let shift = rules.rounding.plane_shift.of(self.id[0]) * whole.error();
+        let shift = rules.rounding.plane_shift.for_triangle(self.id[0]) * whole.error();
         let l = &mut self.lanes;
         l.at_origin = [plane.at_origin; GROUP];
         l.dx = [plane.dx; GROUP];
@@ -187,13 +187,13 @@ impl Group {
                 let corner = Vec3::new(self.x[k][i], self.y[k][i], self.z[k][i]);
                 corner.as_dvec3()
             });
-            self.lanes.offset[i] += shift.of(self.id[i]) * plane_error(corners);
+            self.lanes.offset[i] += shift.for_triangle(self.id[i]) * plane_error(corners);
         }
     }
 
     #[inline(always)]
     fn emit(&mut self, rules: &SetupRules, out: &mut Bins) {
-        let mut drawn = self.drawn();
+        let mut drawn = self.drawn_bits();
         while drawn != 0 {
             out.push(self.record(drawn.trailing_zeros() as usize, rules.mode));
             drawn &= drawn - 1;
@@ -203,7 +203,7 @@ impl Group {
 
     /// Returns a bit for each triangle that must be drawn.
     #[inline(always)]
-    fn drawn(&self) -> u64 {
+    fn drawn_bits(&self) -> u64 {
         let mut bits = 0;
         for i in 0..GROUP {
             bits |= u64::from(self.lanes.sign[i] != 0) << i;
@@ -406,7 +406,7 @@ fn spacing(z: f32) -> f32 {
 }
 
 #[inline(always)]
-fn clamped(offset: f32, clamp: f32) -> f32 {
+fn clamp_offset(offset: f32, clamp: f32) -> f32 {
     if clamp > 0.0 {
         offset.min(clamp)
     } else if clamp < 0.0 {

@@ -5,9 +5,9 @@ use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 
 /// Random number generator (Marsaglia: Xorshift RNGs, 2003), for the same triangles on every run.
-pub(crate) struct Random(pub(crate) u64);
+pub(crate) struct RasterRandom(pub(crate) u64);
 
-impl Random {
+impl RasterRandom {
     pub(crate) fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -31,7 +31,7 @@ impl Random {
 
 /// Returns a triangle of a kind that has broken rasterisers, in clip space with w = 1 (or less,
 /// with `perspective`).
-fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
+fn triangle(kind: usize, r: &mut RasterRandom) -> [Vec3; 3] {
     let (a, size) = (r.point(1.0), UVec2::new(150, 75).as_vec2());
     let mut near = |d: f32| a + Vec3::new(r.range(-d, d), r.range(-d, d), r.range(-0.1, 0.1));
     // Round to a pixel centre, corner or sub-pixel tie, exact in binary fractions of the window.
@@ -62,7 +62,7 @@ pub(super) const KINDS: usize = 10;
 pub(super) fn soup(
     kinds: std::ops::Range<usize>,
     count: usize,
-    r: &mut Random,
+    r: &mut RasterRandom,
 ) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let positions = (0..count)
         .flat_map(|i| triangle(kinds.start + i % kinds.len(), r))
@@ -91,12 +91,16 @@ pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> D
 }
 
 /// Draws with the fast rasteriser into a spoilt image that it must clear.
-pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
+pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference::DrawnImages {
     fast_on(Snapping::default(), draw, other)
 }
 
 /// Draws like [`fast`], with this rounding of vertices.
-fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
+fn fast_on<P: Position>(
+    snapping: Snapping,
+    draw: &Draw<'_, P>,
+    other: &[f32],
+) -> reference::DrawnImages {
     let n = (draw.size.x * draw.size.y) as usize;
     let (mut texels, mut ids) = (
         vec![0.5; n],
@@ -155,7 +159,7 @@ pub(super) fn perspective() -> Mat4 {
 
 #[test]
 fn single_triangles_agree_with_the_plain_rasteriser() {
-    let mut r = Random(0x9e37_79b9_7f4a_7c15);
+    let mut r = RasterRandom(0x9e37_79b9_7f4a_7c15);
     for i in 0..3000 {
         let (positions, triangles) = soup(i % KINDS..i % KINDS + 1, 1, &mut r);
         let mut draw = draw_of(&positions, &triangles);
@@ -168,7 +172,7 @@ fn single_triangles_agree_with_the_plain_rasteriser() {
 
 #[test]
 fn triangle_soups_agree_with_every_setting() {
-    let mut r = Random(42);
+    let mut r = RasterRandom(42);
     for i in 0..60 {
         let (positions, triangles) = soup(0..KINDS, 100, &mut r);
         let mut draw = draw_of(&positions, &triangles);
@@ -204,7 +208,7 @@ fn snappings() -> impl Iterator<Item = Snapping> + Clone {
 
 #[test]
 fn every_rounding_agrees_with_the_plain_rasteriser() {
-    let mut r = Random(1_616);
+    let mut r = RasterRandom(1_616);
     for (i, snapping) in snappings().cycle().take(60).enumerate() {
         let (positions, triangles) = soup(0..KINDS, 60, &mut r);
         let mut draw = draw_of(&positions, &triangles);
@@ -228,7 +232,7 @@ fn every_rounding_agrees_with_the_plain_rasteriser() {
 }
 
 /// Draws on the coarsest grid, with shifted depths of triangles.
-fn shifted(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
+fn shifted_depths(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
     let n = (draw.size.x * draw.size.y) as usize;
     let mut texels = vec![0.0; n];
     let target = Target {
@@ -263,12 +267,12 @@ fn triangles_of_even_and_odd_numbers_are_moved_apart() {
         size: UVec2::splat(32),
         ..draw_of(&positions, &[[0, 1, 2], [3, 4, 5]])
     };
-    let plain = shifted(PlaneShift::NONE, &draw);
+    let plain = shifted_depths(PlaneShift::NONE, &draw);
     let apart = PlaneShift {
         even: 1.0,
         odd: -1.0,
     };
-    let moved = shifted(apart, &draw);
+    let moved = shifted_depths(apart, &draw);
     let below_middle = 28 * 32;
     let even = below_middle + 2;
     let odd = below_middle + 18;
@@ -295,9 +299,9 @@ fn triangles_without_area_on_the_grid_may_have_any_depth() {
             cull,
             ..draw_of(&positions, &[[0, 1, 2]])
         };
-        assert_eq!(covered(shifted(PlaneShift::NONE, &draw)), 0);
-        assert!(covered(shifted(all(-1.0), &draw)) > 100, "{cull:?}");
-        assert_eq!(covered(shifted(all(1.0), &draw)), 0);
+        assert_eq!(covered(shifted_depths(PlaneShift::NONE, &draw)), 0);
+        assert!(covered(shifted_depths(all(-1.0), &draw)) > 100, "{cull:?}");
+        assert_eq!(covered(shifted_depths(all(1.0), &draw)), 0);
     }
 }
 
@@ -345,7 +349,7 @@ fn coarse_grids_move_edges_and_some_planes() {
 
 #[test]
 fn the_widest_and_the_highest_images_agree() {
-    let mut r = Random(3);
+    let mut r = RasterRandom(3);
     for size in [UVec2::new(16_384, 2), UVec2::new(2, 16_384)] {
         let (positions, triangles) = soup(0..KINDS, 40, &mut r);
         compare(
@@ -360,7 +364,7 @@ fn the_widest_and_the_highest_images_agree() {
 
 #[test]
 fn a_spoilt_triangle_is_noticed() {
-    let mut r = Random(1);
+    let mut r = RasterRandom(1);
     let (positions, triangles) = soup(0..2, 20, &mut r);
     let mut moved = positions.clone();
     moved[0].x += 2.0 / 150.0;
@@ -372,7 +376,7 @@ fn a_spoilt_triangle_is_noticed() {
 fn many_batches_and_shared_vertices_agree() {
     // Draw more triangles than a batch of a small image, with vertices both shared and far apart in
     // the list.
-    let mut r = Random(77);
+    let mut r = RasterRandom(77);
     let side = 60_u32;
     let positions: Vec<Vec3> = (0..side * side)
         .map(|i| {

@@ -47,7 +47,8 @@ impl Whole {
         if snapping.planes == DepthPlanes::Unsnapped {
             return None;
         }
-        let mut whole = Self::through(triangle.map(|clip| viewport.project(clip)), rounding)?;
+        let mut whole =
+            Self::through_corners(triangle.map(|clip| viewport.project(clip)), rounding)?;
         // Geometry behind the eye appears upside down and reversed.
         for vertex in triangle {
             if vertex.w < 0.0 {
@@ -59,9 +60,9 @@ impl Whole {
 
     /// Returns a triangle in front of the eye, given by its corners (window space). Returns `None`
     /// if one of them isn't finite.
-    pub(crate) fn through(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
+    pub(crate) fn through_corners(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
         let snapping = rounding.snapping;
-        let on_grid = corners.map(|corner| snapped(corner, snapping).as_dvec3());
+        let on_grid = corners.map(|corner| snap_corner(corner, snapping).as_dvec3());
         let [a, b, c] = match snapping.planes {
             DepthPlanes::Unsnapped => corners.map(Vec3::as_dvec3),
             DepthPlanes::Snapped => on_grid,
@@ -88,13 +89,13 @@ impl Whole {
     /// Moves a piece's corners to the grid and into the plane. Returns `None` if the piece isn't
     /// drawn.
     pub(crate) fn place(&self, piece: [Vec3; 3]) -> Option<[Vec3; 3]> {
-        let [a, b, c] = piece.map(|corner| snapped(corner, self.snapping).as_dvec3());
+        let [a, b, c] = piece.map(|corner| snap_corner(corner, self.snapping).as_dvec3());
         let area = (b - a).cross(c - a).z;
         let placed = [a, b, c].map(|corner| {
             Vec3::new(
                 corner.x as f32,
                 corner.y as f32,
-                self.at(corner.x, corner.y),
+                self.depth_at(corner.x, corner.y),
             )
         });
         let turns_alike = area * self.turn > 0.0;
@@ -112,7 +113,7 @@ impl Whole {
     /// corners.
     pub(crate) fn depth(&self) -> DepthPlane {
         DepthPlane {
-            at_origin: self.at(0.5, 0.5),
+            at_origin: self.depth_at(0.5, 0.5),
             dx: self.dx as f32,
             dy: self.dy as f32,
             offset: 0.0,
@@ -131,7 +132,7 @@ impl Whole {
         self.error
     }
 
-    fn at(&self, x: f64, y: f64) -> f32 {
+    fn depth_at(&self, x: f64, y: f64) -> f32 {
         (self.vertex.z + self.dx * (x - self.vertex.x) + self.dy * (y - self.vertex.y)) as f32
     }
 }
@@ -141,7 +142,7 @@ fn normal(corners: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-fn snapped(v: Vec3, snapping: Snapping) -> Vec3 {
+fn snap_corner(v: Vec3, snapping: Snapping) -> Vec3 {
     Vec3::new(on_grid(v.x, snapping), on_grid(v.y, snapping), v.z)
 }
 

@@ -5,7 +5,7 @@ use super::{
     times::{RatioSample, Suspect},
 };
 use crate::{
-    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again},
+    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, time_rows_again},
     error::LabError,
 };
 use std::collections::BTreeMap;
@@ -46,29 +46,29 @@ pub fn time_again(
     for round in 0..MAX_ROUNDS {
         let mut wanted = open.clone();
         if round >= ROUNDS {
-            wanted.retain(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)));
+            wanted.retain(|suspect| suspect.lacks_calm_runs(&known_ratios(suspect, &fresh)));
         }
         for (scene, (stems, device_units)) in stems_by_scene(&wanted) {
             let Some(input) = inputs.get(scene) else {
                 continue;
             };
-            let found = again(input, &stems, device_units, options, &RUNS, backends)?;
+            let found = time_rows_again(input, &stems, device_units, options, &RUNS, backends)?;
             for (stem, more) in stems.into_iter().zip(found) {
                 if let Some(more) = more {
                     fresh.entry((scene, stem)).or_default().add(more);
                 }
             }
         }
-        open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
+        open.retain(|suspect| !suspect.is_cleared(&known_ratios(suspect, &fresh)));
     }
     // Judge the remaining suspects.
     let undecided = open
         .iter()
-        .filter(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)))
+        .filter(|suspect| suspect.lacks_calm_runs(&known_ratios(suspect, &fresh)))
         .count();
     let worse: Vec<String> = open
         .iter()
-        .filter_map(|s| s.verdict(&known(s, &fresh)))
+        .filter_map(|s| s.verdict(&known_ratios(s, &fresh)))
         .collect();
     if !suspects.is_empty() {
         let all = suspects.len();
@@ -101,7 +101,7 @@ fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, (Vec<String>, Option
 }
 
 /// Returns the new timings of a suspect's rows. `None` for rows that were not timed.
-fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
+fn known_ratios(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
     suspect
         .rows
         .iter()
@@ -114,7 +114,7 @@ fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
 
 fn sample(again: &Again) -> RatioSample {
     // Use quantiles of 0 runs if there are no calm runs yet.
-    let ratio = Ranks::of(again.calm_ratios()).unwrap_or_default();
+    let ratio = Ranks::from_figures(again.calm_ratios()).unwrap_or_default();
     RatioSample {
         ratio,
         least_ms: again.least_ms,

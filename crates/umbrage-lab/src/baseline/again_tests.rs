@@ -73,7 +73,7 @@ impl Backend for Clocked {
     }
 }
 
-struct Stage {
+struct RetimeFixture {
     inputs: Vec<SceneInput>,
     options: CompareOptions,
     backends: Backends,
@@ -81,7 +81,7 @@ struct Stage {
 }
 
 /// Hard shadows from maps of three sizes, on two scenes.
-fn stage() -> Stage {
+fn stage() -> RetimeFixture {
     let clock = Arc::new(Mutex::new(Clock {
         slow_map: 48,
         factor: 1.0,
@@ -106,19 +106,19 @@ fn stage() -> Stage {
         color: false,
         ..CompareOptions::default()
     };
-    let player: Box<dyn Backend + Send> = Box::new(Clocked {
+    let own_backend: Box<dyn Backend + Send> = Box::new(Clocked {
         cpu: Cpu::new(),
         clock: Arc::clone(&clock),
     });
-    Stage {
+    RetimeFixture {
         inputs: vec![input("figure"), input("cubes")],
         options,
-        backends: Backends::of(vec![player]),
+        backends: Backends::from_backends(vec![own_backend]),
         clock,
     }
 }
 
-impl Stage {
+impl RetimeFixture {
     fn compare(&mut self) -> Comparison {
         compare(
             &self.inputs,

@@ -44,13 +44,13 @@ pub(super) enum Change {
 ///
 /// If no pixel counts, there are no errors, neither then nor now. Otherwise other pixels would
 /// count, and the scene would not be compared.
-pub(super) fn of(
+pub(super) fn figures_of_row(
     backend: &str,
     then: &Measured,
     now: &Measured,
     exact: bool,
 ) -> Vec<BaselineFigure> {
-    let prices = CostModel::of(backend);
+    let prices = CostModel::for_backend(backend);
     let cost_then = prices.milliseconds(&then.work);
     let cost_now = prices.milliseconds(&now.work);
     let mut out = Vec::new();

@@ -30,7 +30,7 @@ pub mod times;
 pub use again::{ROUNDS, time_again};
 pub use changes::{Changes, ROUNDING};
 pub use except::Except;
-pub use read::{apart, read};
+pub use read::{check_not_overwritten, read};
 
 use crate::compare::{CompareRow, Comparison, Environment, RowOutcome, RowTimes, SceneResult};
 use std::collections::HashMap;
@@ -174,7 +174,7 @@ fn times(comparison: &Comparison) -> impl Iterator<Item = RowTimes> + '_ {
         .scenes
         .iter()
         .flat_map(|scene| &scene.rows)
-        .filter_map(|row| row.measured()?.times)
+        .filter_map(|row| row.measured_figures()?.times)
 }
 
 /// Returns why a scene can't be compared with the baseline's. `None` if it can.
@@ -187,7 +187,7 @@ fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
         Some("its truth has other samples")
     } else if old.truth.counted != new.truth.counted {
         Some("other pixels count")
-    } else if moved(old.rmse_of_none, new.rmse_of_none) {
+    } else if has_moved(old.rmse_of_none, new.rmse_of_none) {
         Some("its light or camera moved")
     } else {
         None
@@ -195,7 +195,7 @@ fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
 }
 
 /// Reports whether the light or the camera moved: the RMSE without shadows depends on truth only.
-fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
+fn has_moved(old: [f64; 2], new: [f64; 2]) -> bool {
     old.iter()
         .zip(new)
         .any(|(old, new)| (old - new).abs() > ROUNDING * old.abs().max(new.abs()))
@@ -263,7 +263,7 @@ impl<'a> Pair<'a> {
             _ => return,
         };
         let exact = new.backend == "cpu" || self.same_adapter;
-        for figure in figures::of(&new.backend, then, now, exact) {
+        for figure in figures::figures_of_row(&new.backend, then, now, exact) {
             match figure.change() {
                 Some(figures::Change::Grew(what)) => out.worse.push(self.say(new, &what)),
                 Some(figures::Change::Shrank(what)) => out.better.push(self.say(new, &what)),

@@ -46,7 +46,7 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
 ///
 /// # Errors
 /// Errors if it is that file.
-pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
+pub fn check_not_overwritten(baseline: &Path, report: &Path) -> Result<(), Invalid> {
     // Compare canonical paths, to resolve links. A missing file has none and can't be overwritten.
     let results = report.join(RESULTS);
     let (Ok(baseline_file), Ok(results_file)) = (baseline.canonicalize(), results.canonicalize())
@@ -65,7 +65,7 @@ pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
 
 #[cfg(test)]
 mod tests {
-    use super::apart;
+    use super::check_not_overwritten;
     use std::fs;
 
     #[test]
@@ -78,22 +78,23 @@ mod tests {
         for file in [&report.join("results.json"), &elsewhere] {
             fs::write(file, b"{}").expect("writable");
         }
-        assert!(apart(&elsewhere, &report).is_ok());
-        assert!(apart(&elsewhere, &dir.path().join("not yet made")).is_ok());
+        assert!(check_not_overwritten(&elsewhere, &report).is_ok());
+        assert!(check_not_overwritten(&elsewhere, &dir.path().join("not yet made")).is_ok());
         let refused = |from: &str| {
-            apart(&report.join("results.json"), &dir.path().join(from)).expect_err("refused")
+            check_not_overwritten(&report.join("results.json"), &dir.path().join(from))
+                .expect_err("refused")
         };
         assert!(refused("report").to_string().contains("--out"));
         refused("empty/../report");
         // A copy with another name is kept anywhere. A link counts as its target.
         let kept = report.join("before.json");
         fs::write(&kept, b"{}").expect("writable");
-        assert!(apart(&kept, &report).is_ok());
+        assert!(check_not_overwritten(&kept, &report).is_ok());
         #[cfg(unix)]
         {
             let link = dir.path().join("link.json");
             std::os::unix::fs::symlink(report.join("results.json"), &link).expect("writable");
-            assert!(apart(&link, &report).is_err());
+            assert!(check_not_overwritten(&link, &report).is_err());
         }
     }
 }

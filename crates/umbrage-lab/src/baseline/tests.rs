@@ -12,7 +12,7 @@ fn row(backend: &str) -> CompareRow {
         max: 2.2,
         runs: 9,
     };
-    let ratio = Ranks::of(vec![1.0; 9]);
+    let ratio = Ranks::from_figures(vec![1.0; 9]);
     let measured = Measured {
         errors: Some(Errors {
             rmse: 0.1,
@@ -33,7 +33,7 @@ fn row(backend: &str) -> CompareRow {
             ..Work::default()
         },
         cost_ms: 0.1,
-        played_cost_ms: None,
+        executed_cost_ms: None,
         bytes: 4096,
         ..Measured::default()
     };
@@ -65,7 +65,7 @@ fn comparison() -> Comparison {
     }
 }
 
-fn except(names: &[&str]) -> Except {
+fn exception_for(names: &[&str]) -> Except {
     Except::new(names.iter().map(|name| (*name).to_owned()))
 }
 
@@ -73,7 +73,7 @@ fn changes(old: &Comparison, new: &Comparison) -> Changes {
     super::changes(old, new, &Except::default())
 }
 
-fn measured(comparison: &mut Comparison, row: usize) -> &mut Measured {
+fn measured_row(comparison: &mut Comparison, row: usize) -> &mut Measured {
     let RowOutcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else {
         unreachable!("made so")
     };
@@ -85,14 +85,14 @@ fn errors(m: &mut Measured) -> &mut Errors {
 }
 
 /// Returns the changes after a change of row `index`.
-fn after(index: usize, change: impl Fn(&mut Measured)) -> Changes {
+fn changes_after(index: usize, change: impl Fn(&mut Measured)) -> Changes {
     let mut new = comparison();
-    change(measured(&mut new, index));
+    change(measured_row(&mut new, index));
     changes(&comparison(), &new)
 }
 
 /// Returns the result for two compared rows without changes.
-fn unchanged() -> Changes {
+fn no_changes() -> Changes {
     Changes {
         compared: 2,
         timed: 2,
@@ -110,7 +110,7 @@ fn another_light_or_camera_is_not_compared() {
 
 #[test]
 fn the_same_is_no_change() {
-    assert_eq!(changes(&comparison(), &comparison()), unchanged());
+    assert_eq!(changes(&comparison(), &comparison()), no_changes());
 }
 
 #[test]
@@ -124,46 +124,46 @@ fn less_accurate_is_worse_and_more_accurate_better() {
         |m| m.bytes += 1,
     ];
     for spoil in worse {
-        let found = after(0, spoil);
+        let found = changes_after(0, spoil);
         assert_eq!((found.worse.len(), found.better.len()), (1, 0), "{found:?}");
         assert!(
             found.worse[0].starts_with("cubes: pcf (3x3) on cpu: "),
             "{found:?}"
         );
     }
-    let found = after(0, |m| errors(m).rmse -= 1e-6);
+    let found = changes_after(0, |m| errors(m).rmse -= 1e-6);
     assert_eq!((found.worse.len(), found.better.len()), (0, 1));
     assert_eq!(
-        after(0, |m| errors(m).rmse *= 1.0 + 1e-12),
-        unchanged(),
+        changes_after(0, |m| errors(m).rmse *= 1.0 + 1e-12),
+        no_changes(),
         "rounding"
     );
 }
 
 /// Sets all ratios of a row to this factor.
-fn slowed(m: &mut Measured, factor: f64) {
-    m.times.as_mut().expect("made so").ratio = Ranks::of(vec![factor; 9]);
+fn slow_down(m: &mut Measured, factor: f64) {
+    m.times.as_mut().expect("made so").ratio = Ranks::from_figures(vec![factor; 9]);
 }
 
 #[test]
 fn what_looks_slower_is_a_suspect_and_no_more() {
-    let found = after(0, |m| slowed(m, 2.0));
+    let found = changes_after(0, |m| slow_down(m, 2.0));
     assert!(
         found.worse.is_empty() && found.suspects.len() == 1,
         "{found:?}"
     );
     assert_eq!(found.suspects[0].label, "cubes: pcf (3x3) on cpu");
-    let asked = &found.suspects[0].rows[0];
-    assert_eq!((asked.scene, &*asked.stem), (0, "pcf.cpu"));
+    let requested = &found.suspects[0].rows[0];
+    assert_eq!((requested.scene, &*requested.stem), (0, "pcf.cpu"));
     assert_eq!(
-        after(0, |m| slowed(m, 1.3)),
-        unchanged(),
+        changes_after(0, |m| slow_down(m, 1.3)),
+        no_changes(),
         "less than what counts"
     );
     assert_eq!(
-        after(0, |m| m.times.as_mut().expect("made so").total.median =
+        changes_after(0, |m| m.times.as_mut().expect("made so").total.median =
             99.0),
-        unchanged(),
+        no_changes(),
         "the yardstick was slow, too"
     );
 }
@@ -172,7 +172,7 @@ fn what_looks_slower_is_a_suspect_and_no_more() {
 fn on_another_machine_costs_count_and_times_do_not() {
     let mut new = comparison();
     new.environment.cpu = "another".into();
-    slowed(measured(&mut new, 0), 99.0);
+    slow_down(measured_row(&mut new, 0), 99.0);
     let found = changes(&comparison(), &new);
     assert!(
         found.worse.is_empty() && found.suspects.is_empty(),
@@ -182,7 +182,7 @@ fn on_another_machine_costs_count_and_times_do_not() {
         found.notes.len() == 1 && found.notes[0].contains("another"),
         "{found:?}"
     );
-    let m = measured(&mut new, 0);
+    let m = measured_row(&mut new, 0);
     m.work.rays += 100;
     m.work.casters = 10;
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
@@ -196,11 +196,11 @@ fn without_yardsticks_accuracy_counts_and_times_do_not() {
         ..comparison()
     };
     for row in 0..2 {
-        let times = measured(&mut old, row).times.as_mut().expect("made so");
+        let times = measured_row(&mut old, row).times.as_mut().expect("made so");
         (times.yardstick, times.ratio) = (None, None);
     }
     let mut new = comparison();
-    slowed(measured(&mut new, 0), 99.0);
+    slow_down(measured_row(&mut new, 0), 99.0);
     let found = changes(&old, &new);
     assert!(
         found.suspects.is_empty() && (found.compared, found.timed) == (2, 0),
@@ -211,9 +211,9 @@ fn without_yardsticks_accuracy_counts_and_times_do_not() {
             && found.notes[0].contains("schema 4")
             && found.notes[0].contains("yardstick")
     );
-    errors(measured(&mut new, 0)).rmse = 0.2;
+    errors(measured_row(&mut new, 0)).rmse = 0.2;
     assert_eq!(changes(&old, &new).worse.len(), 1);
-    let untimed = |c: &mut Comparison| (0..2).for_each(|row| measured(c, row).times = None);
+    let untimed = |c: &mut Comparison| (0..2).for_each(|row| measured_row(c, row).times = None);
     untimed(&mut new);
     assert!(changes(&comparison(), &new).notes[0].contains("this run has none"));
     untimed(&mut old);
@@ -233,15 +233,15 @@ fn times_of_schema_6_are_not_compared() {
 }
 
 #[test]
-fn times_beside_yardsticks_of_other_lengths_are_not_compared() {
+fn times_next_to_yardsticks_of_other_lengths_are_not_compared() {
     let with_units = |units: f64| {
         let mut out = comparison();
-        let times = measured(&mut out, 1).times.as_mut().expect("made so");
+        let times = measured_row(&mut out, 1).times.as_mut().expect("made so");
         times.device_units = Some(units);
         out
     };
     let mut new = with_units(8.0);
-    slowed(measured(&mut new, 1), 2.0);
+    slow_down(measured_row(&mut new, 1), 2.0);
     let found = changes(&with_units(4.0), &new);
     assert_eq!((found.timed, found.suspects.len()), (1, 0), "{found:?}");
     assert!(
@@ -269,7 +269,7 @@ fn another_adapter_may_round_otherwise() {
 }
 
 #[test]
-fn new_and_refused_rows_are_told() {
+fn new_and_refused_rows_are_reported() {
     let mut new = comparison();
     new.scenes[0].rows.push(CompareRow {
         settings: "5x5".into(),
@@ -279,7 +279,7 @@ fn new_and_refused_rows_are_told() {
         changes(&comparison(), &new),
         Changes {
             new: vec!["cubes: pcf (5x5) on cpu".into()],
-            ..unchanged()
+            ..no_changes()
         }
     );
     let mut new = comparison();
@@ -367,13 +367,13 @@ fn what_vanished_is_lost_unless_it_is_named() {
             (line, &[name.to_owned()][..]),
             "{found:?}"
         );
-        let excepted = super::changes(&wide(), &new, &except(&[name]));
+        let excepted = super::changes(&wide(), &new, &exception_for(&[name]));
         assert!(
             excepted.lost.is_empty() && excepted.except.is_empty() && excepted.notes.len() == 1,
             "{excepted:?}"
         );
         assert!(
-            !super::changes(&wide(), &new, &except(&["cube", "none"]))
+            !super::changes(&wide(), &new, &exception_for(&["cube", "none"]))
                 .lost
                 .is_empty(),
             "other names"
@@ -385,9 +385,9 @@ fn what_vanished_is_lost_unless_it_is_named() {
 #[test]
 fn exceptions_that_mean_nothing_are_refused() {
     for name in ["cubes", "pcf", "wgpu", "pcf (5x5)"] {
-        except(&[name]).check(&wide()).expect("known");
+        exception_for(&[name]).check(&wide()).expect("known");
     }
-    let refused = except(&["cubes", "pcff"])
+    let refused = exception_for(&["cubes", "pcff"])
         .check(&wide())
         .expect_err("unknown")
         .to_string();
@@ -401,13 +401,13 @@ fn exceptions_that_mean_nothing_are_refused() {
 fn scenes_that_changed_are_lost_unless_they_are_named() {
     let mut new = comparison();
     new.scenes[0].fingerprint = "other".into();
-    errors(measured(&mut new, 0)).rmse = 1.0;
+    errors(measured_row(&mut new, 0)).rmse = 1.0;
     let found = changes(&comparison(), &new);
     assert!(
         found.worse.is_empty() && found.lost.len() == 1 && found.lost[0].contains("triangles"),
         "{found:?}"
     );
-    let found = super::changes(&comparison(), &new, &except(&["cubes"]));
+    let found = super::changes(&comparison(), &new, &exception_for(&["cubes"]));
     assert!(
         found.lost.is_empty() && found.notes[0].contains("triangles"),
         "{found:?}"
@@ -439,7 +439,7 @@ fn older_baselines_are_still_read() {
         ..comparison()
     };
     (0..2).for_each(|row| {
-        let times = measured(&mut old, row).times.as_mut().expect("made so");
+        let times = measured_row(&mut old, row).times.as_mut().expect("made so");
         (times.ratio, times.yardstick) = (None, None);
     });
     old.scenes[0].controls.push(crate::compare::Control {

@@ -148,7 +148,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
                 let label = format!("{}: {}", timing.scene.1, timing.row.label());
                 out.suspects.push(Suspect {
                     label,
-                    rows: vec![timing.asked()],
+                    rows: vec![timing.row_to_retime()],
                     whole: false,
                 });
             }
@@ -164,7 +164,9 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
         let label = format!("{technique} on {backend}");
         match median_factor(&changes) {
             Some(factor) if factor > 1.0 => {
-                let rows = spread_out(&rows, MAX_ROWS).map(|t| t.asked()).collect();
+                let rows = spread_out(&rows, MAX_ROWS)
+                    .map(|t| t.row_to_retime())
+                    .collect();
                 out.suspects.push(Suspect {
                     label,
                     rows,
@@ -191,7 +193,7 @@ fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
 }
 
 impl Timing<'_> {
-    fn asked(&self) -> RowToRetime {
+    fn row_to_retime(&self) -> RowToRetime {
         RowToRetime {
             scene: self.scene.0,
             stem: self.row.stem(),
@@ -228,8 +230,9 @@ fn median_factor(changes: &[f64]) -> Option<f64> {
     if changes.len() < MIN_ROWS {
         return None;
     }
-    let median = Ranks::of(changes.to_vec())?.median;
-    let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
+    let median = Ranks::from_figures(changes.to_vec())?.median;
+    let deviation =
+        Ranks::from_figures(changes.iter().map(|c| (c - median).abs()).collect())?.median;
     // For normal noise, the standard deviation is 1.4826 median absolute deviations, and the
     // standard error of a median is sqrt(pi / 2) = 1.253 times that of the mean.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
@@ -286,7 +289,7 @@ impl Suspect {
     /// faster than in the baseline.
     pub(super) fn is_cleared(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
-            return Ranks::of(self.changes(fresh))
+            return Ranks::from_figures(self.changes(fresh))
                 .is_none_or(|changes| changes.median <= TECHNIQUE.ln());
         }
         let (Some(row), Some(Some(now))) = (self.rows.first(), fresh.first()) else {

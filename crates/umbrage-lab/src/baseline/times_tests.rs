@@ -57,7 +57,7 @@ impl Noise {
 /// Returns a sample with these ratios and this fastest run, milliseconds.
 fn sample(ratios: Vec<f64>, least_ms: f64) -> RatioSample {
     RatioSample {
-        ratio: Ranks::of(ratios).expect("some"),
+        ratio: Ranks::from_figures(ratios).expect("some"),
         least_ms,
         yardstick: 1.0,
         device_units: None,
@@ -96,8 +96,8 @@ fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f6
     let timings: Vec<_> = (0..rows).map(timing).collect();
     let mut out = [0, 0];
     for suspect in judge(&timings).suspects {
-        let place = |asked: &RowToRetime| {
-            asked
+        let place = |requested: &RowToRetime| {
+            requested
                 .stem
                 .trim_end_matches(".cpu")
                 .parse::<usize>()
@@ -113,8 +113,8 @@ fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f6
         let mut fresh: Vec<Vec<f64>> = vec![Vec::new(); suspect.rows.len()];
         let mut open = true;
         for _ in 0..super::super::ROUNDS {
-            for (fresh, asked) in fresh.iter_mut().zip(&suspect.rows) {
-                fresh.extend(noise.ratios(0.7 * now(place(asked)), 15));
+            for (fresh, requested) in fresh.iter_mut().zip(&suspect.rows) {
+                fresh.extend(noise.ratios(0.7 * now(place(requested)), 15));
             }
             open = open && !suspect.is_cleared(&known(&fresh));
         }

@@ -174,14 +174,14 @@ impl HandWritten {
         self.read_back.unmap();
         let period = self.queue.get_timestamp_period();
         Ok(FrameTimes {
-            cast: between(stamps[0], stamps[1], period),
-            receive: between(stamps[2], stamps[3], period),
+            cast: time_between(stamps[0], stamps[1], period),
+            receive: time_between(stamps[2], stamps[3], period),
         })
     }
 }
 
 /// Returns the time between two timestamps with a unit of `period` nanoseconds.
-fn between(begin: u64, end: u64, period: f32) -> Duration {
+fn time_between(begin: u64, end: u64, period: f32) -> Duration {
     let ticks = end.saturating_sub(begin) as f64;
     Duration::from_nanos((ticks * f64::from(period)) as u64)
 }

@@ -1,7 +1,7 @@
 //! Times `exact` against a hard map of 2048 texels and single rays, with per-cell triangle lists
 //! that are kept, and with everything rebuilt.
 
-use super::paired::{Pair, Paired, Repetitions, paired};
+use super::paired::{Pair, Paired, Repetitions, measure_pairs};
 use crate::error::LabError;
 use std::{
     cell::RefCell,
@@ -61,13 +61,13 @@ pub fn lists(
             continue;
         }
         let geometry = Geometry::bake(&scene)?;
-        let camera = scene.cameras[0].resized(SCREEN);
+        let camera = scene.cameras[0].with_size(SCREEN);
         let receivers = cpu.receivers(&camera, &geometry)?;
         for (number, light) in scene.lights.iter().enumerate() {
             if !light.is_ideal() {
                 continue;
             }
-            let stage = Stage {
+            let stage = ListsBench {
                 name: format!("{}, {} light {number}", entry.name, light.kind()),
                 view: View::new(&camera, light, &geometry).with_receivers(&receivers),
                 geometry: &geometry,
@@ -87,14 +87,14 @@ pub fn lists(
 }
 
 /// One scene and light of the benchmark.
-struct Stage<'a> {
+struct ListsBench<'a> {
     name: String,
     view: View<'a>,
     geometry: &'a Geometry,
     repetitions: Repetitions,
 }
 
-impl Stage<'_> {
+impl ListsBench<'_> {
     fn on_cpu(&self, cpu: &mut Cpu) -> Result<Vec<Pair>, LabError> {
         let view = &self.view;
         let exact = plan(view, &Exact {})?;
@@ -110,17 +110,17 @@ impl Stage<'_> {
         // Time the lookup, and everything rebuilt.
         let cpu = RefCell::new(cpu);
         let time = |recipe: &Recipe| receive_time(&mut **cpu.borrow_mut(), view, recipe);
-        let anew = || self.exact_anew(&mut cpu.borrow_mut());
-        let lookup = paired(self.repetitions, || time(&exact), || time(&rays))?;
-        let against_map = paired(self.repetitions, anew, || {
+        let rebuild = || self.time_exact_rebuild(&mut cpu.borrow_mut());
+        let lookup = measure_pairs(self.repetitions, || time(&exact), || time(&rays))?;
+        let against_map = measure_pairs(self.repetitions, rebuild, || {
             Ok(cpu.borrow_mut().render(view, &hard)?.timings.total())
         })?;
-        let with_hierarchy = paired(
+        let with_hierarchy = measure_pairs(
             Repetitions {
                 warm_up: 0,
                 runs: self.repetitions.runs.min(3),
             },
-            anew,
+            rebuild,
             || {
                 let start = Instant::now();
                 drop(Bvh::build(self.geometry));
@@ -156,16 +156,16 @@ impl Stage<'_> {
         // Use the CPU's rays as reference: the hierarchy may exceed the adapter's capacity.
         let expected = cpu.render(view, &rays)?.mask;
         let fault = wrong_answers(&expected, &gpu.render(view, &exact)?.mask);
-        let plays_rays = is_played(gpu.render(view, &rays))?;
+        let has_rays = fits_memory(gpu.render(view, &rays))?;
         let gpu = RefCell::new(gpu);
         let time = |recipe: &Recipe| receive_time(&mut **gpu.borrow_mut(), view, recipe);
         let mut out = Vec::new();
-        if plays_rays {
-            let paired = paired(self.repetitions, || time(&exact), || time(&rays))?;
+        if has_rays {
+            let paired = measure_pairs(self.repetitions, || time(&exact), || time(&rays))?;
             let who = ["lists", "rays"];
             out.push(self.pair("lookup on wgpu", who, paired, Some(GPU_RAYS_BAR)));
         }
-        let against_map = paired(self.repetitions, || time(&exact), || time(&hard))?;
+        let against_map = measure_pairs(self.repetitions, || time(&exact), || time(&hard))?;
         let is_small = self.geometry.casters().len() <= SMALL;
         let bar = is_small.then_some(GPU_MAP_BAR);
         let who = ["lists", "hard 2048"];
@@ -175,7 +175,7 @@ impl Stage<'_> {
     }
 
     /// Times the first planning and lookup for all receivers. The CPU builds no lists for it.
-    fn exact_anew(&self, cpu: &mut Cpu) -> Result<Duration, LabError> {
+    fn time_exact_rebuild(&self, cpu: &mut Cpu) -> Result<Duration, LabError> {
         let fresh = self.geometry.without_hierarchies();
         // Prepare the scene once: its boxes, and the extent of receivers.
         let warm = View::new(self.view.camera, &OTHER_LIGHT, &fresh);
@@ -238,8 +238,8 @@ pub(super) fn receive_time(
 }
 
 /// Reports whether a recipe fits into an adapter's memory.
-pub(super) fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, LabError> {
-    match played {
+pub(super) fn fits_memory<T>(rendered: Result<T, BackendError>) -> Result<bool, LabError> {
+    match rendered {
         Ok(_) => Ok(true),
         Err(BackendError::Invalid(_)) => Ok(false),
         Err(e) => Err(e.into()),

@@ -11,6 +11,6 @@ mod soft;
 mod suite;
 
 pub use lists::lists;
-pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
+pub use paired::{Pair, PairTimes, Paired, Repetitions, measure_pairs};
 pub use soft::soft;
 pub use suite::{BenchOptions, run};

@@ -59,7 +59,7 @@ pub struct Pair {
 
 impl Pair {
     /// Reports whether the target is met, if any, and our results are correct.
-    pub fn met(&self) -> bool {
+    pub fn is_met(&self) -> bool {
         self.bar.is_none_or(|bar| self.ratio >= bar) && self.fault.is_none()
     }
 }
@@ -68,7 +68,7 @@ impl Pair {
 ///
 /// # Errors
 /// Returns the first error of either program.
-pub fn paired<E>(
+pub fn measure_pairs<E>(
     repetitions: Repetitions,
     mut ours: impl FnMut() -> Result<Duration, E>,
     mut theirs: impl FnMut() -> Result<Duration, E>,
@@ -95,9 +95,9 @@ pub fn paired<E>(
         }
     }
     Ok(Paired {
-        ours: PairTimes::of(our_times),
-        theirs: PairTimes::of(their_times),
-        ratio: PairTimes::of(ratios).median,
+        ours: PairTimes::from_values(our_times),
+        theirs: PairTimes::from_values(their_times),
+        ratio: PairTimes::from_values(ratios).median,
     })
 }
 
@@ -107,7 +107,7 @@ fn milliseconds(d: Duration) -> f64 {
 
 impl PairTimes {
     /// Returns the statistics of some values. NaN without values.
-    fn of(values: Vec<f64>) -> Self {
+    fn from_values(values: Vec<f64>) -> Self {
         let sorted = Sorted::new(values);
         Self {
             min: sorted.nearest(0.0).unwrap_or(f64::NAN),
@@ -135,7 +135,7 @@ mod tests {
             warm_up: 0,
             runs: 5,
         };
-        let found = paired(repetitions, drifting(2), drifting(6)).expect("no errors");
+        let found = measure_pairs(repetitions, drifting(2), drifting(6)).expect("no errors");
         assert!((found.ratio - 3.0).abs() < 1e-9, "{found:?}");
         assert_eq!(
             (found.ours.min, found.ours.median, found.theirs.median),

@@ -1,7 +1,7 @@
 //! Times any-hit rays. Compares umbrage's traversal, with the crack-free triangle test and the
 //! skipped triangle, with obvhs's own traversal and triangles, over the same rays.
 
-use super::paired::{Pair, Repetitions, paired};
+use super::paired::{Pair, Repetitions, measure_pairs};
 use std::convert::Infallible;
 use umbrage_core::{
     Geometry, Receivers,
@@ -42,7 +42,7 @@ pub(super) fn compare(
     let rays = rays_to_light(receivers, &LightSampler::new(light), far);
     let bvh = geometry.bvh();
     let obvhs = ObvhsScene::new(geometry);
-    let paired = paired(
+    let paired = measure_pairs(
         repetitions,
         || Ok::<_, Infallible>(time_own_rays(bvh, &rays)),
         || Ok(obvhs.time_rays(&rays)),

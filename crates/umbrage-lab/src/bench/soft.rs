@@ -1,8 +1,8 @@
 //! Times `soft` against rays with the same error, under the area lights of full-size scenes.
 
 use super::{
-    lists::{is_played, plan, receive_time},
-    paired::{Pair, Paired, Repetitions, paired},
+    lists::{fits_memory, plan, receive_time},
+    paired::{Pair, Paired, Repetitions, measure_pairs},
 };
 use crate::error::LabError;
 use std::cell::RefCell;
@@ -63,14 +63,14 @@ pub fn soft(
         if scenes.is_empty() && geometry.has_cut_out_casters() {
             continue;
         }
-        let camera = scene.cameras[0].resized(SCREEN);
+        let camera = scene.cameras[0].with_size(SCREEN);
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(&camera, &geometry)?;
         for (number, light) in scene.lights.iter().enumerate() {
             if light.is_ideal() {
                 continue;
             }
-            let mut stage = Stage {
+            let mut stage = SoftBench {
                 name: format!("{}, {} light {number}", entry.name, light.kind()),
                 view: View::new(&camera, light, &geometry).with_receivers(&receivers),
                 repetitions,
@@ -96,7 +96,7 @@ fn pixels_of(receivers: &Receivers) -> Vec<u32> {
 }
 
 /// One scene and light of the benchmark.
-struct Stage<'a> {
+struct SoftBench<'a> {
     name: String,
     view: View<'a>,
     repetitions: Repetitions,
@@ -105,7 +105,7 @@ struct Stage<'a> {
     cpu: Cpu,
 }
 
-impl Stage<'_> {
+impl SoftBench<'_> {
     fn time(
         &mut self,
         mut gpu: Option<&mut Gpu>,
@@ -136,7 +136,7 @@ impl Stage<'_> {
             tell(self.pair(&what, &who, on_cpu, CPU_BAR));
             if number == 0
                 && let Some(gpu) = gpu.as_deref_mut()
-                && is_played(gpu.render(&self.view, &traced))?
+                && fits_memory(gpu.render(&self.view, &traced))?
             {
                 let on_gpu = turns(gpu, &self.view, self.repetitions, [&soft, &traced])?;
                 tell(self.pair(&format!("on wgpu, {what}"), &who, on_gpu, GPU_BAR));
@@ -197,5 +197,5 @@ fn turns(
     backend.render(view, recipes[0])?;
     let backend = RefCell::new(backend);
     let time = |recipe: &Recipe| receive_time(&mut **backend.borrow_mut(), view, recipe);
-    paired(repetitions, || time(recipes[0]), || time(recipes[1]))
+    measure_pairs(repetitions, || time(recipes[0]), || time(recipes[1]))
 }

@@ -3,7 +3,7 @@
 
 use super::{
     handwritten::{FrameSettings, HandWritten},
-    paired::{Pair, Paired, Repetitions, paired},
+    paired::{Pair, Paired, Repetitions, measure_pairs},
     rays,
 };
 use crate::error::LabError;
@@ -63,7 +63,7 @@ impl SpeedScene {
         cpu: &mut Cpu,
     ) -> Result<Self, LabError> {
         let geometry = Geometry::bake(scene)?;
-        let camera = scene.cameras[0].resized(size);
+        let camera = scene.cameras[0].with_size(size);
         let receivers = cpu.receivers(&camera, &geometry)?;
         Ok(Self {
             name,
@@ -192,7 +192,7 @@ fn both(
     cpu: &mut Cpu,
     gpu: &mut Gpu,
 ) -> Result<Paired, LabError> {
-    paired(
+    measure_pairs(
         repetitions,
         || stage_time(cpu, view, recipe, stage),
         || stage_time(gpu, view, recipe, stage),
@@ -336,7 +336,7 @@ fn by_hand(
                 .map(theirs_time)
                 .map_err(|e| LabError::Backend(BackendError::Validation(e)))
         };
-        let paired = paired(repetitions, ours, theirs)?;
+        let paired = measure_pairs(repetitions, ours, theirs)?;
         let work = format!("{name} on wgpu, {}", stage.name);
         pairs.push(Pair {
             work,

@@ -11,7 +11,7 @@ mod stage;
 mod table;
 
 pub use rivals::rivals;
-pub use stage::{Staged, lights_around, staged};
+pub use stage::{Staged, lights_around, stage_scene};
 pub use table::{Summary, markdown, write};
 
 use crate::{compare::Backends, error::LabError};
@@ -74,7 +74,8 @@ pub struct BiasRow {
     /// Number of pixels that count.
     pub counted: u64,
     /// Errors of the default bias on every backend.
-    pub played: Vec<DefaultBiasError>,
+    #[serde(rename = "played")]
+    pub default_errors: Vec<DefaultBiasError>,
     /// Least error of the other biases.
     pub best: f64,
     /// The bias with that error.
@@ -88,9 +89,9 @@ pub struct BiasRow {
 impl BiasRow {
     /// Returns the maximum [`BiasRow::ratio_of`] of the default bias over the backends.
     pub fn ratio(&self) -> f64 {
-        self.played
+        self.default_errors
             .iter()
-            .map(|played| self.ratio_of(played.rmse))
+            .map(|executed| self.ratio_of(executed.rmse))
             .fold(0.0, f64::max)
     }
 
@@ -142,7 +143,7 @@ pub fn measure(
     let geometry = Geometry::bake(scene)?;
     let camera = options
         .size
-        .map_or(scene.cameras[0], |size| scene.cameras[0].resized(size));
+        .map_or(scene.cameras[0], |size| scene.cameras[0].with_size(size));
     let mut rows = Vec::new();
     for (light_name, light) in &staged.lights {
         let truth = truth::trace(
@@ -157,13 +158,13 @@ pub fn measure(
         let view = View::new(&camera, light, &geometry)
             .with_receivers(&truth.receivers)
             .with_fits(&fits);
-        let case = Case {
+        let case = BiasCase {
             view,
             reference: ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?,
         };
         for kernel in KERNELS {
             for &side in &options.sides {
-                let Some(figures) = case.play(kernel, side, backends)? else {
+                let Some(figures) = case.measure_kernel(kernel, side, backends)? else {
                     continue;
                 };
                 rows.push(BiasRow {
@@ -181,15 +182,15 @@ pub fn measure(
 }
 
 /// One light of a scene.
-struct Case<'a> {
+struct BiasCase<'a> {
     view: View<'a>,
     reference: ReferenceMask<'a>,
 }
 
-impl Case<'_> {
+impl BiasCase<'_> {
     /// Returns the figures of one kernel and map size, without the names. `None` if the light is
     /// not supported.
-    fn play(
+    fn measure_kernel(
         &self,
         kernel: NamedKernel,
         side: u32,
@@ -197,13 +198,13 @@ impl Case<'_> {
     ) -> Result<Option<BiasRow>, LabError> {
         // Render the default bias on every backend.
         let default = technique(kernel, side, Bias::ADAPTIVE);
-        let mut played = Vec::new();
+        let mut executed = Vec::new();
         let mut counted = 0;
-        for backend in &mut backends.playing {
+        for backend in &mut backends.backends {
             let Some(errors) = self.errors(&default, &mut **backend)? else {
                 return Ok(None);
             };
-            played.push(DefaultBiasError {
+            executed.push(DefaultBiasError {
                 backend: backend.name().to_owned(),
                 rmse: errors.rmse,
             });
@@ -231,7 +232,7 @@ impl Case<'_> {
             kernel: String::new(),
             side,
             counted,
-            played,
+            default_errors: executed,
             best,
             best_bias: best_bias.label(),
             textbook,

@@ -13,7 +13,7 @@ const OFFSETS: [f32; 6] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
 /// Polygon offsets relative to the one that prevents acne on a plane.
 const POLYGON_OFFSETS: [f32; 5] = [0.25, 0.5, 1.0, 1.5, 2.0];
 /// Normal offsets in addition to the receiver plane, texels.
-const BESIDE_THE_PLANE: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
+const OFF_PLANE_TEXELS: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 
 /// Returns all kinds of bias except [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches
 /// `reach` texels beyond the receiver's own.
@@ -38,7 +38,7 @@ pub fn rivals(reach: f32) -> Vec<Bias> {
         },
         ..Bias::NONE
     });
-    let plane = BESIDE_THE_PLANE.map(|normal_offset| Bias {
+    let plane = OFF_PLANE_TEXELS.map(|normal_offset| Bias {
         normal_offset,
         ..Bias::RECEIVER_PLANE
     });

@@ -25,7 +25,7 @@ const FOV_Y: f32 = 0.7;
 ///
 /// # Errors
 /// Errors if the scene is invalid.
-pub fn staged(scene: Scene, is_unlit_model: bool) -> Result<Staged, LabError> {
+pub fn stage_scene(scene: Scene, is_unlit_model: bool) -> Result<Staged, LabError> {
     if is_unlit_model {
         return on_a_floor(scene);
     }

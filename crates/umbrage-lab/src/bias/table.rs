@@ -34,7 +34,7 @@ pub struct Summary {
 
 impl Summary {
     /// Summarises rows.
-    pub fn of<'a>(rows: impl Iterator<Item = &'a BiasRow> + Clone) -> Self {
+    pub fn from_rows<'a>(rows: impl Iterator<Item = &'a BiasRow> + Clone) -> Self {
         let ratios = rows.clone().map(BiasRow::ratio);
         let textbook = rows.clone().map(|row| row.ratio_of(row.textbook));
         let plane = rows.clone().map(|row| row.ratio_of(row.plane));
@@ -82,17 +82,17 @@ pub fn markdown(rows: &[BiasRow]) -> String {
         let of_group = rows
             .iter()
             .filter(|row| row.kernel == kernel && row.side == side);
-        out += &Summary::of(of_group).line(&format!("{kernel}, {side}"));
+        out += &Summary::from_rows(of_group).line(&format!("{kernel}, {side}"));
     }
-    out += &Summary::of(rows.iter()).line("all");
+    out += &Summary::from_rows(rows.iter()).line("all");
     out += "\n| scene | light | kernel | map | default | best tuned | ratio | best bias |\n|---|---|---|--:|--:|--:|--:|---|\n";
     let mut worst: Vec<&BiasRow> = rows.iter().filter(|row| row.ratio() > GOOD).collect();
     worst.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
     for row in worst.into_iter().take(WORST) {
         let default = row
-            .played
+            .default_errors
             .iter()
-            .map(|played| played.rmse)
+            .map(|rendered| rendered.rmse)
             .fold(0.0, f64::max);
         let ratio = row.ratio();
         let _ = writeln!(
@@ -136,7 +136,7 @@ const HEADER: [&str; 13] = [
 fn table(rows: &[BiasRow]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for row in rows {
-        for played in &row.played {
+        for rendered in &row.default_errors {
             lines.push([
                 row.scene.clone(),
                 row.light.clone(),
@@ -144,13 +144,13 @@ fn table(rows: &[BiasRow]) -> Result<Vec<u8>, LabError> {
                 row.kernel.clone(),
                 row.side.to_string(),
                 row.counted.to_string(),
-                played.backend.clone(),
-                played.rmse.to_string(),
+                rendered.backend.clone(),
+                rendered.rmse.to_string(),
                 row.best.to_string(),
                 row.best_bias.clone(),
                 row.textbook.to_string(),
                 row.plane.to_string(),
-                row.ratio_of(played.rmse).to_string(),
+                row.ratio_of(rendered.rmse).to_string(),
             ]);
         }
     }

@@ -10,7 +10,7 @@ fn row(rmse: f64, best: f64) -> BiasRow {
         kernel: "hard".to_owned(),
         side: 512,
         counted: 100_000,
-        played: vec![DefaultBiasError {
+        default_errors: vec![DefaultBiasError {
             backend: "cpu".to_owned(),
             rmse,
         }],
@@ -32,7 +32,7 @@ fn ratios_leave_some_pixels_to_chance() {
 #[test]
 fn sums_count_what_is_good_and_name_what_is_not() {
     let rows = [row(0.1, 0.1), row(0.2, 0.1)];
-    let summary = Summary::of(rows.iter());
+    let summary = Summary::from_rows(rows.iter());
     assert_eq!((summary.rows, summary.good), (2, 1));
     let page = markdown(&rows);
     assert!(
@@ -44,12 +44,17 @@ fn sums_count_what_is_good_and_name_what_is_not() {
 
 fn stairs_on(backend: Box<dyn Backend + Send>) -> Vec<BiasRow> {
     let scene = (umbrage_scenes::find("stairs").expect("built in").build)();
-    let staged = staged(scene, false).expect("valid");
+    let staged = stage_scene(scene, false).expect("valid");
     let options = BiasOptions {
         size: Some(UVec2::new(160, 120)),
         sides: vec![512],
     };
-    measure(&staged, &options, &mut Backends::of(vec![backend])).expect("valid")
+    measure(
+        &staged,
+        &options,
+        &mut Backends::from_backends(vec![backend]),
+    )
+    .expect("valid")
 }
 
 /// The default bias equals the best of the others. With every twentieth pixel dark it doesn't.
@@ -57,11 +62,15 @@ fn stairs_on(backend: Box<dyn Backend + Send>) -> Vec<BiasRow> {
 fn the_default_is_near_the_best_and_a_spoilt_one_is_not() {
     let rows = stairs_on(Box::new(umbrage_cpu::Cpu::new()));
     assert_eq!(rows.len(), KERNELS.len());
-    assert!(Summary::of(rows.iter()).max < 1.1, "{}", markdown(&rows));
+    assert!(
+        Summary::from_rows(rows.iter()).max < 1.1,
+        "{}",
+        markdown(&rows)
+    );
     let spoilt = stairs_on(Box::new(FaultyBackend::new(|shadows: &mut Shadows| {
         shadows.mask.iter_mut().step_by(20).for_each(|v| *v = 0.0);
     })));
-    let summary = Summary::of(spoilt.iter());
+    let summary = Summary::from_rows(spoilt.iter());
     assert!(
         summary.good == 0 && summary.mean > 1.5,
         "{}",
@@ -76,7 +85,7 @@ fn models_get_a_floor_and_four_ideal_lights() {
         .build)();
     model.lights.clear();
     let count = model.instances.len();
-    let staged = staged(model, true).expect("valid");
+    let staged = stage_scene(model, true).expect("valid");
     assert_eq!(
         (staged.scene.instances.len(), staged.lights.len()),
         (count + 1, 4)

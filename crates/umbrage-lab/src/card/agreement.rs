@@ -61,7 +61,7 @@ pub struct BitCounts {
 
 impl BitCounts {
     /// Counts the pixels of two renderings of a view. Both have their own receivers.
-    pub fn of(mine: &Shadows, theirs: &Shadows) -> Self {
+    pub fn between_masks(mine: &Shadows, theirs: &Shadows) -> Self {
         let mut counts = Self::default();
         let (Some(seen), Some(other)) = (&mine.receivers, &theirs.receivers) else {
             return counts;
@@ -133,7 +133,7 @@ fn small_scene(name: &str) -> Result<Scene, Invalid> {
     let mut scene = (built_in(name)?.build)();
     for camera in &mut scene.cameras {
         let height = (WIDTH * camera.size.y / camera.size.x).max(1);
-        *camera = camera.resized(UVec2::new(WIDTH, height));
+        *camera = camera.with_size(UVec2::new(WIDTH, height));
     }
     Ok(scene)
 }
@@ -147,13 +147,13 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
     let mut out = CardAgreement::default();
     let mut other_triangle = 0;
     let mut compared: BTreeMap<String, u64> = BTreeMap::new();
-    let Some(device) = backends.playing.iter_mut().find(|b| b.kind() != "cpu") else {
+    let Some(device) = backends.backends.iter_mut().find(|b| b.kind() != "cpu") else {
         let help = "open them with `Backends::both`";
         return Err(Invalid::new("backends", "have no graphics adapter", help).into());
     };
     // Compare the bits of exact techniques.
     compare_bits(&mut **device, &mut |pair| {
-        let counts = BitCounts::of(&pair.of_cpu, &pair.of_device);
+        let counts = BitCounts::between_masks(&pair.of_cpu, &pair.of_device);
         other_triangle += counts.other_triangle;
         // Skip techniques without pixels: 0 of none would look like agreement.
         if counts.same_triangle > 0 {
@@ -188,7 +188,7 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
     };
     let comparison = compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {})?;
     let rows = comparison.scenes.iter().flat_map(|scene| &scene.rows);
-    let agreements = rows.filter_map(|row| row.measured()?.agreement);
+    let agreements = rows.filter_map(|row| row.measured_figures()?.agreement);
     let (masks, off) = agreements.fold((0, 0), |(masks, off), agreement| {
         (masks + 1, off + agreement.violations)
     });

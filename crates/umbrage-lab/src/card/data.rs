@@ -104,7 +104,7 @@ impl Card {
         let info = gpu.adapter_info();
         let limits = gpu.limits();
         let fusing = gpu.fusing()?;
-        let here = Environment::here(true);
+        let here = Environment::of_this_machine(true);
         let day = here
             .date
             .and_then(|date| Some(date.split_once(' ')?.0.to_owned()));

@@ -36,7 +36,7 @@ pub fn read_all(folder: &Path) -> Result<Vec<Card>, Invalid> {
 
 /// The schema only: cards of other versions have other fields.
 #[derive(Deserialize)]
-struct Version {
+struct CardVersion {
     schema: u32,
 }
 
@@ -52,7 +52,7 @@ pub fn read(path: &Path) -> Result<Card, Invalid> {
         let help = "use a file that `cargo xtask card` wrote";
         refuse(format!("cannot be read: {e}"), help)
     })?;
-    let Version { schema } =
+    let CardVersion { schema } =
         serde_json::from_str(&text).map_err(|e| refuse(format!("is not a card: {e}"), again))?;
     if schema != SCHEMA {
         let why = format!("has schema {schema}, this program's is {SCHEMA}");

@@ -45,7 +45,7 @@ pub fn measure_times(
     for scene in &comparison.scenes {
         let [width, height] = scene.size;
         for row in scene.rows.iter().filter(|row| row.same_as.is_none()) {
-            let Some(times) = row.measured().and_then(|m| m.times) else {
+            let Some(times) = row.measured_figures().and_then(|m| m.times) else {
                 continue;
             };
             out.push(CardTime {

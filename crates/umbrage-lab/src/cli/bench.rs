@@ -79,7 +79,7 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
         run_suite(arguments, tell)?;
     }
     println!("\n{}", table(&pairs));
-    let missed = pairs.iter().filter(|p| !p.met()).count();
+    let missed = pairs.iter().filter(|p| !p.is_met()).count();
     let wrong = pairs.iter().filter(|p| p.fault.is_some()).count();
     match (wrong, missed) {
         (0, 0) => Ok(()),
@@ -141,7 +141,7 @@ fn table(pairs: &[Pair]) -> Table {
         let [ours, theirs] = pair.who.clone();
         let verdict = if pair.fault.is_some() {
             " FAULT"
-        } else if pair.met() {
+        } else if pair.is_met() {
             ""
         } else {
             " missed"

@@ -1,7 +1,7 @@
 //! `bias`: compares the default bias with all others. The lab does the work.
 
 use crate::{
-    bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write},
+    bias::{BiasOptions, Staged, Summary, markdown, measure, stage_scene, write},
     cli::{
         args::shared::{BackendName, parse_size},
         inputs,
@@ -49,7 +49,7 @@ pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
-        .playing
+        .backends
         .iter()
         .for_each(|b| println!("on {}", b.name()));
     let base = BiasOptions::default();
@@ -78,7 +78,7 @@ pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
             mean,
             max,
             ..
-        } = Summary::of(found.iter());
+        } = Summary::from_rows(found.iter());
         let place = format!("{:>2}/{}", i + 1, names.len());
         println!(
             "{place} {name:<26} {good:>3} of {count:<3} within 10 %, mean ratio {mean:.3}, maximum {max:.2}"
@@ -96,14 +96,14 @@ pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
     Ok(())
 }
 
-fn names(asked: &[String]) -> Vec<String> {
-    if asked.is_empty() {
+fn names(requested: &[String]) -> Vec<String> {
+    if requested.is_empty() {
         return umbrage_scenes::all()
             .iter()
             .map(|entry| entry.name.to_owned())
             .collect();
     }
-    asked.to_vec()
+    requested.to_vec()
 }
 
 /// Returns a scene with its lights. For a model, also returns a line that lists these lights.
@@ -111,12 +111,12 @@ fn stage(program: &Program, name: &str) -> Result<(Staged, Option<String>)> {
     let scene: Scene = inputs::scene(program, name)?;
     let is_model = umbrage_scenes::is_model(name);
     let is_unlit = is_model && !umbrage_scenes::brings_light(name)?;
-    let staged = staged(scene, is_unlit)?;
-    let line = is_model.then(|| told_lights(name, is_unlit, &staged));
+    let staged = stage_scene(scene, is_unlit)?;
+    let line = is_model.then(|| lights_line(name, is_unlit, &staged));
     Ok((staged, line))
 }
 
-fn told_lights(name: &str, is_unlit: bool, staged: &Staged) -> String {
+fn lights_line(name: &str, is_unlit: bool, staged: &Staged) -> String {
     let lights: Vec<&str> = staged
         .lights
         .iter()

@@ -165,7 +165,7 @@ fn measure_part(
         },
         CardPart::Prices => {
             let mut backends = open(BackendName::Wgpu)?;
-            if let Some(device) = backends.playing.first_mut() {
+            if let Some(device) = backends.backends.first_mut() {
                 let samples = costs::time_stages(&mut **device, PRICED_RUNS)?;
                 card.prices = Some(fit(samples).model);
             }

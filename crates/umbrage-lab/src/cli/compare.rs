@@ -1,7 +1,7 @@
 //! `compare`: measures techniques on scenes, prints a table and writes the report.
 
 use crate::{
-    baseline::{Changes, Except, apart, changes, read, time_again},
+    baseline::{Changes, Except, changes, check_not_overwritten, read, time_again},
     cli::{
         args::shared::{BackendName, Shard, parse_shard, parse_size},
         cost, inputs, presets,
@@ -179,8 +179,8 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     for line in &backends.notices {
         println!("{line}");
     }
-    for backend in &backends.playing {
-        println!("{}", on(&**backend));
+    for backend in &backends.backends {
+        println!("{}", device_line(&**backend));
     }
     let plan = ComparisonPlan::new(&inputs, &options);
     let report = Report::create(&out, plan, &places, arguments.arrays)?;
@@ -226,7 +226,7 @@ pub(crate) fn conclude(comparison: &Comparison, stability: Option<&StabilitySour
 /// Reads a baseline. Checks that the report doesn't overwrite it and that all exceptions occur in
 /// it.
 fn read_baseline(path: &Path, out: &Path, except: &Except) -> Result<Comparison, Invalid> {
-    apart(path, out)?;
+    check_not_overwritten(path, out)?;
     let baseline = read(path)?;
     except.check(&baseline)?;
     Ok(baseline)
@@ -249,7 +249,7 @@ fn time_suspects_again(
 }
 
 /// Returns a line with a backend's name and the rounding of its device.
-fn on(backend: &dyn Backend) -> String {
+fn device_line(backend: &dyn Backend) -> String {
     match backend.kind() {
         "cpu" => format!("on {}", backend.name()),
         _ => format!("on {}: {}", backend.name(), backend.snapping()),
@@ -587,14 +587,14 @@ fn set_common(
     };
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {
-        out.map_sizes = rising(&arguments.map_sizes);
+        out.map_sizes = sort_sizes(&arguments.map_sizes);
     }
     Ok(())
 }
 
 /// Returns the sides in rising order without duplicates. Sweeps over other settings use the middle
 /// one.
-fn rising(sizes: &[u32]) -> Vec<u32> {
+fn sort_sizes(sizes: &[u32]) -> Vec<u32> {
     let mut out = sizes.to_vec();
     out.sort_unstable();
     out.dedup();
@@ -603,10 +603,10 @@ fn rising(sizes: &[u32]) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::rising;
+    use super::sort_sizes;
 
     #[test]
     fn map_sizes_may_come_in_any_order() {
-        assert_eq!(rising(&[2048, 512, 1024, 512]), [512, 1024, 2048]);
+        assert_eq!(sort_sizes(&[2048, 512, 1024, 512]), [512, 1024, 2048]);
     }
 }

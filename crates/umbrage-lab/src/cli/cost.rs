@@ -20,20 +20,20 @@ pub(crate) fn announce(
     if inputs.is_empty() {
         return Ok(());
     }
-    let expected = Expected::new(inputs, options, backends.playing.len())?;
-    println!("{}", counted(&expected));
+    let expected = Expected::new(inputs, options, backends.backends.len())?;
+    println!("{}", count_line(&expected));
     if let Some(refusal) = refusal(expected.bytes, memory()) {
         return Err(Usage(refusal).into());
     }
     if expected.pixels > MANY_PIXELS {
         println!("estimating the duration at a small image size ..");
         let time = pilot(inputs, options, backends)?;
-        println!("estimated duration on this machine: {}", spoken(time));
+        println!("estimated duration on this machine: {}", time_text(time));
     }
     Ok(())
 }
 
-fn counted(expected: &Expected) -> String {
+fn count_line(expected: &Expected) -> String {
     let scenes = expected.scenes;
     let rows = expected.rows;
     let of_scenes = plural(scenes);
@@ -94,7 +94,7 @@ fn size(bytes: u64) -> String {
 }
 
 /// Formats a duration in one unit: `7 s`, `10 min`.
-pub(crate) fn spoken(time: Duration) -> String {
+pub(crate) fn time_text(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {
         _ if seconds < 100.0 => format!("{seconds:.0} s"),
@@ -117,7 +117,7 @@ mod tests {
             rays: 7 << 28,
             bytes: 219 << 30,
         };
-        let line = counted(&expected);
+        let line = count_line(&expected);
         assert_eq!(
             line,
             "1 scene, 154 rows, 268 M pixels; at most 1.9 G rays for truth, about 219.0 GiB of memory"
@@ -130,10 +130,10 @@ mod tests {
             bytes: 1000,
         };
         assert_eq!(
-            counted(&small),
+            count_line(&small),
             "2 scenes, 6 rows, 600 pixels; at most 4.2 k rays for truth, about 1 MiB of memory"
         );
-        let times = [7, 600, 7200 * 2, 86_400 * 9].map(|s| spoken(Duration::from_secs(s)));
+        let times = [7, 600, 7200 * 2, 86_400 * 9].map(|s| time_text(Duration::from_secs(s)));
         assert_eq!(times, ["7 s", "10 min", "4 h", "9 days"]);
     }
 

@@ -9,7 +9,7 @@ use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, ti
 use umbrage_techniques::TechniquePreset;
 
 /// Scenes that are timed with the same image and map sizes.
-struct Stage {
+struct CostsScene {
     /// Their names.
     scenes: &'static [&'static str],
     /// Image sizes, pixels.
@@ -23,8 +23,8 @@ struct Stage {
 ///
 /// The large ones have 170,000 to 1.7 million triangles: a triangle of a large mesh costs less than
 /// one of a small mesh.
-const STAGES: [Stage; 2] = [
-    Stage {
+const STAGES: [CostsScene; 2] = [
+    CostsScene {
         scenes: &[
             "cubes",
             "teapot-lamp",
@@ -35,7 +35,7 @@ const STAGES: [Stage; 2] = [
         sizes: &[UVec2::new(320, 180), UVec2::new(960, 540)],
         maps: [256, 1024],
     },
-    Stage {
+    CostsScene {
         scenes: &["night-room", "dancer-soft", "nave", "valley", "leaf-cards"],
         sizes: &[UVec2::new(1280, 720)],
         maps: [1024, 2048],
@@ -56,7 +56,7 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     for notice in &backends.notices {
         println!("{notice}");
     }
-    let mut backends = backends.playing;
+    let mut backends = backends.backends;
     let mut prices = PriceList::default();
     let mut names = Vec::new();
     for backend in &mut backends {
@@ -86,7 +86,7 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
 
 /// Times all stages, and shows the progress.
 pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
-    let count: usize = STAGES.iter().map(Stage::count).sum();
+    let count: usize = STAGES.iter().map(CostsScene::count).sum();
     let bar = LoggedBar::of_steps(format!("timing {}", backend.name()), count as u64);
     let mut samples = Vec::new();
     for stage in &STAGES {
@@ -106,7 +106,7 @@ pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<Co
     Ok(samples)
 }
 
-impl Stage {
+impl CostsScene {
     /// Returns the number of settings to time.
     fn count(&self) -> usize {
         self.scenes.len() * self.sizes.len() * settings(&self.maps).len()

@@ -234,7 +234,7 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let on_step = |step: umbrage_plan::Step<'_>| progress.note(step);
     let folder = program.folder(arguments.out.as_deref(), "plan");
     let backend: Option<&mut dyn Backend> = match &mut clock {
-        Some(clock) => Some(&mut *clock.playing[0]),
+        Some(clock) => Some(&mut *clock.backends[0]),
         None => None,
     };
     if let Some(budget) = budget {
@@ -249,7 +249,7 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     progress.finish();
     let plan = found?;
     let files = write(&plan, Some((&scene, &options)), &folder)?;
-    print(&plan, &Prices::of(arguments));
+    print(&plan, &PriceSource::from_arguments(arguments));
     end(&files, plan.preset().err().map(|miss| miss.to_string()))
 }
 
@@ -311,10 +311,10 @@ pub(crate) fn clock_of(arguments: &PlanArguments) -> Result<Option<Backends>> {
 pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result<PlanOptions> {
     let prices = inputs::prices(arguments.prices.as_deref())?;
     Ok(PlanOptions {
-        catalogue: demanded(&program.catalogue, arguments)?,
+        catalogue: demanded_catalogue(&program.catalogue, arguments)?,
         samples: arguments.samples,
         seed: arguments.seed,
-        cost: prices.of(kind(arguments)),
+        cost: prices.model_for_backend(kind(arguments)),
         // The command numbers lights from 1.
         light: usize::from(arguments.light) - 1,
         size: match arguments.size {
@@ -345,7 +345,7 @@ fn options_for(program: &Program, arguments: &PlanArguments, scene: &Scene) -> R
 }
 
 /// Returns the techniques that meet the demands on the stability matrix.
-fn demanded(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalogue> {
+fn demanded_catalogue(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalogue> {
     let Some(path) = &arguments.stability else {
         return Ok(techniques.clone());
     };
@@ -379,14 +379,14 @@ fn demanded(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalog
 }
 
 /// The source of predicted times.
-struct Prices {
+struct PriceSource {
     kind: &'static str,
     /// The file of prices. `None` for the built-in ones.
     file: Option<String>,
 }
 
-impl Prices {
-    fn of(arguments: &PlanArguments) -> Self {
+impl PriceSource {
+    fn from_arguments(arguments: &PlanArguments) -> Self {
         let file = arguments.prices.as_ref();
         Self {
             kind: kind(arguments),
@@ -395,7 +395,7 @@ impl Prices {
     }
 
     /// Returns a predicted time with its uncertainty: `about 2.1 ms (0.7 to 6.2)`.
-    fn about(&self, ms: f64) -> String {
+    fn approximate_time(&self, ms: f64) -> String {
         match &self.file {
             Some(file) => format!("{ms:.2} ms by the prices of `{file}`"),
             None => {
@@ -407,7 +407,7 @@ impl Prices {
     }
 }
 
-fn print(plan: &Plan, prices: &Prices) {
+fn print(plan: &Plan, prices: &PriceSource) {
     let [w, h] = plan.size;
     let s = &plan.sampled;
     println!(
@@ -447,7 +447,10 @@ fn print(plan: &Plan, prices: &Prices) {
             println!("  shimmer {shimmer:.5}: mean change between frames of a pan");
         }
         let bytes = planning::bytes(chosen.bytes);
-        println!("  {} predicted, {bytes}", prices.about(chosen.milliseconds));
+        println!(
+            "  {} predicted, {bytes}",
+            prices.approximate_time(chosen.milliseconds)
+        );
         if let Some(ms) = chosen.measured_ms {
             println!("  {ms:.2} ms measured on this machine");
         }
@@ -480,7 +483,7 @@ fn promise(coverage: &Coverage) -> String {
         coverage.ambiguous,
         share(coverage.ambiguous),
         coverage.traced,
-        coverage.unsampled()
+        coverage.unsampled_pixels()
     )
 }
 

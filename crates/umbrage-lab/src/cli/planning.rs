@@ -1,6 +1,6 @@
 //! Progress and formats shared by `plan` and its regret table.
 
-use crate::cli::{cost::spoken, progress::LoggedBar};
+use crate::cli::{cost::time_text, progress::LoggedBar};
 use indicatif::ProgressBar;
 use std::time::Duration;
 use umbrage_plan::Step;
@@ -13,7 +13,7 @@ impl PlanProgress {
     pub(crate) fn new() -> Self {
         // Print to standard error: a program may read the results.
         let print_line = |bar: &ProgressBar, elapsed: Duration| {
-            let gone = spoken(elapsed);
+            let gone = time_text(elapsed);
             eprintln!("[{gone}] {}{}", bar.prefix(), bar.message());
         };
         let style = "{bar:30} [{elapsed}]  {prefix}{wide_msg}";

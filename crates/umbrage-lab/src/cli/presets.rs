@@ -77,14 +77,14 @@ mod tests {
         Program::default()
     }
 
-    fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
+    fn write_file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let file = dir.path().join(name);
         std::fs::write(&file, text).expect("writable");
         (dir, file)
     }
 
-    fn refused(files: &[PathBuf]) -> String {
+    fn refusal_text(files: &[PathBuf]) -> String {
         let error = read(&program(), files).expect_err("refused");
         assert!(error.is::<Usage>(), "the program ends with 2: {error}");
         error.to_string()
@@ -97,15 +97,15 @@ mod tests {
         assert_eq!(name("mine.toml"), "mine");
         assert_eq!(name("pcf.toml"), "pcf.toml");
         assert_eq!(name("mine"), "mine");
-        let (_dir, file) = written("wide.toml", "technique = 'pcf'\nradius = 2");
+        let (_dir, file) = write_file("wide.toml", "technique = 'pcf'\nradius = 2");
         let presets = read(&program(), &[file]).expect("a preset");
         assert_eq!(presets[0].name, "wide");
         assert_eq!(presets[0].preset.technique().name(), "pcf");
     }
 
     #[test]
-    fn soft_is_played_with_the_error_that_is_asked_for() {
-        let (_dir, file) = written("soft-0.02.toml", "technique = 'pcf'");
+    fn soft_is_rendered_with_the_error_that_is_requested() {
+        let (_dir, file) = write_file("soft-0.02.toml", "technique = 'pcf'");
         let mut presets = read(&program(), &[file]).expect("a preset");
         add_soft(&mut presets, 0.05).expect("another name");
         let soft = presets[1].preset.get::<Soft>();
@@ -117,14 +117,14 @@ mod tests {
 
     #[test]
     fn bad_files_are_refused_with_the_reason() {
-        let (_a, unknown) = written("a.toml", "technique = 'pfc'");
-        assert!(refused(&[unknown]).contains("names an unknown technique"));
-        let (_b, field) = written("b.toml", "technique = 'pcf'\nradiuss = 2");
-        assert!(refused(&[field]).contains("radiuss"));
-        let (_c, other) = written("c.toml", "not toml");
-        assert!(refused(&[other]).contains("c.toml"));
-        assert!(refused(&[PathBuf::from("missing.toml")]).contains("missing.toml"));
-        let (_d, twice) = written("d.toml", "technique = 'pcf'");
-        assert!(refused(&[twice.clone(), twice]).contains("another preset is called `d`"));
+        let (_a, unknown) = write_file("a.toml", "technique = 'pfc'");
+        assert!(refusal_text(&[unknown]).contains("names an unknown technique"));
+        let (_b, field) = write_file("b.toml", "technique = 'pcf'\nradiuss = 2");
+        assert!(refusal_text(&[field]).contains("radiuss"));
+        let (_c, other) = write_file("c.toml", "not toml");
+        assert!(refusal_text(&[other]).contains("c.toml"));
+        assert!(refusal_text(&[PathBuf::from("missing.toml")]).contains("missing.toml"));
+        let (_d, twice) = write_file("d.toml", "technique = 'pcf'");
+        assert!(refusal_text(&[twice.clone(), twice]).contains("another preset is called `d`"));
     }
 }

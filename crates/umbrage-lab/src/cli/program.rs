@@ -54,8 +54,8 @@ impl Program {
 
     /// Returns the folder for a command's report: the requested one, or else a subfolder with the
     /// command's name.
-    pub(crate) fn folder(&self, asked_for: Option<&Path>, command: &str) -> PathBuf {
-        match asked_for {
+    pub(crate) fn folder(&self, wanted: Option<&Path>, command: &str) -> PathBuf {
+        match wanted {
             Some(folder) => folder.to_owned(),
             None => self.reports.join(command),
         }

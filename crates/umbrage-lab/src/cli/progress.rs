@@ -1,6 +1,6 @@
 //! Shows the progress of a comparison and the remaining time.
 
-use crate::cli::cost::spoken;
+use crate::cli::cost::time_text;
 use crate::compare::CompareEvent;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{
@@ -170,11 +170,11 @@ impl Drop for Repeater {
 
 /// Returns a line of the log. `done` is the completed share, 0..=1.
 fn log_line(done: f64, elapsed: Duration, message: &str) -> String {
-    let gone = spoken(elapsed);
+    let gone = time_text(elapsed);
     let left = elapsed.as_secs_f64() * (1.0 - done).max(0.0) / done;
     // Estimate the rest only after the first hundredth: less is too little.
     let rest = if done > 0.01 {
-        format!(", about {} left", spoken(Duration::from_secs_f64(left)))
+        format!(", about {} left", time_text(Duration::from_secs_f64(left)))
     } else {
         String::new()
     };

@@ -50,7 +50,7 @@ pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()>
                 ..of_all
             };
             let backend: Option<&mut dyn Backend> = match &mut clock {
-                Some(clock) => Some(&mut *clock.playing[0]),
+                Some(clock) => Some(&mut *clock.backends[0]),
                 None => None,
             };
             let found = measure(scene, &arguments.errors, &options, backend, &|step| {

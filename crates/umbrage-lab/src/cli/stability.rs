@@ -68,11 +68,11 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     for line in &backends.notices {
         println!("{line}");
     }
-    for backend in &backends.playing {
+    for backend in &backends.backends {
         println!("on {}", backend.name());
     }
     let start = Instant::now();
-    let mut stability = play(&options, &mut backends)?;
+    let mut stability = run_rows(&options, &mut backends)?;
     if !arguments.rows.is_empty() {
         println!("{}", tables::matrix(&stability));
         println!("{}", tables::legend(&stability));
@@ -104,7 +104,7 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     let of_sweeps = sweeps.iter().filter_map(Sweep::fault);
     stability.faults.extend(of_sweeps);
     let mut fresh = inputs::open(backend(arguments), arguments.adapter.as_ref())?;
-    let of_state = check_state(&mut backends.playing, &mut fresh.playing)?;
+    let of_state = check_state(&mut backends.backends, &mut fresh.backends)?;
     stability.faults.extend(of_state);
     let folder = program.folder(arguments.out.as_deref(), "stability");
     let results = StabilityResults::new(stability, sweeps, &backends);
@@ -139,7 +139,7 @@ fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<Stabi
     Ok(out)
 }
 
-fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
+fn run_rows(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
     let style = ProgressStyle::with_template(
         "{bar:30} {pos:>3}/{len}  {elapsed} elapsed, {eta} left  {wide_msg}",
     );

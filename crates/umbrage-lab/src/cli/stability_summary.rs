@@ -93,7 +93,7 @@ mod tests {
                     cells.push(Cell {
                         technique: format!("t{n}"),
                         settings: settings.to_owned(),
-                        outcome: CellOutcome::of(vec![judgement]),
+                        outcome: CellOutcome::from_judgements(vec![judgement]),
                         disagreeing: None,
                         picture: None,
                     });
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_played_is_one_line() {
+    fn nothing_rendered_is_one_line() {
         assert_eq!(lines(&Stability::default()).len(), 1);
     }
 }

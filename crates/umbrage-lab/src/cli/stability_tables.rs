@@ -63,13 +63,13 @@ pub(crate) fn measures(
 ) -> Vec<String> {
     let mut out = Vec::new();
     for (k, criterion) in result.criteria.iter().enumerate() {
-        out.push(bracketed(k, text(criterion)));
+        out.push(bracket_text(k, text(criterion)));
     }
     out
 }
 
 /// Returns the text of the first criterion as it is, and that of others in brackets.
-fn bracketed(criterion: usize, text: String) -> String {
+fn bracket_text(criterion: usize, text: String) -> String {
     if criterion == 0 {
         text
     } else {
@@ -97,7 +97,7 @@ pub(crate) fn matrix(stability: &Stability) -> Table {
     let mut head = vec!["#", "case", "measure", "pass", "fail"];
     head.extend(&techniques);
     table.set_header(head);
-    for result in stability.telling() {
+    for result in stability.separating_cases() {
         let mut line = vec![
             result.row.to_string(),
             result.case.clone(),
@@ -133,7 +133,7 @@ fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
 fn decisive_figure(cell: &Cell) -> Option<String> {
     let criterion = cell.decisive()?;
     let figure = cell.judgements()[criterion].figure?;
-    Some(bracketed(criterion, number(figure)))
+    Some(bracket_text(criterion, number(figure)))
 }
 
 /// Formats a number with three significant digits, or fewer below 0.1.

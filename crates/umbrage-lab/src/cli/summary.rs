@@ -95,7 +95,7 @@ fn line(group: &SettingGroup, setting: &Relative, stability: Option<&StabilitySo
     };
     let time = times(setting.take(group.clock()).unwrap_or_default());
     let (light, backend, name) = (group.light, &group.backend, setting.name());
-    let verdicts = stability.and_then(|s| s.of(&setting.technique, &setting.settings));
+    let verdicts = stability.and_then(|s| s.verdicts_of(&setting.technique, &setting.settings));
     let fails = verdicts.map_or_else(String::new, |v| format!("; {}", v.words(0)));
     format!("{light} shadows, {backend:<5} {error:>6} {time:>10}  {name}{fails}")
 }
@@ -123,7 +123,7 @@ mod tests {
             errors: Some(errors),
             times: Some(times),
             cost_ms: ms,
-            played_cost_ms: None,
+            executed_cost_ms: None,
             ..Measured::default()
         };
         CompareRow {

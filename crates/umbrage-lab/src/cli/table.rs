@@ -26,7 +26,7 @@ const HEADER: [&str; 12] = [
 pub(crate) fn print(scenes: &[SceneResult]) {
     let whole = scenes.iter().map(|s| s.rows.len()).sum::<usize>() <= ALL_ROWS;
     for scene in scenes {
-        let rows = chosen(scene, whole);
+        let rows = chosen_rows(scene, whole);
         let rows = rows.into_iter().map(|row| cells(row, scene.motion));
         let table = figures_table(HEADER, rows, 3);
         let [w, h] = scene.size;
@@ -53,7 +53,10 @@ pub(crate) fn print(scenes: &[SceneResult]) {
 
 /// Returns a line about the use of all rows' maps. `None` without maps.
 fn maps(rows: &[CompareRow]) -> Option<String> {
-    let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
+    let used: Vec<_> = rows
+        .iter()
+        .filter_map(|r| r.measured_figures()?.maps)
+        .collect();
     Some(format!("maps: {}", footprint::words(&used)?))
 }
 
@@ -61,7 +64,7 @@ fn maps(rows: &[CompareRow]) -> Option<String> {
 /// `None` if there are none.
 fn left_out(rows: &[CompareRow]) -> Option<String> {
     for row in rows {
-        let errors = row.measured().and_then(|measured| measured.errors);
+        let errors = row.measured_figures().and_then(|measured| measured.errors);
         let pixels = errors.map_or(0, |errors| errors.elsewhere);
         if pixels > 0 {
             return Some(format!(
@@ -118,7 +121,7 @@ fn milliseconds(m: &Measured, motion: FrameMotion) -> f64 {
 }
 
 /// Returns the rows to print: all, or the Pareto front of time and error of each backend.
-fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
+fn chosen_rows(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
     let rows = &scene.rows;
     if whole {
         return rows.iter().collect();
@@ -140,7 +143,7 @@ fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
 fn best(rows: Vec<&CompareRow>, motion: FrameMotion) -> Vec<&CompareRow> {
     let mut points = Vec::with_capacity(rows.len());
     for row in &rows {
-        points.push(match row.measured() {
+        points.push(match row.measured_figures() {
             Some(m) => [milliseconds(m, motion), m.rmse().unwrap_or(f64::NAN)],
             None => [f64::NAN; 2],
         });

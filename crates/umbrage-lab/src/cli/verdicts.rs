@@ -28,8 +28,8 @@ pub(crate) fn of_run(
     }
     match StabilitySource::read(&folder) {
         Ok(source) => {
-            let (folder, told) = (folder.display(), source.told());
-            println!("stability verdicts from {folder}: {told}");
+            let (folder, reported) = (folder.display(), source.description());
+            println!("stability verdicts from {folder}: {reported}");
             Ok(Some(source))
         }
         Err(why) => {

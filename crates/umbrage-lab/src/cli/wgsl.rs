@@ -32,13 +32,13 @@ pub(crate) struct WgslArguments {
 
 /// Prints the text to paste into a shader. Errors if there is no such technique.
 pub(crate) fn wgsl(program: &Program, arguments: &WgslArguments) -> Result<()> {
-    let preset = chosen(program, arguments)?;
+    let preset = chosen_preset(program, arguments)?;
     let text = assembled_wgsl(&*preset.technique(), &arguments.prefix)?;
     println!("{}", text.trim_end());
     Ok(())
 }
 
-fn chosen(program: &Program, arguments: &WgslArguments) -> Result<TechniquePreset> {
+fn chosen_preset(program: &Program, arguments: &WgslArguments) -> Result<TechniquePreset> {
     if let Some(file) = &arguments.preset {
         return Ok(presets::one(program, file)?.preset);
     }

@@ -48,12 +48,12 @@ pub fn agree(
     snapping: Snapping,
 ) -> Result<Agreement, LabError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().snapping(snapping))?;
-    let played = if snapping == cpu_rule() {
+    let executed = if snapping == cpu_rule() {
         None
     } else {
         Some(cpu.render(view, recipe)?)
     };
-    let expected = played.as_ref().unwrap_or(of_cpu);
+    let expected = executed.as_ref().unwrap_or(of_cpu);
     let tolerance = sampler_tolerance(&*recipe.receive.kernel);
     let mut doubts = different_triangles(
         expected.receivers.as_ref(),

@@ -11,7 +11,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu};
 /// Opened backends.
 pub struct Backends {
     /// The backends to compare. The CPU is the first if it is one of them.
-    pub playing: Vec<Box<dyn Backend + Send>>,
+    pub backends: Vec<Box<dyn Backend + Send>>,
     /// Notices about the choice, for the reader of the results.
     pub notices: Vec<String>,
     /// The graphics adapter and its driver, if one is used.
@@ -26,7 +26,7 @@ pub struct Backends {
 
 impl fmt::Debug for Backends {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.playing.iter().map(|b| b.name()).collect();
+        let names: Vec<&str> = self.backends.iter().map(|b| b.name()).collect();
         f.debug_struct("Backends")
             .field("playing", &names)
             .field("notices", &self.notices)
@@ -37,7 +37,7 @@ impl fmt::Debug for Backends {
 impl Backends {
     /// Returns the CPU only.
     pub fn cpu() -> Self {
-        Self::of(vec![Box::new(Cpu::new())])
+        Self::from_backends(vec![Box::new(Cpu::new())])
     }
 
     /// Returns wgpu only, on the requested adapter.
@@ -45,7 +45,7 @@ impl Backends {
     /// # Errors
     /// Errors if there is no suitable adapter.
     pub fn wgpu(adapter: &AdapterChoice) -> Result<Self, BackendError> {
-        let mut out = Self::of(Vec::new());
+        let mut out = Self::from_backends(Vec::new());
         out.add(Gpu::new(adapter), false)?;
         Ok(out)
     }
@@ -87,7 +87,7 @@ impl Backends {
                     info.backend,
                     driver.trim()
                 ));
-                self.playing.push(Box::new(gpu));
+                self.backends.push(Box::new(gpu));
             }
             // An adapter requested by name must exist. Any other may be unusable: its driver may be
             // too old, or the graphics API named by the environment may lack features.
@@ -103,9 +103,9 @@ impl Backends {
 
     /// Returns the caller's backends. Agreement is measured against the first one if its kind is
     /// `cpu`.
-    pub fn of(playing: Vec<Box<dyn Backend + Send>>) -> Self {
+    pub fn from_backends(backends: Vec<Box<dyn Backend + Send>>) -> Self {
         Self {
-            playing,
+            backends,
             notices: Vec::new(),
             adapter: None,
             kept_truth: None,
@@ -116,9 +116,9 @@ impl Backends {
 
     /// Returns the environment of a comparison with these backends, and the date if it has times.
     pub fn environment(&self, options: &CompareOptions) -> Environment {
-        let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
+        let backends = self.backends.iter().map(|b| b.name().to_owned()).collect();
         let snapping = self
-            .playing
+            .backends
             .iter()
             .find(|b| b.kind() != "cpu")
             .map(|b| b.snapping().to_string());
@@ -126,7 +126,7 @@ impl Backends {
             adapter: self.adapter.clone(),
             snapping,
             backends,
-            ..Environment::here(options.runs.is_some())
+            ..Environment::of_this_machine(options.runs.is_some())
         }
     }
 }
@@ -139,7 +139,7 @@ mod tests {
     /// An unsuitable adapter counts as a missing one. If it was requested, this is an error;
     /// otherwise only the CPU is used, with a notice.
     #[test]
-    fn an_adapter_that_cannot_play_leaves_the_cpu() {
+    fn an_adapter_that_cannot_run_leaves_the_cpu() {
         let errors: [fn() -> BackendError; 3] = [
             || {
                 Invalid::new(
@@ -157,7 +157,7 @@ mod tests {
             },
         ];
         for error in errors {
-            let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+            let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
             assert!(
                 backends.add(Err(error()), false).is_err() && backends.notices.is_empty(),
                 "requested by name"
@@ -169,7 +169,7 @@ mod tests {
                 "{notices:?}"
             );
             assert_eq!(
-                (backends.playing.len(), backends.playing[0].kind()),
+                (backends.backends.len(), backends.backends[0].kind()),
                 (1, "cpu")
             );
         }

@@ -56,7 +56,7 @@ pub struct Choice {
 
 impl Choice {
     /// Returns the settings in the order of [`SettingGroup::advice`], without duplicates.
-    pub fn named(&self) -> Vec<usize> {
+    pub fn named_settings(&self) -> Vec<usize> {
         let mut out: Vec<usize> = Vec::new();
         let without_rays = self.without_rays.unwrap_or(self.knee);
         for setting in [self.knee, self.cheapest, self.best, without_rays] {
@@ -362,7 +362,7 @@ mod tests {
             without_rays: None,
         };
         assert_eq!(group.choice(), Some(choice));
-        assert_eq!(choice.named(), [2, 1, 5]);
+        assert_eq!(choice.named_settings(), [2, 1, 5]);
         assert_eq!(
             group.advice().as_deref(),
             Some(

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use umbrage_core::{
     Aabb, Backend, CastMode, Cull, Light, Recipe, RecipeError, ShadowTechnique, Shadows, View,
     light_sample::{LIFT, LightSampler, kind, seed, segment, unit_square},
-    metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, near},
+    metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, pixels_near},
 };
 use umbrage_plan::{
     catalogue::{Catalogue, CataloguedKernel},
@@ -141,7 +141,7 @@ fn expected_without_casters(
                 return VisibilityRange::LIT;
             }
             let pixel = UVec2::new(i as u32 % truth.size.x, i as u32 / truth.size.x);
-            horizon.expected(receivers.position(i), receivers.normal(i), pixel)
+            horizon.expected_visibility(receivers.position(i), receivers.normal(i), pixel)
         })
         .collect()
 }
@@ -182,7 +182,7 @@ impl LightOverHorizon {
         let bounds = view
             .geometry
             .bounds()
-            .union(&Aabb::around([view.camera.eye()]));
+            .union(&Aabb::from_points([view.camera.eye()]));
         let light = LightSampler::new(view.light);
         // An ideal light needs one ray, whatever the number of samples.
         let query = match rays {
@@ -209,13 +209,13 @@ impl LightOverHorizon {
     }
 
     /// Returns the correct visibilities at a position with a unit normal.
-    fn expected(&self, position: Vec3, normal: Vec3, pixel: UVec2) -> VisibilityRange {
+    fn expected_visibility(&self, position: Vec3, normal: Vec3, pixel: UVec2) -> VisibilityRange {
         let to_center = self
             .center
             .map_or(self.direction, |center| center - position);
         match self.query {
             KernelQuery::Center => {
-                let above = self.above(normal, to_center);
+                let above = self.side_of_tangent_plane(normal, to_center);
                 VisibilityRange {
                     min: f32::from(u8::from(above.surely)),
                     max: 1.0,
@@ -253,8 +253,8 @@ impl LightOverHorizon {
     fn sees(&self, position: Vec3, normal: Vec3, uv: Vec2) -> Above {
         let on_surface = segment(&self.light, position + normal * 0.0, uv, 1.0);
         let lifted = segment(&self.light, position + normal * self.lift, uv, 1.0);
-        let from_surface = self.above(normal, on_surface);
-        let from_lifted = self.above(normal, lifted);
+        let from_surface = self.side_of_tangent_plane(normal, on_surface);
+        let from_lifted = self.side_of_tangent_plane(normal, lifted);
         Above {
             surely: from_surface.surely && from_lifted.surely,
             maybe: from_surface.maybe || from_lifted.maybe,
@@ -262,7 +262,7 @@ impl LightOverHorizon {
     }
 
     /// Reports whether a vector to the light points above the tangent plane.
-    fn above(&self, normal: Vec3, to_light: Vec3) -> Above {
+    fn side_of_tangent_plane(&self, normal: Vec3, to_light: Vec3) -> Above {
         let height = normal.as_dvec3().dot(to_light.as_dvec3());
         let margin = self.margin(to_light);
         Above {
@@ -317,11 +317,11 @@ fn may_miss(
     let Some(reach) = catalogue.kernel_reach(technique) else {
         return far_side;
     };
-    let mut asked = truth.receivers.clone();
-    asked.receives.copy_from_slice(shadow);
-    let view = view.with_receivers(&asked);
+    let mut requested = truth.receivers.clone();
+    requested.receives.copy_from_slice(shadow);
+    let view = view.with_receivers(&requested);
     let kernel = catalogue.kernel(recipe);
-    let used = footprint::measure(&view, recipe, &asked, reach, kernel).total;
+    let used = footprint::measure(&view, recipe, &requested, reach, kernel).total;
     let Some(texels_per_pixel) = used.texels else {
         return true;
     };
@@ -333,8 +333,8 @@ fn may_miss(
         return true;
     }
     let outside: Vec<bool> = shadow.iter().map(|shadow| !shadow).collect();
-    let beside = near(truth.size, &outside, radius as u32);
-    far_side || beside.iter().all(|&beside| beside)
+    let adjacent = pixels_near(truth.size, &outside, radius as u32);
+    far_side || adjacent.iter().all(|&adjacent| adjacent)
 }
 
 #[cfg(test)]

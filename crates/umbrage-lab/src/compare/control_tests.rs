@@ -44,12 +44,16 @@ fn lit_by(light: Light) -> Scene {
     }
 }
 
-fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend + Send>) -> Comparison {
+fn compare_scene(
+    scene: Scene,
+    options: &CompareOptions,
+    backend: Box<dyn Backend + Send>,
+) -> Comparison {
     let input = SceneInput::new(scene, "");
     compare(
         &[input],
         options,
-        &mut Backends::of(vec![player]),
+        &mut Backends::from_backends(vec![backend]),
         &mut |_, _| Ok(()),
         &|_| (),
     )
@@ -89,14 +93,14 @@ fn what_is_right_holds_for_every_technique_under_every_light() {
     for scene in lights() {
         let name = scene.name.clone();
         let light = format!("{:?}", scene.lights[0]);
-        let comparison = compared(scene, &options(&[]), Box::new(Cpu::new()));
+        let comparison = compare_scene(scene, &options(&[]), Box::new(Cpu::new()));
         let result = &comparison.scenes[0];
         let faults = comparison.faults();
         assert!(faults.is_empty(), "{name}, {light}: {faults:?}");
         let mut measured: Vec<&str> = result
             .rows
             .iter()
-            .filter(|r| r.measured().is_some())
+            .filter(|r| r.measured_figures().is_some())
             .map(|r| &*r.technique)
             .collect();
         measured.dedup();
@@ -139,17 +143,17 @@ impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
 
 /// Returns the controls of all techniques but `none`, with masks corrupted with (or without)
 /// casters.
-fn spoilt(
+fn spoil_masks(
     casters: bool,
     scene: Scene,
     spoil: impl FnMut(&mut Shadows, &View<'_>) + Send + 'static,
 ) -> Vec<Control> {
-    let player = Spoilt {
+    let backend = Spoilt {
         cpu: Cpu::new(),
         casters,
         spoil,
     };
-    let mut controls = compared(scene, &options(&[]), Box::new(player))
+    let mut controls = compare_scene(scene, &options(&[]), Box::new(backend))
         .scenes
         .remove(0)
         .controls;
@@ -162,7 +166,7 @@ fn spoilt(
 fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
     // Open casters, and casters smaller than texels, are excused: the cubes are closed and wide.
     let lit = |shadows: &mut Shadows, _: &View<'_>| shadows.mask.fill(1.0);
-    for control in spoilt(true, scene("cubes"), lit) {
+    for control in spoil_masks(true, scene("cubes"), lit) {
         let keeps_far_sides = ["second_depth", "midpoint"].contains(&&*control.technique);
         assert!(control.shadowed > 0 && control.changed == 0, "{control:?}");
         assert_eq!(control.holds, keeps_far_sides, "{control:?}");
@@ -179,13 +183,13 @@ fn casters_that_stay_are_noticed_in_every_technique() {
             .expect("a floor");
         shadows.mask[pixel] = 0.0;
     };
-    for control in spoilt(false, scene("cubes"), darken_one) {
+    for control in spoil_masks(false, scene("cubes"), darken_one) {
         assert!(control.wrong_without == 1 && !control.holds, "{control:?}");
     }
 }
 
 /// Returns the control of one technique with the given settings.
-fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Backend) -> Control {
+fn control<T: ListedTechnique>(scene: &Scene, technique: T, backend: &mut dyn Backend) -> Control {
     let technique = TechniquePreset::from(technique);
     let geometry = Geometry::bake(scene).expect("valid");
     let options = options(&[]);
@@ -202,10 +206,10 @@ fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Bac
     let recipe = technique
         .recipe(&view.core().with_receivers(&truth.receivers))
         .expect("supported");
-    let with_casters = player.render(&view.core(), &recipe).expect("valid");
+    let with_casters = backend.render(&view.core(), &recipe).expect("valid");
     let catalogue = Catalogue::built_in();
     run(
-        player,
+        backend,
         &technique,
         &view,
         &truth,

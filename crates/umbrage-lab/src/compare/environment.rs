@@ -10,7 +10,7 @@ use std::{
 impl Environment {
     /// Returns this machine and, if `dated`, the current time. The caller sets backends and
     /// adapter.
-    pub fn here(dated: bool) -> Self {
+    pub fn of_this_machine(dated: bool) -> Self {
         let date = if dated {
             let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
             Some(format_date(since_1970.map_or(0, |d| d.as_secs())))

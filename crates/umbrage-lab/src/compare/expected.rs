@@ -127,11 +127,13 @@ pub fn pilot(
     };
     // Disable stored truth: its time would be missing from the estimate.
     let kept_truth = backends.kept_truth.take();
-    let seconds = piloted(input, options, size, backends);
+    let seconds = run_pilot(input, options, size, backends);
     backends.kept_truth = kept_truth;
     let PilotTimes { small, large } = seconds?;
     let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
-    Ok(Duration::from_secs_f64(extrapolated(small, large, &wanted)))
+    Ok(Duration::from_secs_f64(extrapolate_time(
+        small, large, &wanted,
+    )))
 }
 
 /// The times of a scene at two small sizes.
@@ -140,14 +142,14 @@ struct PilotTimes {
     large: PilotTime,
 }
 
-fn piloted(
+fn run_pilot(
     input: &SceneInput,
     options: &CompareOptions,
     size: UVec2,
     backends: &mut Backends,
 ) -> Result<PilotTimes, LabError> {
-    let small_size = reduced(size, SMALL_PILOT);
-    let large_size = reduced(size, LARGE_PILOT);
+    let small_size = reduce_size(size, SMALL_PILOT);
+    let large_size = reduce_size(size, LARGE_PILOT);
     // The first run also compiles shaders.
     once(input, options, small_size, backends)?;
     let small = PilotTime {
@@ -170,7 +172,7 @@ struct PilotTime {
 
 /// Extrapolates the total seconds for images with these numbers of pixels from those of two sizes.
 /// Linear in the pixels, and never decreasing.
-fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
+fn extrapolate_time(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
     let more_pixels = large.pixels.max(small.pixels + 1) - small.pixels;
     let a_pixel = ((large.seconds - small.seconds) / more_pixels as f64).max(0.0);
     let fixed = (small.seconds - a_pixel * small.pixels as f64).max(0.0);
@@ -181,7 +183,7 @@ fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
 }
 
 /// Returns an image size with the same aspect ratio and at most `most` pixels.
-fn reduced(size: UVec2, most: u64) -> UVec2 {
+fn reduce_size(size: UVec2, most: u64) -> UVec2 {
     let by = (most as f64 / pixels(size) as f64).sqrt().min(1.0);
     (size.as_dvec2() * by).floor().as_uvec2().max(UVec2::ONE)
 }
@@ -226,10 +228,10 @@ fn once(
         .and_then(|first| *first)
         .unwrap_or(end);
     // A timed row is rendered once for its mask, and then in turn with its yardstick.
-    let plays = own
+    let supports = own
         .runs
         .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.min.max(1)));
-    Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())
+    Ok((rows_from - start).as_secs_f64() + supports * (end - rows_from).as_secs_f64())
 }
 
 #[cfg(test)]
@@ -276,10 +278,10 @@ mod tests {
             pixels: 3000,
             seconds,
         };
-        assert!((extrapolated(small(3.0), large(5.0), &[1_000_000]) - 1002.0).abs() < 1e-6);
-        assert!((extrapolated(small(3.0), large(5.0), &[1000, 2000]) - 7.0).abs() < 1e-9);
+        assert!((extrapolate_time(small(3.0), large(5.0), &[1_000_000]) - 1002.0).abs() < 1e-6);
+        assert!((extrapolate_time(small(3.0), large(5.0), &[1000, 2000]) - 7.0).abs() < 1e-9);
         assert_eq!(
-            extrapolated(small(5.0), large(3.0), &[1_000_000]),
+            extrapolate_time(small(5.0), large(3.0), &[1_000_000]),
             5.0,
             "noise must not make it negative"
         );
@@ -287,9 +289,12 @@ mod tests {
 
     #[test]
     fn a_pilot_keeps_the_images_shape_and_ends() {
-        assert_eq!(reduced(UVec2::splat(16_384), 64 * 48), UVec2::splat(55));
-        assert_eq!(reduced(UVec2::new(16_384, 2), 64 * 48), UVec2::new(5016, 1));
-        assert_eq!(reduced(UVec2::new(8, 6), 64 * 48), UVec2::new(8, 6));
+        assert_eq!(reduce_size(UVec2::splat(16_384), 64 * 48), UVec2::splat(55));
+        assert_eq!(
+            reduce_size(UVec2::new(16_384, 2), 64 * 48),
+            UVec2::new(5016, 1)
+        );
+        assert_eq!(reduce_size(UVec2::new(8, 6), 64 * 48), UVec2::new(8, 6));
         let truth = TruthOptions {
             samples: 4,
             probe_samples: 4,
@@ -301,7 +306,7 @@ mod tests {
             truth,
             ..CompareOptions::quick()
         };
-        let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+        let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
         let found = pilot(&[input("cubes")], &options, &mut cpu).expect("valid");
         assert!(found > Duration::ZERO, "{found:?}");
         assert_eq!(

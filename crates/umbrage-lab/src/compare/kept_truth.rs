@@ -60,7 +60,7 @@ impl KeptTruth {
         }
         let path = self.folder.join(self.name(view, options));
         let bytes = fs::read(&path).ok()?;
-        let truth = decoded(&bytes, receivers, view.geometry.fingerprint())?;
+        let truth = decode_truth(&bytes, receivers, view.geometry.fingerprint())?;
         // Mark the file as recently used. If this fails it is removed earlier, which only costs
         // time.
         if let Ok(file) = fs::File::options().append(true).open(&path) {
@@ -84,7 +84,7 @@ impl KeptTruth {
             return Ok(());
         }
         let folder = Folder::create(&self.folder)?;
-        folder.write(&self.name(view, options), &encoded(truth))?;
+        folder.write(&self.name(view, options), &encode_truth(truth))?;
         for name in self.too_many() {
             folder.remove(&name)?;
         }
@@ -131,7 +131,7 @@ const CLASSES: [Pixel; 6] = [
 /// They are the checksum of the rest, the tracing time in seconds, the contact distance, and then
 /// for each pixel its visibility, error, distance to the blocker, class and ambiguity. All numbers
 /// are little-endian.
-fn encoded(truth: &Truth) -> Vec<u8> {
+fn encode_truth(truth: &Truth) -> Vec<u8> {
     let mut rest = Vec::new();
     rest.extend(truth.elapsed.as_secs_f64().to_le_bytes());
     rest.extend(truth.contact.to_le_bytes());
@@ -154,7 +154,7 @@ const PIXEL_BYTES: usize = 14;
 const CHECKSUM_BYTES: usize = 16;
 
 /// Returns the truth in a file. `None` if it is damaged or of another size.
-fn decoded(bytes: &[u8], receivers: Receivers, fingerprint: u64) -> Option<Truth> {
+fn decode_truth(bytes: &[u8], receivers: Receivers, fingerprint: u64) -> Option<Truth> {
     let (expected, rest) = bytes.split_at_checked(CHECKSUM_BYTES)?;
     if checksum(rest).as_bytes() != expected {
         return None;
@@ -197,18 +197,18 @@ mod tests {
     use umbrage_core::{Camera, Geometry, Light};
     use umbrage_cpu::Cpu;
 
-    struct Stage {
+    struct TruthFixture {
         camera: Camera,
         light: Light,
         geometry: Geometry,
         options: TruthOptions,
     }
 
-    impl Stage {
+    impl TruthFixture {
         fn new() -> Self {
             let scene = umbrage_scenes::by_argument("teapot-lamp").expect("built in");
             Self {
-                camera: scene.cameras[0].resized(UVec2::new(24, 18)),
+                camera: scene.cameras[0].with_size(UVec2::new(24, 18)),
                 light: scene.lights[0],
                 geometry: Geometry::bake(&scene).expect("valid"),
                 options: TruthOptions {
@@ -260,7 +260,7 @@ mod tests {
     fn what_is_kept_is_what_was_traced() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let kept = KeptTruth::in_folder(dir.path().join("truth"));
-        let stage = Stage::new();
+        let stage = TruthFixture::new();
         assert!(stage.read(&kept, stage.receivers()).is_none());
         let truth = stage.truth();
         kept.write(&stage.view(), &stage.options, &truth)
@@ -275,11 +275,11 @@ mod tests {
         );
         assert_eq!((read.contact, read.size), (truth.contact, truth.size));
         // There is no stored truth for another camera, light, option or program.
-        let mut other = Stage::new();
+        let mut other = TruthFixture::new();
         other.options.samples = 9;
         assert!(other.read(&kept, stage.receivers()).is_none());
-        let mut other = Stage::new();
-        other.camera = other.camera.nudged(glam::Vec2::X);
+        let mut other = TruthFixture::new();
+        other.camera = other.camera.nudged_by(glam::Vec2::X);
         assert!(other.read(&kept, stage.receivers()).is_none());
         let rebuilt = KeptTruth {
             program: "another".to_owned(),
@@ -290,9 +290,9 @@ mod tests {
 
     #[test]
     fn what_was_changed_or_cut_off_is_not_taken_up() {
-        let stage = Stage::new();
-        let bytes = encoded(&stage.truth());
-        let read = |bytes: &[u8]| decoded(bytes, stage.receivers(), 0).is_some();
+        let stage = TruthFixture::new();
+        let bytes = encode_truth(&stage.truth());
+        let read = |bytes: &[u8]| decode_truth(bytes, stage.receivers(), 0).is_some();
         assert!(read(&bytes));
         for place in [0, 20, bytes.len() - 1] {
             let mut changed = bytes.clone();

@@ -55,7 +55,7 @@ pub use result::{
 pub use row::RowImages;
 pub use scene::SceneImages;
 pub use timing::CALM;
-pub(crate) use timing::{Again, again};
+pub(crate) use timing::{Again, time_rows_again};
 pub use umbrage_plan::motion::FrameMotion;
 
 use crate::error::LabError;
@@ -90,7 +90,7 @@ pub fn compare(
     let mut parts = Vec::new();
     for input in inputs {
         let one = std::slice::from_ref(input);
-        parts.push(Expected::new(one, options, backends.playing.len())?);
+        parts.push(Expected::new(one, options, backends.backends.len())?);
     }
     on_event(CompareEvent::Started {
         scenes: inputs.len(),

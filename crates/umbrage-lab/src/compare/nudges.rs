@@ -122,7 +122,7 @@ pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     }
     let mut out = of_casts(recipe, snapping);
     out.extend(along_normals());
-    out.extend(together(recipe, snapping));
+    out.extend(nudges_together(recipe, snapping));
     out
 }
 
@@ -162,7 +162,7 @@ fn of_casts(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
 /// Returns combinations, since devices round all values at once. A tap may cross a texel's edge
 /// while its reference depth moves. Smaller shares matter, too: a result may change within a shift
 /// and be equal at both ends.
-fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
+fn nudges_together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let mut out = Vec::new();
     for part in [1.0, 0.25] {
         for corner in corners(snapping) {
@@ -260,12 +260,12 @@ impl Nudge {
         let mut moved = seen
             .zip(self.receivers)
             .map(|(seen, direction)| match direction {
-                Direction::Normal(part) => moved(seen, |normal| normal * part),
-                Direction::Fixed(by) => moved(seen, |_| by),
+                Direction::Normal(part) => move_receivers(seen, |normal| normal * part),
+                Direction::Fixed(by) => move_receivers(seen, |_| by),
             });
         if self.normals != Vec3::ZERO {
             moved = moved.or_else(|| seen.cloned());
-            moved = moved.map(|receivers| turned(receivers, self.normals));
+            moved = moved.map(|receivers| turn_receivers(receivers, self.normals));
         }
         let view = moved
             .as_ref()
@@ -291,7 +291,9 @@ impl Nudge {
             let size = recipe.images[cast.image].size;
             let by = self.lookup * lookup_rounding(&cast.space, greatest);
             let texels = self.texels + 0.5 * by.truncate() * size.as_vec2();
-            cast.space = cast.space.nudged(texels, self.depth + behind + by.z, size);
+            cast.space = cast
+                .space
+                .nudge_by(texels, self.depth + behind + by.z, size);
             if let Some(units) = self.units {
                 cast.bias.constant = (cast.bias.constant as f32 * units).round() as i32;
             }
@@ -326,7 +328,7 @@ fn greatest_coordinate(receivers: &Receivers) -> f32 {
 /// Returns receivers shifted by `by` of their normals, times the greatest coordinate of any
 /// receiver. For receivers near the origin, the light matrix has a term of that size, too, and
 /// rounds as much.
-fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
+fn move_receivers(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     let mut out = receivers.clone();
     let greatest = greatest_coordinate(receivers);
     for i in 0..out.len() {
@@ -338,7 +340,7 @@ fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
 }
 
 /// Returns receivers with `by` added to their normals.
-fn turned(mut receivers: Receivers, by: Vec3) -> Receivers {
+fn turn_receivers(mut receivers: Receivers, by: Vec3) -> Receivers {
     for i in 0..receivers.len() {
         let n = receivers.normal(i) + by;
         (receivers.nx[i], receivers.ny[i], receivers.nz[i]) = (n.x, n.y, n.z);
@@ -415,7 +417,7 @@ mod tests {
                 .expect("valid")
         });
         let by = Vec3::new(0.5, 0.0, -0.25);
-        let turned = turned(receivers.clone(), by);
+        let turned = turn_receivers(receivers.clone(), by);
         for i in 0..receivers.len() {
             assert_eq!(turned.normal(i), receivers.normal(i) + by);
         }

@@ -55,8 +55,8 @@ impl SceneInput {
         let scene = &self.scene;
         let camera = scene.cameras.first();
         let light = scene.lights.first();
-        let camera = camera.ok_or_else(|| missing(scene, "camera"))?;
-        let light = light.ok_or_else(|| missing(scene, "light"))?;
+        let camera = camera.ok_or_else(|| missing_input(scene, "camera"))?;
+        let light = light.ok_or_else(|| missing_input(scene, "light"))?;
         Ok((camera, light))
     }
 
@@ -66,7 +66,7 @@ impl SceneInput {
     }
 }
 
-fn missing(scene: &Scene, what: &str) -> Invalid {
+fn missing_input(scene: &Scene, what: &str) -> Invalid {
     Invalid::new(
         format!("scene `{}`", scene.name),
         format!("has no {what}"),
@@ -289,7 +289,7 @@ impl CompareOptions {
 
     /// Returns a scene's camera with the image size of the options.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
-        self.size.map_or(*camera, |size| camera.resized(size))
+        self.size.map_or(*camera, |size| camera.with_size(size))
     }
 }
 
@@ -298,11 +298,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quick_rows_are_played_more_often_than_slow_ones() {
+    fn quick_rows_are_rendered_more_often_than_slow_ones() {
         let runs = Runs::default();
-        let played =
+        let executed =
             |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
-        assert_eq!([0, 4, 10, 1_000].map(played), [15, 8, 5, 5].map(Some));
+        assert_eq!([0, 4, 10, 1_000].map(executed), [15, 8, 5, 5].map(Some));
         assert!(
             Runs::exactly(2).suffice(2, Duration::ZERO)
                 && !Runs::exactly(2).suffice(1, Duration::MAX)

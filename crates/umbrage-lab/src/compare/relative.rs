@@ -147,7 +147,7 @@ pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
                 }
             });
             sum.repeats &= row.same_as.is_some();
-            sum.add(row.measured(), none, reference, scene.motion);
+            sum.add(row.measured_figures(), none, reference, scene.motion);
         }
     }
     let mut out = Vec::new();
@@ -164,7 +164,7 @@ pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
 fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
     let mut of_backend: HashMap<&str, Vec<&Measured>> = HashMap::new();
     for row in scene.rows.iter().filter(|r| r.technique == "hard") {
-        if let Some(m) = row.measured() {
+        if let Some(m) = row.measured_figures() {
             of_backend.entry(&row.backend).or_default().push(m);
         }
     }
@@ -288,7 +288,7 @@ mod tests {
                 ..Work::default()
             },
             cost_ms: 10.0 * ms,
-            played_cost_ms: None,
+            executed_cost_ms: None,
             lookup_cost_ms: ms,
             ..Measured::default()
         };

@@ -39,9 +39,9 @@ impl Comparison {
         let mut out = Vec::new();
         for scene in &self.scenes {
             for row in &scene.rows {
-                let agreement = row.measured().and_then(|m| m.agreement);
+                let agreement = row.measured_figures().and_then(|m| m.agreement);
                 if let Some(agreement) = agreement.filter(|a| !a.is_decided())
-                    && let Some(expected) = ExpectedUndecided::of(row)
+                    && let Some(expected) = ExpectedUndecided::of_row(row)
                     && expected.holds(&agreement)
                 {
                     let (scene, label, why) = (&scene.name, row.label(), expected.why);
@@ -138,12 +138,12 @@ impl SceneResult {
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
         let mut pairs = Vec::new();
         for row in self.rows.iter().filter(|row| row.backend == backend) {
-            if let Some(m) = row.measured()
+            if let Some(m) = row.measured_figures()
                 && let Some(times) = m.times
                 && row.same_as.is_none()
             {
                 pairs.push([
-                    m.played_cost_ms.unwrap_or(m.cost_ms),
+                    m.executed_cost_ms.unwrap_or(m.cost_ms),
                     times.milliseconds(&times.total),
                 ]);
             }
@@ -178,11 +178,11 @@ impl SceneResult {
         let mut out = Vec::new();
         let scene = &self.name;
         for row in &self.rows {
-            let Some(measured) = row.measured() else {
+            let Some(measured) = row.measured_figures() else {
                 continue;
             };
             let label = row.label();
-            let expected = ExpectedUndecided::of(row);
+            let expected = ExpectedUndecided::of_row(row);
             if let Some(what) = measured.agreement.and_then(|a| disagreement(a, expected)) {
                 out.push(format!("{scene}: {label}: {what}"));
             }
@@ -249,7 +249,7 @@ const EXPECTED_UNDECIDED: [ExpectedUndecided; 2] = [
 ];
 
 impl ExpectedUndecided {
-    fn of(row: &CompareRow) -> Option<Self> {
+    fn of_row(row: &CompareRow) -> Option<Self> {
         let is_of_row = |expected: &Self| {
             let mut settings = row.settings.split(", ");
             expected.technique.is_none_or(|name| name == row.technique)
@@ -329,7 +329,7 @@ pub struct CompareRow {
 
 impl CompareRow {
     /// Returns the figures. `None` if the row isn't measured.
-    pub fn measured(&self) -> Option<&Measured> {
+    pub fn measured_figures(&self) -> Option<&Measured> {
         match &self.outcome {
             RowOutcome::Measured(m) => Some(m),
             RowOutcome::Unsupported { .. } => None,
@@ -339,7 +339,7 @@ impl CompareRow {
     /// Reports whether the row was timed in turn with a yardstick on a device, but its time at full
     /// clock is unknown. Long rows are timed without a yardstick and don't count.
     pub fn is_at_unknown_clock(&self) -> bool {
-        let times = self.measured().and_then(|m| m.times);
+        let times = self.measured_figures().and_then(|m| m.times);
         has_device_clock(&self.backend)
             && times.is_some_and(|t| t.yardstick.is_some() && t.full_clock_factor.is_none())
     }
@@ -403,8 +403,8 @@ pub struct Measured {
     pub cost_ms: f64,
     /// The part of `cost_ms` that backends execute, to compare with [`times`](Self::times).
     /// Excludes triangles put into lists. `None` in files from before there were lists.
-    #[serde(default)]
-    pub played_cost_ms: Option<f64>,
+    #[serde(default, rename = "played_cost_ms")]
+    pub executed_cost_ms: Option<f64>,
     /// The part of `cost_ms` for the lookup.
     #[serde(default)]
     pub lookup_cost_ms: f64,
@@ -542,7 +542,7 @@ pub struct Ranks {
 
 impl Ranks {
     /// Returns the quantiles of some figures, with linear interpolation. `None` without figures.
-    pub fn of(figures: Vec<f64>) -> Option<Self> {
+    pub fn from_figures(figures: Vec<f64>) -> Option<Self> {
         let runs = figures.len() as u32;
         let sorted = Sorted::new(figures);
         Some(Self {
@@ -573,7 +573,7 @@ pub struct TimingStats {
 
 impl TimingStats {
     /// Returns the statistics of times in milliseconds. `None` without times.
-    pub fn of(times: Vec<f64>) -> Option<Self> {
+    pub fn from_times(times: Vec<f64>) -> Option<Self> {
         let runs = times.len() as u32;
         let sorted = Sorted::new(times);
         Some(Self {
@@ -623,7 +623,7 @@ mod tests {
             };
             let times = RowTimes {
                 total: stats(median),
-                ratio: Ranks::of(vec![median]),
+                ratio: Ranks::from_figures(vec![median]),
                 ..RowTimes::default()
             };
             let mut scene = SceneResult {
@@ -641,7 +641,7 @@ mod tests {
                 ..SceneResult::default()
             };
             scene.set_full_clock(0.5);
-            let times = scene.rows[0].measured().and_then(|m| m.times);
+            let times = scene.rows[0].measured_figures().and_then(|m| m.times);
             assert_eq!(times.and_then(|t| t.full_clock_factor), factor);
         }
     }

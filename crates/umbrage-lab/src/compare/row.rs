@@ -46,7 +46,7 @@ pub(super) struct SceneRun<'a> {
     pub(super) options: &'a CompareOptions,
     pub(super) judge: Judge<'a>,
     /// The scene for colour images. `None` without them.
-    pub(super) stage: Option<color::Stage>,
+    pub(super) stage: Option<color::ColorScene>,
     /// The rows so far.
     pub(super) rows: Vec<(CompareRow, RowImages)>,
     pub(super) controls: Vec<Control>,
@@ -98,13 +98,13 @@ impl SceneRun<'_> {
         if let Ok(made) = &made
             && let Some(first_row) = self.first_row_alike(&made.recipe)
         {
-            self.repeat(setting, first_row, backends.playing.len());
+            self.repeat(setting, first_row, backends.backends.len());
             return Ok(());
         }
         let first_row = self.rows.len();
         let mut of_cpu = None;
-        for i in 0..backends.playing.len() {
-            let backend = backends.playing[i].kind();
+        for i in 0..backends.backends.len() {
+            let backend = backends.backends[i].kind();
             on_event(CompareEvent::Row {
                 technique: &setting.name,
                 settings: &setting.settings,
@@ -113,7 +113,7 @@ impl SceneRun<'_> {
             });
             let (outcome, images) = match &made {
                 Ok(made) => self.execute(setting, made, i, &mut of_cpu, backends)?,
-                Err(reason) => unsupported(reason),
+                Err(reason) => unsupported_row(reason),
             };
             let row = CompareRow {
                 technique: setting.name.clone(),
@@ -141,7 +141,7 @@ impl SceneRun<'_> {
     /// Makes a setting's recipe. Times it if the options include times.
     fn make_recipe(&mut self, technique: &dyn ShadowTechnique) -> Result<MadeRecipe, RecipeError> {
         if let Some(reason) = self.too_slow(technique) {
-            return Err(RecipeError::unsupported(reason));
+            return Err(RecipeError::unsupported_because(reason));
         }
         let mut view = self.view.core();
         if self.options.knows_receivers {
@@ -203,13 +203,13 @@ impl SceneRun<'_> {
         // Count the work and predict its cost.
         let recipe = &made.recipe;
         let view = self.view.core();
-        let backend = &mut *backends.playing[backend_index];
+        let backend = &mut *backends.backends[backend_index];
         let kind = backend.kind();
         let snapping = backend.snapping();
         let view_of_truth = view.with_receivers(&self.judge.truth.receivers);
-        let work = Work::of(&view_of_truth, recipe, &self.options.catalogue);
-        let prices = self.options.prices.of(kind);
-        let played_cost_ms = prices.milliseconds(&work.played());
+        let work = Work::of_recipe(&view_of_truth, recipe, &self.options.catalogue);
+        let prices = self.options.prices.model_for_backend(kind);
+        let executed_cost_ms = prices.milliseconds(&work.without_lists());
         let runs = self.options.runs.as_ref();
         // Reuse the receivers of the backend's first row: they are the same for the whole scene.
         let seen = self.seen[backend_index].as_ref();
@@ -221,14 +221,14 @@ impl SceneRun<'_> {
         // Render and time the recipe.
         let clock = &mut backends.device_clock;
         let (mut shadows, times) =
-            match measure(backend, &seeing, recipe, runs, played_cost_ms, clock) {
+            match measure(backend, &seeing, recipe, runs, executed_cost_ms, clock) {
                 Ok(measured) => measured,
                 // The report states what is too large for a backend. Others may still execute it.
-                Err(BackendError::Invalid(e)) => return Ok(unsupported(&e.to_string())),
+                Err(BackendError::Invalid(e)) => return Ok(unsupported_row(&e.to_string())),
                 Err(e) => return Err(e.into()),
             };
         if times.is_some() && shadows.timings.receive.is_none() {
-            return Ok(unsupported("this adapter cannot time its passes"));
+            return Ok(unsupported_row("this adapter cannot time its passes"));
         }
         match seen {
             Some(seen) => shadows.receivers = Some(seen.clone()),
@@ -251,7 +251,7 @@ impl SceneRun<'_> {
             kept_as_camera_moves: made.kept_as_camera_moves,
             work,
             cost_ms: prices.milliseconds(&work),
-            played_cost_ms: Some(played_cost_ms),
+            executed_cost_ms: Some(executed_cost_ms),
             lookup_cost_ms: prices.lookup_milliseconds(&work),
             bytes: shadows.bytes,
             agreement,
@@ -354,7 +354,7 @@ impl SceneRun<'_> {
     /// all backends execute the same recipe.
     fn add_map_use(&mut self, technique: &TechniquePreset, recipe: &Recipe, first_row: usize) {
         let rows = &mut self.rows[first_row..];
-        if rows.iter().all(|(row, _)| row.measured().is_none()) {
+        if rows.iter().all(|(row, _)| row.measured_figures().is_none()) {
             return;
         }
         let receivers = &self.judge.truth.receivers;
@@ -393,14 +393,14 @@ impl SceneRun<'_> {
         };
         let mut first: Option<Shadows> = None;
         let rows = &mut self.rows[first_row..];
-        for (backend, (row, images)) in backends.playing.iter_mut().zip(rows) {
+        for (backend, (row, images)) in backends.backends.iter_mut().zip(rows) {
             let RowOutcome::Measured(measured) = &mut row.outcome else {
                 continue;
             };
             let shadows = backend.render(&stage.view()?, &recipe)?;
             measured.color_differing = first
                 .as_ref()
-                .and_then(|first| color::differing(first, &shadows));
+                .and_then(|first| color::count_differing(first, &shadows));
             images.color = color::png(truth.size, &shadows).transpose()?;
             first.get_or_insert(shadows);
         }
@@ -483,7 +483,7 @@ impl<'a> Judge<'a> {
 }
 
 /// Returns the outcome of a row without figures and images.
-fn unsupported(reason: &str) -> (RowOutcome, RowImages) {
+fn unsupported_row(reason: &str) -> (RowOutcome, RowImages) {
     let outcome = RowOutcome::Unsupported {
         reason: reason.to_owned(),
     };

@@ -62,7 +62,7 @@ pub(super) fn run(
         map_uses: MapUses::new(heat),
         executed: Vec::new(),
         scene_times: Vec::new(),
-        seen: backends.playing.iter().map(|_| None).collect(),
+        seen: backends.backends.iter().map(|_| None).collect(),
     };
     backends.device_clock = DeviceClock::new(None);
     for setting in settings {
@@ -132,12 +132,12 @@ fn truth(
 }
 
 /// Returns the scene for colour images from this camera, with a marker at the light.
-fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Invalid> {
+fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::ColorScene, Invalid> {
     let scene = umbrage_core::Scene {
         cameras: vec![*camera],
         ..input.scene.clone()
     };
-    color::Stage::new(&scene, input.fit)
+    color::ColorScene::new(&scene, input.fit)
 }
 
 fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {

@@ -89,7 +89,7 @@ fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<Name
         out.push(NamedSetting {
             name: preset.name.clone(),
             settings: format!("{}, {}", technique.name(), technique.settings()),
-            slug: unused(&slug(&preset.name), &out),
+            slug: unused_stem(&slug(&preset.name), &out),
             technique,
         });
     }
@@ -104,14 +104,14 @@ fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<Name
             technique: technique.clone(),
             name: technique.name().to_owned(),
             settings: technique.settings(),
-            slug: unused(&slug(&stem), &out),
+            slug: unused_stem(&slug(&stem), &out),
         });
     }
     out
 }
 
 /// Returns the stem, or if it exists, the stem with the first unused number from 2 on.
-fn unused(stem: &str, others: &[NamedSetting]) -> String {
+fn unused_stem(stem: &str, others: &[NamedSetting]) -> String {
     let mut out = stem.to_owned();
     let mut number = 2;
     while others.iter().any(|other| other.slug == out) {

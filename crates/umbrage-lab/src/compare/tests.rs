@@ -51,7 +51,7 @@ fn run(
 }
 
 fn with_faulty_backend(spoil: fn(&mut Shadows)) -> Backends {
-    Backends::of(vec![
+    Backends::from_backends(vec![
         Box::new(Cpu::new()),
         Box::new(FaultyBackend::new(spoil)),
     ])
@@ -68,8 +68,8 @@ fn rows_tell_errors_times_and_agreement() {
     let scene = &comparison.scenes[0];
     assert_eq!((scene.size, scene.rows.len() % 2), ([96, 64], 0));
     for pair in scene.rows.chunks(2) {
-        let cpu = pair[0].measured().expect("supported");
-        let other = pair[1].measured().expect("supported");
+        let cpu = pair[0].measured_figures().expect("supported");
+        let other = pair[1].measured_figures().expect("supported");
         assert_eq!((&*pair[0].backend, &*pair[1].backend), ("cpu", "wgpu"));
         assert_eq!(cpu.errors, other.errors);
         assert!(
@@ -87,7 +87,7 @@ fn rows_tell_errors_times_and_agreement() {
         .rows
         .iter()
         .find(|r| r.technique == "traced")
-        .and_then(CompareRow::measured)
+        .and_then(CompareRow::measured_figures)
         .expect("there");
     let rmse = traced.rmse().expect("compared");
     assert!(rmse < 0.02, "one ray a receiver is the truth: {rmse}");
@@ -163,7 +163,7 @@ fn rows_tell_how_maps_are_used() {
             .collect();
         assert!(rows.len() >= 2, "{settings}");
         for row in rows.into_iter().filter(|r| r.technique == technique.name()) {
-            let maps = row.measured().expect("supported").maps;
+            let maps = row.measured_figures().expect("supported").maps;
             assert_eq!(maps, right, "{}", row.label());
             assert!(
                 maps.is_none() || maps != wrong,
@@ -173,14 +173,14 @@ fn rows_tell_how_maps_are_used() {
             seen.insert((technique.name(), maps.is_some()));
         }
     }
-    let told = [
+    let expected_reasons = [
         ("hard", true),
         ("pcf", true),
         ("pcss", true),
         ("traced", false),
         ("volumes", false),
     ];
-    assert_eq!(seen, told.into_iter().collect());
+    assert_eq!(seen, expected_reasons.into_iter().collect());
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn a_fit_by_hand_adds_rows_for_maps_alone() {
         let comparison = compare(
             &[input],
             &options,
-            &mut Backends::of(vec![Box::new(Cpu::new())]),
+            &mut Backends::from_backends(vec![Box::new(Cpu::new())]),
             sink,
             &|_| (),
         );
@@ -248,7 +248,7 @@ fn one_wrong_penumbra_pixel_is_a_fault() {
 }
 
 fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends {
-    Backends::of(vec![
+    Backends::from_backends(vec![
         Box::new(Cpu::new()),
         Box::new(FaultyBackend::rounding(does, says, spoil)),
     ])
@@ -270,7 +270,7 @@ fn a_backend_is_compared_by_its_own_rounding() {
     let volumes = rows
         .iter()
         .find(|r| r.technique == "volumes")
-        .and_then(|r| r.measured())
+        .and_then(|r| r.measured_figures())
         .expect("measured");
     let agreed = volumes.agreement.expect("compared");
     assert!(
@@ -280,8 +280,8 @@ fn a_backend_is_compared_by_its_own_rounding() {
     let errors = volumes.errors.expect("pixels count");
     assert!(errors.elsewhere > 0 && errors.rmse == 0.0, "{errors:?}");
     assert!(comparison.faults().is_empty(), "{:?}", comparison.faults());
-    let told = comparison.environment.snapping.expect("told");
-    assert!(told.starts_with("4 sub-pixel bits"), "{told}");
+    let snapping = comparison.environment.snapping.expect("told");
+    assert!(snapping.starts_with("4 sub-pixel bits"), "{snapping}");
     // A wrong pixel is detected as on the CPU's grid.
     let faults = run("cubes", &options, &mut rounding(coarse, coarse, darken_one))
         .expect("comparable")
@@ -434,8 +434,8 @@ fn spoilt_masks_stop_the_comparison() {
 }
 
 #[test]
-fn what_is_not_supported_is_told_with_its_reason() {
-    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+fn what_is_not_supported_is_reported_with_its_reason() {
+    let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let comparison = run("c4-edge-square", &quick(&["hard"]), &mut cpu).expect("valid");
     for row in &comparison.scenes[0].rows {
         if let RowOutcome::Unsupported { reason } = &row.outcome {
@@ -448,7 +448,7 @@ fn what_is_not_supported_is_told_with_its_reason() {
         let rows: Vec<_> = comparison.scenes[0]
             .rows
             .iter()
-            .filter_map(|row| Some((row.technique.as_str(), row.measured()?)))
+            .filter_map(|row| Some((row.technique.as_str(), row.measured_figures()?)))
             .collect();
         let nothing = comparison.scenes[0].nothing_compared.as_deref();
         assert!(
@@ -496,7 +496,7 @@ fn dear_techniques_are_previewed_by_name_alone() {
 
 #[test]
 fn unknown_techniques_are_named_and_listed() {
-    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let e = run("cubes", &quick(&["magic"]), &mut cpu)
         .expect_err("unknown")
         .to_string();
@@ -512,7 +512,7 @@ fn unknown_techniques_are_named_and_listed() {
 fn scenes_that_cannot_be_compared_are_refused_before_any_is() {
     let mut long = input("figure");
     long.scene.name = "x".repeat(5000);
-    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let mut seen = 0;
     let sink = &mut |_: &SceneResult, _: &SceneImages| {
         seen += 1;
@@ -548,7 +548,7 @@ fn another_size_keeps_the_vertical_field_of_view() {
 
 #[test]
 fn images_come_with_every_row() {
-    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let mut seen = 0;
     let sink = &mut |r: &SceneResult, images: &SceneImages| {
         assert_eq!(r.rows.len(), images.rows.len());
@@ -579,13 +579,13 @@ fn images_come_with_every_row() {
 #[test]
 fn only_few_scenes_keep_where_maps_are_looked_up() {
     let kept = |scenes: usize| {
-        let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+        let mut cpu = Backends::from_backends(vec![Box::new(Cpu::new())]);
         let mut kept = 0;
         let sink = &mut |r: &SceneResult, images: &SceneImages| {
             assert!(
                 r.rows
                     .iter()
-                    .all(|row| row.measured().is_some_and(|m| m.maps.is_some())),
+                    .all(|row| row.measured_figures().is_some_and(|m| m.maps.is_some())),
                 "figures are for all"
             );
             kept += images
@@ -611,9 +611,9 @@ fn only_few_scenes_keep_where_maps_are_looked_up() {
 
 #[test]
 fn medians_and_extremes() {
-    assert_eq!(TimingStats::of(Vec::new()), None);
+    assert_eq!(TimingStats::from_times(Vec::new()), None);
     assert_eq!(
-        TimingStats::of(vec![3.0, 1.0, 8.0]),
+        TimingStats::from_times(vec![3.0, 1.0, 8.0]),
         Some(TimingStats {
             median: 3.0,
             min: 1.0,
@@ -621,5 +621,8 @@ fn medians_and_extremes() {
             runs: 3
         })
     );
-    assert_eq!(TimingStats::of(vec![4.0, 1.0]).map(|s| s.median), Some(2.5));
+    assert_eq!(
+        TimingStats::from_times(vec![4.0, 1.0]).map(|s| s.median),
+        Some(2.5)
+    );
 }

@@ -91,11 +91,11 @@ impl Backend for ThrottledBackend {
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let slowdown = self.slowdown(&recipe.receive.kernel);
         let mut shadows = self.cpu.render(view, recipe)?;
-        let mut work = Work::of(view, recipe, &Catalogue::built_in()).played();
+        let mut work = Work::of_recipe(view, recipe, &Catalogue::built_in()).without_lists();
         if let Some(yardstick) = as_yardstick(&*recipe.receive.kernel) {
             work.taps = work.receivers * u64::from(yardstick.uniforms.links);
         }
-        let milliseconds = slowdown * self.prices.of("wgpu").milliseconds(&work);
+        let milliseconds = slowdown * self.prices.model_for_backend("wgpu").milliseconds(&work);
         shadows.timings = Timings {
             receive: Some(Duration::from_secs_f64(milliseconds / 1e3)),
             ..Timings::default()
@@ -152,7 +152,7 @@ fn ranks_at_full_clock_are_those_without_throttling() {
         },
         ..CompareOptions::default()
     };
-    let mut backends = Backends::of(vec![Box::new(ThrottledBackend::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(ThrottledBackend::new())]);
     let comparison = compare(
         &[input],
         &options,
@@ -166,8 +166,10 @@ fn ranks_at_full_clock_are_those_without_throttling() {
     let mut at_full_clock = Vec::new();
     let mut without_yardstick = Vec::new();
     for row in &scene.rows {
-        let Some(m) = row.measured() else { continue };
-        let truth = m.played_cost_ms.expect("counted");
+        let Some(m) = row.measured_figures() else {
+            continue;
+        };
+        let truth = m.executed_cost_ms.expect("counted");
         let times = m.times.expect("asked for");
         if times.full_clock_factor.is_none() {
             without_yardstick.push(row.label());

@@ -83,7 +83,7 @@ pub(super) fn time_recipe(
             break;
         }
     }
-    Ok((recipe, TimingStats::of(times).unwrap_or_default()))
+    Ok((recipe, TimingStats::from_times(times).unwrap_or_default()))
 }
 
 /// Returns the additional time of a first recipe for the triangles of a scene over `later_ms`,
@@ -349,8 +349,8 @@ impl Timed {
             filter: self.stage(|t| t.filter),
             receive: self.stage(|t| t.receive),
             total: self.stage(|t| Some(t.total())).unwrap_or_default(),
-            yardstick: TimingStats::of(self.yardsticks.iter().copied().flatten().collect()),
-            ratio: Ranks::of(self.calm_ratios()),
+            yardstick: TimingStats::from_times(self.yardsticks.iter().copied().flatten().collect()),
+            ratio: Ranks::from_figures(self.calm_ratios()),
             full_clock_factor: None,
             device_units: self.device_units,
         }
@@ -359,7 +359,7 @@ impl Timed {
     /// Returns the times of one stage over all runs. `None` if it was not timed.
     fn stage(&self, time_of: fn(&Timings) -> Option<Duration>) -> Option<TimingStats> {
         let times = self.timings.iter().filter_map(time_of);
-        TimingStats::of(times.map(milliseconds).collect())
+        TimingStats::from_times(times.map(milliseconds).collect())
     }
 
     /// Returns the runs between two timed yardsticks.
@@ -436,7 +436,7 @@ impl Again {
 
 /// Times rows of a scene again, by their [stems](super::CompareRow::stem). On a device the
 /// yardstick has `device_units`. `None` for rows that can no longer be rendered.
-pub(crate) fn again(
+pub(crate) fn time_rows_again(
     input: &SceneInput,
     stems: &[String],
     device_units: Option<f64>,
@@ -464,15 +464,15 @@ pub(crate) fn again(
     for stem in stems {
         let mut found = None;
         let kind = stem.rsplit_once('.').map_or("", |(_, kind)| kind);
-        let backend = backends.playing.iter_mut().find(|b| b.kind() == kind);
+        let backend = backends.backends.iter_mut().find(|b| b.kind() == kind);
         let setting = settings.iter().find(|s| *stem == stem_of(&s.slug, kind));
         if let (Some(setting), Some(backend)) = (setting, backend)
             && let Ok(recipe) = setting.technique.recipe(&planning_view)
         {
             let cost_ms = options
                 .prices
-                .of(kind)
-                .milliseconds(&Work::of(&view, &recipe, &options.catalogue).played());
+                .model_for_backend(kind)
+                .milliseconds(&Work::of_recipe(&view, &recipe, &options.catalogue).without_lists());
             // Render once before timing: the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(
@@ -511,7 +511,7 @@ mod tests {
         }
     }
 
-    fn timed(timings: Vec<Timings>, yardsticks: &[Option<f64>]) -> RowTimes {
+    fn from_timings(timings: Vec<Timings>, yardsticks: &[Option<f64>]) -> RowTimes {
         Timed {
             device_units: None,
             timings,
@@ -531,7 +531,7 @@ mod tests {
                 ..Timings::default()
             })
             .collect();
-        let found = timed(runs, &yards.map(Some));
+        let found = from_timings(runs, &yards.map(Some));
         let ratio = found.ratio.expect("calm");
         assert!(
             ratio.runs == 3 && (ratio.tenth - 3.0).abs() < 1e-5 && (ratio.max - 3.0).abs() < 1e-5,
@@ -547,19 +547,19 @@ mod tests {
 
     /// The third yardstick was delayed, and the adjacent runs may have been, too.
     #[test]
-    fn runs_beside_a_yardstick_that_was_held_up_do_not_count() {
-        let found = timed(
+    fn runs_next_to_a_yardstick_that_was_held_up_do_not_count() {
+        let found = from_timings(
             vec![run(6), run(60), run(600), run(6)],
             &[2.0, 2.0, 9.0, 2.0, 2.0].map(Some),
         );
-        assert_eq!(found.ratio, Ranks::of(vec![3.0, 3.0]));
+        assert_eq!(found.ratio, Ranks::from_figures(vec![3.0, 3.0]));
         assert_eq!(
             (found.total.max, found.total.runs),
             (600.0, 4),
             "plain times include all"
         );
         assert_eq!(
-            timed(vec![run(6)], &[2.0, 9.0].map(Some)).ratio,
+            from_timings(vec![run(6)], &[2.0, 9.0].map(Some)).ratio,
             None,
             "never calm"
         );
@@ -578,7 +578,7 @@ mod tests {
             timed.times().ratio
         };
         let found = ratio(vec![run(6), run(24), run(24)], &[2.0, 8.0, 8.0, 8.0]);
-        assert_eq!(found, Ranks::of(vec![3.0, 3.0]));
+        assert_eq!(found, Ranks::from_figures(vec![3.0, 3.0]));
         assert_eq!(ratio(vec![run(6)], &[2.0, 8.0]), None);
         let slow = TimedRun {
             run: 24.0,
@@ -623,17 +623,17 @@ mod tests {
 
     #[test]
     fn without_a_yardstick_there_is_no_ratio() {
-        let found = timed(vec![run(6)], &[None, None]);
+        let found = from_timings(vec![run(6)], &[None, None]);
         assert_eq!(
             (found.ratio, found.yardstick, found.total.median),
             (None, None, 6.0)
         );
         assert_eq!(
-            timed(vec![run(6)], &[Some(0.0), Some(0.0)]).ratio,
+            from_timings(vec![run(6)], &[Some(0.0), Some(0.0)]).ratio,
             None,
             "a clock that didn't move"
         );
-        let once_unmeasured = timed(vec![run(6), run(6)], &[0.0, 2.0, 2.0].map(Some));
-        assert_eq!(once_unmeasured.ratio, Ranks::of(vec![3.0]));
+        let once_unmeasured = from_timings(vec![run(6), run(6)], &[0.0, 2.0, 2.0].map(Some));
+        assert_eq!(once_unmeasured.ratio, Ranks::from_figures(vec![3.0]));
     }
 }

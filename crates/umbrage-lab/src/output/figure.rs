@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use umbrage_lab::output::figure::{Figure, Marker, Point, Series};
-//! let points = [(1.0, 0.5), (10.0, 0.05), (100.0, 0.004)].map(|(x, y)| Point::at(x, y));
+//! let points = [(1.0, 0.5), (10.0, 0.05), (100.0, 0.004)].map(|(x, y)| Point::at_position(x, y));
 //! let series = Series::points("measured", "#3b82e0", Marker::Circle, points.to_vec());
 //! let figure = Figure::new("Error falls with time", "milliseconds", "RMSE").log(true, true).with(series);
 //! assert!(figure.svg().starts_with("<svg"));
@@ -148,7 +148,7 @@ pub struct Point {
 
 impl Point {
     /// Returns a point without error bars and label.
-    pub fn at(x: f64, y: f64) -> Self {
+    pub fn at_position(x: f64, y: f64) -> Self {
         Self {
             x,
             y,
@@ -234,14 +234,14 @@ impl Figure {
     /// Returns the chart as a self-contained SVG.
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
-        self.scaled(&kuva::render_to_svg(plots, layout))
+        self.scale_svg(&kuva::render_to_svg(plots, layout))
     }
 
     /// Adds a view box to a rendered image: without it, pages that show it at another size would
     /// crop it.
-    fn scaled(&self, svg: &str) -> String {
+    fn scale_svg(&self, svg: &str) -> String {
         let [width, height] = self.size;
-        unnumbered(svg).replacen(
+        remove_numbers(svg).replacen(
             "<svg ",
             &format!("<svg viewBox=\"0 0 {width} {height}\" "),
             1,
@@ -261,11 +261,11 @@ impl Figure {
         let mut plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
         if plots.is_empty() {
             // The renderer needs data for the layout of its axes.
-            let corners = vec![Point::at(1.0, 1.0), Point::at(10.0, 10.0)];
-            plots.extend(self.plot(&unseen("", "#ffffff", Marker::Circle, corners)));
+            let corners = vec![Point::at_position(1.0, 1.0), Point::at_position(10.0, 10.0)];
+            plots.extend(self.plot(&unseen_series("", "#ffffff", Marker::Circle, corners)));
         }
         // Draw texts as labels of invisibly small markers.
-        let notes = unseen("", INK, Marker::Circle, self.notes.clone());
+        let notes = unseen_series("", INK, Marker::Circle, self.notes.clone());
         plots.extend(self.plot(&notes));
         // Draw a key as an invisibly small marker with a legend entry, at an existing point.
         let anywhere = self
@@ -275,8 +275,8 @@ impl Figure {
             .find(|p| self.shows(p));
         if let Some(point) = anywhere {
             for key in &self.keys {
-                let place = vec![Point::at(point.x, point.y)];
-                plots.extend(self.plot(&unseen(&key.name, &key.color, key.marker, place)));
+                let place = vec![Point::at_position(point.x, point.y)];
+                plots.extend(self.plot(&unseen_series(&key.name, &key.color, key.marker, place)));
             }
         }
         let mut layout = Layout::auto_from_plots(&plots)
@@ -349,7 +349,7 @@ impl Figure {
                     .with_color(&series.color)
                     .with_marker(marker.shape());
                 let scatter = scatter.with_size(radius).with_marker_opacity(opacity);
-                let scatter = annotated(scatter, &points);
+                let scatter = annotate_points(scatter, &points);
                 if series.name.is_empty() {
                     scatter.into()
                 } else {
@@ -361,7 +361,7 @@ impl Figure {
 }
 
 /// Returns a series of invisibly small markers.
-fn unseen(name: &str, color: &str, marker: Marker, points: Vec<Point>) -> Series {
+fn unseen_series(name: &str, color: &str, marker: Marker, points: Vec<Point>) -> Series {
     Series {
         style: Style::Points(marker, 0.1, 1.0),
         ..Series::points(name, color, marker, points)
@@ -380,7 +380,7 @@ fn arms(value: f64, range: Option<[f64; 2]>) -> (f64, f64) {
 }
 
 /// Adds error bars and labels.
-fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
+fn annotate_points(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
     if points.iter().any(|p| p.x_range.is_some()) {
         scatter = scatter.with_x_err_asymmetric(points.iter().map(|p| arms(p.x, p.x_range)));
     }
@@ -397,7 +397,7 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
 
 /// Removes the numbers of clip paths. The renderer numbers them throughout a run of the program,
 /// and a chart must not depend on earlier ones.
-fn unnumbered(svg: &str) -> String {
+fn remove_numbers(svg: &str) -> String {
     let mut parts = svg.split("kuva-clip-");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {

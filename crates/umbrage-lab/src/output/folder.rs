@@ -21,7 +21,7 @@ impl Folder {
     }
 
     /// Creates an empty subfolder under a temporary name, until it is [finished](Self::finish).
-    pub(crate) fn unfinished(&self, name: &str) -> Result<Self, LabError> {
+    pub(crate) fn unfinished_folder(&self, name: &str) -> Result<Self, LabError> {
         let path = self.0.join(format!(".{name}.unfinished"));
         remove(&path)?;
         Self::create(&path)

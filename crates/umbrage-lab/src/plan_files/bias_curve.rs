@@ -55,6 +55,6 @@ pub fn curve_figure(plan: &Plan) -> Option<Figure> {
 fn points(curve: &[&CurvePoint], error: fn(&Estimate) -> f64) -> Vec<Point> {
     curve
         .iter()
-        .map(|point| Point::at(f64::from(point.texels), error(&point.estimate)))
+        .map(|point| Point::at_position(f64::from(point.texels), error(&point.estimate)))
         .collect()
 }

@@ -101,7 +101,7 @@ fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, L
         drawing.elements.push(Primitive::Text {
             x: f64::from(left),
             y: f64::from(line_bottom) - 5.0,
-            content: shortened(words, most),
+            content: shorten_words(words, most),
             size: LETTERS,
             anchor: TextAnchor::Start,
             rotate: None,
@@ -140,7 +140,7 @@ fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, L
 }
 
 /// Returns a text shortened to this number of characters, with two dots at the end if it was cut.
-fn shortened(words: &str, most: usize) -> String {
+fn shorten_words(words: &str, most: usize) -> String {
     if words.chars().count() <= most {
         return words.to_owned();
     }
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn long_titles_are_cut() {
-        assert_eq!(shortened("abcdefgh", 5), "abc..");
-        assert_eq!(shortened("abc", 5), "abc");
+        assert_eq!(shorten_words("abcdefgh", 5), "abc..");
+        assert_eq!(shorten_words("abc", 5), "abc");
     }
 }

@@ -6,7 +6,7 @@ use super::{
     page::{self, Contents, CostRanks, PageGroup, PageScene, PageSetting},
     page_rows::{PageRow, RowPictures},
     stability_source::StabilitySource,
-    still::{self, GroupWords, Words},
+    still::{self, GroupWords, StillWords},
     store::{Stored, is_chart},
     table::{lines, to_csv},
     work_table,
@@ -60,7 +60,7 @@ fn stem(group: &SettingGroup, clock: CostBasis) -> String {
 }
 
 /// Returns the texts of a group's chart.
-fn words(group: &SettingGroup, clock: CostBasis) -> Words<'static> {
+fn words(group: &SettingGroup, clock: CostBasis) -> StillWords<'static> {
     still::of_group(&GroupWords {
         scenes: group.scenes.len(),
         light: group.light,
@@ -99,7 +99,7 @@ fn contents<'a>(
 }
 
 fn is_timed(scene: &SceneResult) -> bool {
-    let mut measured = scene.rows.iter().filter_map(CompareRow::measured);
+    let mut measured = scene.rows.iter().filter_map(CompareRow::measured_figures);
     measured.any(|m| m.times.is_some())
 }
 
@@ -133,7 +133,7 @@ pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageG
         strip: group.shortlist(STRIP),
         advised: group
             .choice()
-            .map_or_else(Vec::new, |choice| choice.named()),
+            .map_or_else(Vec::new, |choice| choice.named_settings()),
     }
 }
 
@@ -192,21 +192,21 @@ fn common(all: &[&Environment]) -> Environment {
         return Environment::default();
     };
     Environment {
-        version: joined(all, |e| Some(&e.version)).unwrap_or_default(),
-        commit: joined(all, |e| e.commit.as_deref()),
+        version: join_fields(all, |e| Some(&e.version)).unwrap_or_default(),
+        commit: join_fields(all, |e| e.commit.as_deref()),
         date: all.iter().filter_map(|e| e.date.clone()).min(),
-        cpu: joined(all, |e| Some(&e.cpu)).unwrap_or_default(),
+        cpu: join_fields(all, |e| Some(&e.cpu)).unwrap_or_default(),
         threads: all.iter().map(|e| e.threads).min().unwrap_or_default(),
-        system: joined(all, |e| Some(&e.system)).unwrap_or_default(),
-        adapter: joined(all, |e| e.adapter.as_deref()),
-        snapping: joined(all, |e| e.snapping.as_deref()),
+        system: join_fields(all, |e| Some(&e.system)).unwrap_or_default(),
+        adapter: join_fields(all, |e| e.adapter.as_deref()),
+        snapping: join_fields(all, |e| e.snapping.as_deref()),
         backends: first.backends.clone(),
     }
 }
 
 /// Returns the distinct values of a field, separated by semicolons; `None` if no environment has
 /// one.
-fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Option<String> {
+fn join_fields(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Option<String> {
     let mut values: Vec<&str> = Vec::new();
     for value in all.iter().filter_map(|environment| field(environment)) {
         if !values.contains(&value) {
@@ -281,7 +281,7 @@ fn pictures(folder: &Path, result: &SceneResult, row: &CompareRow) -> Option<Row
 /// Reports whether another row's mask is bit-equal to a row's.
 fn has_same_mask(row: &CompareRow, other: &CompareRow) -> bool {
     let is_as_cpu = |r: &CompareRow| {
-        let agreement = r.measured().and_then(|m| m.agreement);
+        let agreement = r.measured_figures().and_then(|m| m.agreement);
         r.backend == "cpu" || agreement.is_some_and(|a| a.differing == 0)
     };
     let is_origin = match &row.same_as {
@@ -289,7 +289,9 @@ fn has_same_mask(row: &CompareRow, other: &CompareRow) -> bool {
         None => row.slug == other.slug,
     };
     let is_same_backend = row.backend == other.backend;
-    is_origin && row.measured().is_some() && (is_same_backend || is_as_cpu(row) && is_as_cpu(other))
+    is_origin
+        && row.measured_figures().is_some()
+        && (is_same_backend || is_as_cpu(row) && is_as_cpu(other))
 }
 
 /// Returns the images in a scene's folder under a row's name.

@@ -10,7 +10,7 @@ use umbrage_plan::pareto;
 pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut best: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
     let mut chosen = BTreeSet::new();
-    for (i, row, m) in measured(result) {
+    for (i, row, m) in measured_rows(result) {
         let least = best.entry(&row.technique).or_insert((f64::INFINITY, i));
         let rmse = m.rmse().unwrap_or(f64::INFINITY);
         if rmse < least.0 {
@@ -34,7 +34,7 @@ fn of_content(result: &SceneResult) -> Vec<usize> {
         return Vec::new();
     };
     let is_content = result.section == Section::Content;
-    let rows = measured(result)
+    let rows = measured_rows(result)
         .filter(|(_, row, _)| is_content && row.backend == first.backend && row.same_as.is_none());
     rows.map(|(i, _, _)| i).collect()
 }
@@ -42,7 +42,7 @@ fn of_content(result: &SceneResult) -> Vec<usize> {
 /// Returns the rows on their backend's Pareto front of time against error, backend by backend.
 pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
     let mut backends: BTreeMap<&str, BackendPoints> = BTreeMap::new();
-    for (i, row, m) in measured(result).filter(|(_, row, _)| row.same_as.is_none()) {
+    for (i, row, m) in measured_rows(result).filter(|(_, row, _)| row.same_as.is_none()) {
         if let Some(ms) = m.milliseconds(clock, result.motion) {
             let of_backend = backends.entry(&row.backend).or_default();
             of_backend.rows.push(i);
@@ -66,10 +66,10 @@ struct BackendPoints {
 }
 
 /// Returns the measured rows, each with its index and its figures.
-fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &CompareRow, &Measured)> {
+fn measured_rows(result: &SceneResult) -> impl Iterator<Item = (usize, &CompareRow, &Measured)> {
     result
         .rows
         .iter()
         .enumerate()
-        .filter_map(|(i, r)| Some((i, r, r.measured()?)))
+        .filter_map(|(i, r)| Some((i, r, r.measured_figures()?)))
 }

@@ -42,7 +42,7 @@ pub fn merge(
     // Copy the scenes' folders.
     let folder = Folder::create(out)?;
     for (from, scene) in &found {
-        let to = folder.unfinished(scene.name())?;
+        let to = folder.unfinished_folder(scene.name())?;
         for path in list(from)? {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let bytes = fs::read(&path).map_err(|source| LabError::Write {
@@ -66,16 +66,16 @@ pub fn merge(
 /// Returns the paths in a folder, sorted.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
     let mut paths = Vec::new();
-    let entries = fs::read_dir(folder).map_err(|source| unreadable(folder, source))?;
+    let entries = fs::read_dir(folder).map_err(|source| unreadable_folder(folder, source))?;
     for entry in entries {
-        let entry = entry.map_err(|source| unreadable(folder, source))?;
+        let entry = entry.map_err(|source| unreadable_folder(folder, source))?;
         paths.push(entry.path());
     }
     paths.sort();
     Ok(paths)
 }
 
-fn unreadable(folder: &Path, source: io::Error) -> LabError {
+fn unreadable_folder(folder: &Path, source: io::Error) -> LabError {
     LabError::Write {
         path: folder.to_owned(),
         source,

@@ -108,7 +108,7 @@ impl Report {
             return Ok(false);
         };
         let is_same_program = !stored.program.is_empty() && stored.program == self.program;
-        let is_same_machine = undated(&stored.environment) == undated(environment);
+        let is_same_machine = without_date(&stored.environment) == without_date(environment);
         let is_same_scene = stored.place == place && stored.plan == self.run.plan;
         Ok(has_arrays && is_same_program && is_same_machine && is_same_scene)
     }
@@ -128,7 +128,7 @@ impl Report {
         let Some(name) = self.run.plan.scenes.get(place) else {
             return Ok(());
         };
-        let folder = self.folder.unfinished(name)?;
+        let folder = self.folder.unfinished_folder(name)?;
         if self.arrays {
             arrays::write(&folder, result, images)?;
         }
@@ -173,13 +173,13 @@ impl Report {
     ) -> Result<(Comparison, PathBuf), LabError> {
         let mut scenes = Vec::new();
         for &place in &self.run.places {
-            scenes.push(self.stored(place)?);
+            scenes.push(self.read_stored(place)?);
         }
         assemble::write(&self.path, &self.folder, &scenes, stability)
     }
 
     /// Reads the figures of a place's scene.
-    fn stored(&self, place: usize) -> Result<Stored, LabError> {
+    fn read_stored(&self, place: usize) -> Result<Stored, LabError> {
         let name = self.run.plan.scenes.get(place).map_or("", String::as_str);
         let path = self.path.join(name);
         Stored::read(&path)?.ok_or_else(|| LabError::Write {
@@ -190,7 +190,7 @@ impl Report {
 }
 
 /// Returns the environment without the date, to compare with that of stored figures.
-fn undated(environment: &Environment) -> Environment {
+fn without_date(environment: &Environment) -> Environment {
     Environment {
         date: None,
         ..environment.clone()

@@ -224,7 +224,7 @@ impl Texts {
 }
 
 /// Rows as arrays, with the names of their columns.
-pub(super) struct Table {
+pub(super) struct PageTable {
     pub(super) columns: Vec<String>,
     pub(super) rows: Vec<Vec<Vec<Value>>>,
 }
@@ -233,7 +233,7 @@ pub(super) struct Table {
 pub(super) fn table_of<'a>(
     scenes: impl Iterator<Item = &'a [PageRow]>,
     texts: &mut Texts,
-) -> serde_json::Result<Table> {
+) -> serde_json::Result<PageTable> {
     let columns = entries(&PageRow::default())?;
     let columns = columns.into_iter().map(|(name, _)| name).collect();
     let mut rows = Vec::new();
@@ -245,7 +245,7 @@ pub(super) fn table_of<'a>(
         }
         rows.push(of_scene);
     }
-    Ok(Table { columns, rows })
+    Ok(PageTable { columns, rows })
 }
 
 /// Returns the fields of a row, always in the same order.
@@ -262,13 +262,15 @@ fn short(value: Value, texts: &mut Texts) -> Value {
     match value {
         Value::String(text) => texts.place(&text).into(),
         Value::Bool(is_so) => u8::from(is_so).into(),
-        Value::Number(number) if number.is_f64() => rounded(number.as_f64().unwrap_or_default()),
+        Value::Number(number) if number.is_f64() => {
+            rounded_figure(number.as_f64().unwrap_or_default())
+        }
         other => other,
     }
 }
 
 /// Rounds to the digits that a reader can use; whole numbers are written without a point.
-fn rounded(figure: f64) -> Value {
+fn rounded_figure(figure: f64) -> Value {
     let text = format!("{figure:.DIGITS$e}");
     let rounded: f64 = text.parse().unwrap_or(figure);
     if rounded == rounded.trunc() && rounded.abs() < 1e9 {
@@ -283,7 +285,8 @@ mod tests {
 
     #[test]
     fn figures_keep_four_digits() {
-        let figures = [0.123_456, 12_345.6, 0.0, 1.234_56e-7, 3.0].map(|f| rounded(f).to_string());
+        let figures =
+            [0.123_456, 12_345.6, 0.0, 1.234_56e-7, 3.0].map(|f| rounded_figure(f).to_string());
         assert_eq!(figures, ["0.1235", "12350", "0", "1.235e-7", "3"]);
     }
 

@@ -16,7 +16,7 @@ pub struct StabilitySource {
     folder: PathBuf,
     verdicts: Vec<SettingVerdicts>,
     /// Description of the run: number of rows, map and image size, backends.
-    told: String,
+    description: String,
     program: String,
     commit: Option<String>,
 }
@@ -26,7 +26,8 @@ pub struct StabilitySource {
 pub(super) struct PageStability {
     /// Relative address of `stability`'s page; `None` if there is no such page.
     href: Option<String>,
-    told: String,
+    #[serde(rename = "told")]
+    description: String,
     /// Reason why the verdicts may be of other code than the compared one; `None` if they aren't.
     stale: Option<String>,
     pub(super) verdicts: Vec<SettingVerdicts>,
@@ -50,7 +51,7 @@ impl StabilitySource {
     /// Returns the verdicts of results in a folder.
     pub(super) fn new(results: &StabilityResults, folder: &Path) -> Self {
         let stability = &results.stability;
-        let mut rows: Vec<u8> = stability.telling().map(|case| case.row).collect();
+        let mut rows: Vec<u8> = stability.separating_cases().map(|case| case.row).collect();
         rows.dedup();
         let count = rows.len();
         let [w, h] = stability.size;
@@ -59,7 +60,7 @@ impl StabilitySource {
         Self {
             folder: folder.to_owned(),
             verdicts: stability.setting_verdicts(),
-            told: format!(
+            description: format!(
                 "{count} rows, maps of {side} texels, images of {w} x {h}, on {backends}"
             ),
             program: results.program.clone(),
@@ -68,13 +69,13 @@ impl StabilitySource {
     }
 
     /// Returns a description of the run: number of rows, map and image size, backends.
-    pub fn told(&self) -> &str {
-        &self.told
+    pub fn description(&self) -> &str {
+        &self.description
     }
 
     /// Returns the verdicts that apply to a setting: see [`nearest`]. `None` if it was not run with
     /// that bias.
-    pub fn of(&self, technique: &str, settings: &str) -> Option<&SettingVerdicts> {
+    pub fn verdicts_of(&self, technique: &str, settings: &str) -> Option<&SettingVerdicts> {
         let of_technique = nearest(&self.verdicts, technique, settings);
         // A preset's row has the preset's name; its settings start with the technique's name.
         let of_preset = || {
@@ -84,10 +85,10 @@ impl StabilitySource {
         of_technique.or_else(of_preset)
     }
 
-    /// Returns the index of [`Self::of`] among the page's verdicts, and whether they are of the
+    /// Returns the index of [`Self::verdicts_of`] among the page's verdicts, and whether they are of the
     /// very setting.
     pub(super) fn place_of(&self, technique: &str, settings: &str) -> Option<(usize, bool)> {
-        let found = self.of(technique, settings)?;
+        let found = self.verdicts_of(technique, settings)?;
         let place = self.verdicts.iter().position(|v| v == found)?;
         let of_preset = format!("{}, ", found.technique);
         let own = settings.strip_prefix(&of_preset).unwrap_or(settings);
@@ -101,7 +102,7 @@ impl StabilitySource {
         let href = has_page.then(|| relative(report, &self.folder)).flatten();
         PageStability {
             href: href.map(|folder| format!("{folder}/index.html")),
-            told: self.told.clone(),
+            description: self.description.clone(),
             stale: self.stale(scenes),
             verdicts: self.verdicts.clone(),
         }
@@ -111,12 +112,12 @@ impl StabilitySource {
     /// program measured both.
     fn stale(&self, scenes: &[Stored]) -> Option<String> {
         let mut scenes = scenes.iter();
-        scenes.find_map(|scene| self.stale_beside(&scene.program, &scene.environment))
+        scenes.find_map(|scene| self.stale_against(&scene.program, &scene.environment))
     }
 
     /// Returns the reason why the verdicts may be of other code than this program in this
     /// environment; `None` if it measured them.
-    pub(crate) fn stale_beside(&self, program: &str, environment: &Environment) -> Option<String> {
+    pub(crate) fn stale_against(&self, program: &str, environment: &Environment) -> Option<String> {
         if program == self.program {
             return None;
         }
@@ -124,11 +125,11 @@ impl StabilitySource {
             Some(commit) => format!("commit {commit}"),
             None => "an unknown commit".to_owned(),
         };
-        let [played, measured] = [&self.commit, &environment.commit].map(name);
-        Some(if played == measured {
-            format!("measured by another build of {played} than these rows")
+        let [rendered, measured] = [&self.commit, &environment.commit].map(name);
+        Some(if rendered == measured {
+            format!("measured by another build of {rendered} than these rows")
         } else {
-            format!("measured at {played}, these rows at {measured}")
+            format!("measured at {rendered}, these rows at {measured}")
         })
     }
 }
@@ -176,7 +177,7 @@ mod tests {
         let cell = |technique: &str, settings: &str, verdict| Cell {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
-            outcome: CellOutcome::of(vec![Judgement {
+            outcome: CellOutcome::from_judgements(vec![Judgement {
                 figure: Some(1.0),
                 verdict,
                 reason: None,
@@ -230,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_has_verdicts_beside_the_settings_that_were_played() {
+    fn the_page_has_verdicts_next_to_the_settings_that_were_rendered() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         fs::write(dir.path().join("index.html"), "").expect("writable");
         let source = StabilitySource::new(&results(), dir.path());
@@ -271,9 +272,9 @@ mod tests {
         fs::write(&file, serde_json::to_vec(&results()).expect("plain")).expect("writable");
         for path in [dir.path(), &file] {
             let source = StabilitySource::read(path).expect("as written");
-            let fails = source.of("quick", NASTY).map(|v| v.words(1));
+            let fails = source.verdicts_of("quick", NASTY).map(|v| v.words(1));
             assert_eq!(fails.as_deref(), Some("fails 1 of 2 rows: row 2 <b>"));
-            assert_eq!(source.of("none", NASTY), None);
+            assert_eq!(source.verdicts_of("none", NASTY), None);
             let preset = format!("quick, {NASTY}");
             assert_eq!(source.place_of("mine", &preset), Some((1, true)));
         }
@@ -285,14 +286,14 @@ mod tests {
         StabilitySource {
             folder: PathBuf::new(),
             verdicts: Vec::new(),
-            told: String::new(),
+            description: String::new(),
             program: program.to_owned(),
             commit: Some(commit.to_owned()),
         }
     }
 
     #[test]
-    fn verdicts_of_other_code_are_told() {
+    fn verdicts_of_other_code_are_reported() {
         let scene = Stored {
             plan: plan(),
             place: 0,

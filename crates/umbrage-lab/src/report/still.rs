@@ -13,7 +13,7 @@ use crate::{
 const FAINT_RADIUS: f64 = 3.5;
 
 /// A chart's title and the names of its axes.
-pub(super) struct Words<'a> {
+pub(super) struct StillWords<'a> {
     pub(super) title: String,
     pub(super) subtitle: String,
     pub(super) x: &'a str,
@@ -32,7 +32,7 @@ pub(super) struct GroupWords<'a> {
 }
 
 /// Returns the texts of a chart over many scenes.
-pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
+pub(super) fn of_group(group: &GroupWords<'_>) -> StillWords<'static> {
     let x = match group.clock {
         CostBasis::Wall => "time of a frame, relative to hard shadows from a map of middle size",
         CostBasis::Cost => {
@@ -49,7 +49,7 @@ pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
         format!("means over {} scenes, {kind}", group.scenes)
     };
     let motion = group.motion.words();
-    Words {
+    StillWords {
         title: format!(
             "Speed against accuracy of {} shadows on {}",
             group.light, group.backend
@@ -61,7 +61,7 @@ pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
 }
 
 /// Returns a chart that emphasizes each backend's front; all other points are faint.
-pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
+pub(super) fn figure(dots: &[Dot], words: &StillWords<'_>) -> Figure {
     let mut figure = Figure::new(&words.title, words.x, words.y).log(true, true);
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
@@ -127,7 +127,10 @@ fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
         .map(|d| d.xy)
         .collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let corners = front.iter().map(|xy| Point::at(xy[0], xy[1])).collect();
+    let corners = front
+        .iter()
+        .map(|xy| Point::at_position(xy[0], xy[1]))
+        .collect();
     Series {
         style: Style::Dashed(1.5),
         ..Series::line(format!("Pareto front, {backend}"), color(b), corners)
@@ -138,7 +141,7 @@ fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
 fn point(dot: &Dot) -> Point {
     Point {
         x_range: dot.range.filter(|_| dot.on_front),
-        ..Point::at(dot.xy[0], dot.xy[1])
+        ..Point::at_position(dot.xy[0], dot.xy[1])
     }
 }
 
@@ -148,7 +151,7 @@ fn notes(dots: &[Dot]) -> Vec<Point> {
     for dot in dots.iter().filter(|d| d.on_front) {
         out.push(Point {
             label: short(dot),
-            ..Point::at(dot.xy[0], dot.xy[1])
+            ..Point::at_position(dot.xy[0], dot.xy[1])
         });
     }
     out

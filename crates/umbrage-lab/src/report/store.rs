@@ -70,25 +70,25 @@ impl Stored {
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(unusable(&path, format!("cannot be read: {e}"))),
+            Err(e) => return Err(unusable_file(&path, format!("cannot be read: {e}"))),
         };
         let parts = text
             .strip_prefix(BEFORE)
             .and_then(|rest| rest.split_once(AFTER));
         let Some((expected, rest)) = parts else {
             let why = "has no checksum: it is truncated, or another version wrote it";
-            return Err(unusable(&path, why));
+            return Err(unusable_file(&path, why));
         };
         let found = checksum(rest.as_bytes());
         if expected != found {
             let why =
                 format!("was changed or truncated: its checksum is {found}, expected {expected}");
-            return Err(unusable(&path, why));
+            return Err(unusable_file(&path, why));
         }
         // A complete file of this version is readable.
         serde_json::from_str(&text)
             .map(Some)
-            .map_err(|e| unusable(&path, format!("is damaged: {e}")))
+            .map_err(|e| unusable_file(&path, format!("is damaged: {e}")))
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
@@ -105,7 +105,7 @@ impl Stored {
     }
 }
 
-fn unusable(path: &Path, why: impl Into<String>) -> Invalid {
+fn unusable_file(path: &Path, why: impl Into<String>) -> Invalid {
     Invalid::new(
         format!("`{}`", path.display()),
         why,

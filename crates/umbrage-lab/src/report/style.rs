@@ -129,7 +129,7 @@ mod tests {
 
     /// No two backends share a colour, in any tone.
     #[test]
-    fn backends_are_told_apart_by_colour() {
+    fn backends_are_distinguished_by_colour() {
         let colors: HashSet<&str> = COLORS.iter().chain(&FAINT).flatten().copied().collect();
         assert_eq!(colors.len(), 2 * COLORS.len() * TONES);
     }

@@ -44,7 +44,7 @@ pub(super) fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Com
         causes: Some(Causes::default()),
         times: Some(times),
         cost_ms: median,
-        played_cost_ms: None,
+        executed_cost_ms: None,
         bytes: 100,
         maps: Some(MapUse {
             unused: 0.84,
@@ -178,7 +178,7 @@ fn names_cannot_smuggle_in_markup() {
 }
 
 #[test]
-fn the_page_asks_for_nothing_from_elsewhere() {
+fn the_page_needs_nothing_from_elsewhere() {
     let (dir, _) = write(false);
     let page = fs::read_to_string(dir.path().join("out/index.html")).expect("there");
     for loader in ["<script src", "<link", "@import", "url(http", "fetch("] {
@@ -241,7 +241,7 @@ fn scenes_of_one_name_get_folders_of_their_own() {
 
 /// The use of maps is in the table and in an image.
 #[test]
-fn how_maps_are_used_is_told() {
+fn how_maps_are_used_is_reported() {
     let (dir, comparison) = write(false);
     let folder = dir.path().join("out").join(slug(NASTY));
     assert!(
@@ -279,7 +279,7 @@ fn arrays_hold_minus_one_where_nothing_is_seen() {
 }
 
 #[test]
-fn fronts_and_failed_controls_are_told() {
+fn fronts_and_failed_controls_are_reported() {
     let (result, _) = scene();
     assert_eq!(chosen::fronts(&result, CostBasis::Wall), [1, 0]);
     let comparison = Comparison {

@@ -53,7 +53,7 @@ fn least(stage: Option<TimingStats>) -> f64 {
 
 /// Returns a row's line; `None` if it was not timed.
 fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
-    let measured = row.measured()?;
+    let measured = row.measured_figures()?;
     let times = measured.times?;
     let Work {
         passes,

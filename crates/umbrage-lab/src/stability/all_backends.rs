@@ -16,11 +16,11 @@ pub(super) struct RenderedOnAll {
 /// Renders a recipe on each of these backends. The first one must support it; others that don't are
 /// skipped.
 pub(super) fn render(
-    playing: &mut [Box<dyn Backend + Send>],
+    own_backends: &mut [Box<dyn Backend + Send>],
     view: &View<'_>,
     recipe: &Recipe,
 ) -> Result<RenderedOnAll, NoMask> {
-    let [first, others @ ..] = playing else {
+    let [first, others @ ..] = own_backends else {
         return Err(NoMask::Unsupported("there is no backend".to_owned()));
     };
     let shadows = guard::render(&mut **first, view, recipe)?;
@@ -45,15 +45,15 @@ pub(super) fn render(
 
 /// Returns all backends, or only the first.
 pub(super) fn select(
-    playing: &mut [Box<dyn Backend + Send>],
+    own_backends: &mut [Box<dyn Backend + Send>],
     all: bool,
 ) -> &mut [Box<dyn Backend + Send>] {
     let count = if all {
-        playing.len()
+        own_backends.len()
     } else {
-        playing.len().min(1)
+        own_backends.len().min(1)
     };
-    &mut playing[..count]
+    &mut own_backends[..count]
 }
 
 /// Adds [`RenderedOnAll::disagreeing`] of two renderings; `None` if neither was compared.

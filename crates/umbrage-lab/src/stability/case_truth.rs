@@ -1,11 +1,11 @@
 //! Reference data of a case: truth, and the mask of a perfect map.
 
-use super::texels::{Texels, point_at, to_center, within};
+use super::texels::{Texels, last_point_inside, point_at, to_center};
 use crate::error::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
     Camera, Fit, Geometry, Invalid, Layout, Light, RecipeError, Scene, View,
-    metrics::{Pixel, edges, near},
+    metrics::{Pixel, edges, pixels_near},
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, Truth, TruthOptions};
@@ -63,7 +63,7 @@ impl CaseTruth {
             return Err(Invalid::new(what, "has no light", "add one").into());
         };
         let truth = Truth {
-            visibility: divided(&sums.truth.visibility, sums.lights),
+            visibility: divide_sums(&sums.truth.visibility, sums.lights),
             ..sums.truth
         };
         Ok(Self {
@@ -72,8 +72,8 @@ impl CaseTruth {
             camera,
             lights,
             truth,
-            ideal: divided(&sums.ideal, sums.lights),
-            hard: divided(&sums.hard, sums.lights),
+            ideal: divide_sums(&sums.ideal, sums.lights),
+            hard: divide_sums(&sums.hard, sums.lights),
             open: sums.open,
             map_size,
         })
@@ -90,7 +90,7 @@ impl CaseTruth {
     }
 
     /// Returns the indices of the pixels that count.
-    pub fn counted(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn counted_pixels(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.pixels.len()).filter(|&i| self.counts(i))
     }
 }
@@ -168,7 +168,7 @@ fn add(sums: &mut [f32], values: &[f32]) {
     }
 }
 
-fn divided(sums: &[f32], count: f32) -> Vec<f32> {
+fn divide_sums(sums: &[f32], count: f32) -> Vec<f32> {
     sums.iter().map(|sum| sum / count).collect()
 }
 
@@ -242,7 +242,7 @@ fn ideal(
 ) -> Result<Vec<f32>, Invalid> {
     // Move receivers to texel centres within their triangles, and trace there.
     let receivers = &truth.receivers;
-    let snapped = texels.seen(
+    let snapped = texels.seen_texels(
         geometry,
         light,
         receivers,
@@ -250,12 +250,12 @@ fn ideal(
         to_center,
         |i, place| {
             let triangle = geometry.corners(receivers.triangle[i]);
-            within(receivers.position(i), place, triangle)
+            last_point_inside(receivers.position(i), place, triangle)
         },
     )?;
     // Find the pixels near true edges, by distance.
     let edges = edges(truth.size, &truth.visibility, &truth.pixels);
-    let is_near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
+    let is_near_edge = REACHES.map(|reach| pixels_near(truth.size, &edges, reach));
     let clip_from_world = camera.space().clip_from_world();
     let mut out = truth.visibility.clone();
     for (i, moved) in snapped.into_iter().enumerate() {
@@ -323,7 +323,7 @@ fn open(
     for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
         for direction in DIRECTIONS {
             let offset = direction * reach;
-            let around = texels.seen(
+            let around = texels.seen_texels(
                 geometry,
                 center,
                 &truth.receivers,

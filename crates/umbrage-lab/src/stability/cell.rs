@@ -111,7 +111,7 @@ pub enum CellOutcome {
 
 impl CellOutcome {
     /// Returns the outcome of a mask with at least one judgement. The worst verdict counts.
-    pub fn of(judgements: Vec<Judgement>) -> Self {
+    pub fn from_judgements(judgements: Vec<Judgement>) -> Self {
         let worst = judgements.iter().map(|judgement| judgement.verdict).max();
         Self::Measured {
             judgements,
@@ -165,12 +165,12 @@ impl Cell {
 impl Stability {
     /// Returns the number of cells with a verdict, over the cases that separate techniques.
     pub fn count(&self, verdict: Verdict) -> usize {
-        let cells = self.telling().flat_map(|case| &case.cells);
+        let cells = self.separating_cases().flat_map(|case| &case.cells);
         cells.filter(|cell| cell.verdict() == Some(verdict)).count()
     }
 
     /// Returns the cases that separate techniques.
-    pub fn telling(&self) -> impl Iterator<Item = &CaseResult> {
+    pub fn separating_cases(&self) -> impl Iterator<Item = &CaseResult> {
         self.cases.iter().filter(|case| !case.is_sanity)
     }
 

@@ -38,7 +38,7 @@ impl From<BackendError> for NoMask {
 }
 
 /// Runs a function that must not panic. A panic becomes a fault with its message.
-pub(super) fn guarded<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoMask> {
+pub(super) fn catch_panics<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoMask> {
     let panic = match catch_unwind(AssertUnwindSafe(f)) {
         Ok(result) => return result,
         Err(panic) => panic,
@@ -56,7 +56,7 @@ pub(super) fn guarded<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoM
 
 /// Returns a technique's recipe.
 pub(super) fn plan(technique: &dyn ShadowTechnique, view: &View<'_>) -> Result<Recipe, NoMask> {
-    guarded(|| Ok(technique.recipe(view)?))
+    catch_panics(|| Ok(technique.recipe(view)?))
 }
 
 /// Renders a recipe and checks its mask.
@@ -65,7 +65,7 @@ pub(super) fn render(
     view: &View<'_>,
     recipe: &Recipe,
 ) -> Result<Shadows, NoMask> {
-    guarded(|| {
+    catch_panics(|| {
         let shadows = backend.render(view, recipe)?;
         check(&shadows.mask).map_err(NoMask::Fault)?;
         Ok(shadows)
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn panics_and_bad_numbers_become_faults() {
-        let fault = guarded::<()>(|| panic!("on purpose {}", 7)).expect_err("panicked");
+        let fault = catch_panics::<()>(|| panic!("on purpose {}", 7)).expect_err("panicked");
         assert_eq!(fault, NoMask::Fault("panicked: on purpose 7".to_owned()));
         assert_eq!(check(&[0.0, 1.0]), Ok(()));
         for bad in [f32::NAN, f32::INFINITY, -1e-6, 1.000_001] {

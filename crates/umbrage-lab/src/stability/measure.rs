@@ -242,7 +242,7 @@ impl Measure {
                 let widths = places.widths(mask, truth, receivers, LEVEL, counts);
                 mean_width_error(&widths)
             }
-            Self::AllLit => darkened(mask, &case_truth.truth.pixels),
+            Self::AllLit => darkened_share(mask, &case_truth.truth.pixels),
             Self::Fill | Self::Shimmer | Self::ChangeError | Self::CascadeSeams => 0.0,
         }
     }
@@ -256,23 +256,25 @@ impl Measure {
         let without_shadow = || self.without_shadow(case_truth);
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
-                SHARE.beyond(2.0 * ideal)
+                SHARE.raised_by(2.0 * ideal)
             }
-            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(without_shadow()),
+            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).capped_by_none(without_shadow()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
-                VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(without_shadow())
+                VerdictLimits::over_ideal(ideal, 1e3 * pixel).capped_by_none(without_shadow())
             }
             Self::LostShadow
             | Self::ContactLeak(..)
             | Self::LeakAround(..)
             | Self::WrongNear(_) => {
-                VerdictLimits::over_ideal(ideal, BAND_SHARE).below(without_shadow())
+                VerdictLimits::over_ideal(ideal, BAND_SHARE).capped_by_none(without_shadow())
             }
             Self::EdgeDisplacement => {
-                VerdictLimits::over_ideal(ideal, HALF_PIXEL).below(without_shadow())
+                VerdictLimits::over_ideal(ideal, HALF_PIXEL).capped_by_none(without_shadow())
             }
-            Self::Seams => VerdictLimits::over_ideal(ideal, SMALL_SHARE).below(without_shadow()),
+            Self::Seams => {
+                VerdictLimits::over_ideal(ideal, SMALL_SHARE).capped_by_none(without_shadow())
+            }
             Self::PenumbraRmse => VerdictLimits::new(
                 penumbra::ray_noise(&case_truth.truth.visibility, RAYS, counts),
                 0.5 * penumbra::rmse(&case_truth.hard, &case_truth.truth.visibility, counts),
@@ -328,7 +330,7 @@ fn mean_width_error(ratios: &[Option<f64>]) -> f64 {
 
 /// Returns the percentage of pixels that the mask darkens at all, of those that don't face away
 /// from the light.
-fn darkened(mask: &[f32], pixels: &[Pixel]) -> f64 {
+fn darkened_share(mask: &[f32], pixels: &[Pixel]) -> f64 {
     let facing = (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
     open::share(facing.map(|i| mask[i] < 1.0))
 }
@@ -385,7 +387,7 @@ fn places_of(case_truth: &CaseTruth, caster: &Instance, light_position: Vec3) ->
         .positions
         .iter()
         .map(|p| caster.world_from_local.transform_point3(*p));
-    let bounds = Aabb::around(corners);
+    let bounds = Aabb::from_points(corners);
     let mut places = Vec::with_capacity(PLACES);
     for k in 0..PLACES {
         let y = bounds.min.y + (bounds.max.y - bounds.min.y) * k as f32 / (PLACES - 1) as f32;

@@ -25,7 +25,7 @@ use super::{
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
     pictures,
-    play::{cell, no_mask},
+    still::{cell, no_mask},
     threads::SharedBackends,
     verdict::{Judgement, Verdict, VerdictLimits},
 };
@@ -138,7 +138,7 @@ impl Moving {
     /// truth's own change.
     pub fn limits(&self, measure: Measure, limits: VerdictLimits) -> VerdictLimits {
         match measure {
-            Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
+            Measure::ChangeError => limits.capped_by_none(change(&self.truth, &self.marked)),
             _ => limits,
         }
     }
@@ -150,15 +150,15 @@ impl Moving {
         criteria: &[Criterion],
         backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {
-        let played = match self.play(technique, backends) {
-            Ok(played) => played,
+        let executed = match self.render_frames(technique, backends) {
+            Ok(executed) => executed,
             Err(why) => return Ok(no_mask(technique, why)),
         };
         let mut judgements = Vec::new();
         for criterion in criteria {
-            let figure = self.figure(criterion.measure, &played.masks);
+            let figure = self.figure(criterion.measure, &executed.masks);
             let cannot_change = match criterion.measure {
-                Measure::Shimmer => played.cannot_change(figure),
+                Measure::Shimmer => executed.cannot_change(figure),
                 _ => None,
             };
             judgements.push(match cannot_change {
@@ -166,22 +166,22 @@ impl Moving {
                 None => criterion.limits.judgement(figure),
             });
         }
-        let mut out = cell(technique, CellOutcome::of(judgements));
-        out.disagreeing = played.disagreeing;
+        let mut out = cell(technique, CellOutcome::from_judgements(judgements));
+        out.disagreeing = executed.disagreeing;
         if out.verdict() > Some(Verdict::NotMeasured) {
-            let strip = pictures::strip(&self.case_truth, &played.masks, &self.marked)?;
+            let strip = pictures::strip(&self.case_truth, &executed.masks, &self.marked)?;
             out.picture = Some(strip);
         }
         Ok(out)
     }
 
     /// Renders all frames.
-    fn play(
+    fn render_frames(
         &self,
         technique: &dyn ShadowTechnique,
         backends: &SharedBackends<'_>,
-    ) -> Result<PlayedFrames, NoMask> {
-        let mut out = PlayedFrames {
+    ) -> Result<RenderedFrames, NoMask> {
+        let mut out = RenderedFrames {
             masks: Vec::new(),
             draws_the_picture: false,
             casts: false,
@@ -189,28 +189,28 @@ impl Moving {
         };
         for index in 0..self.frames.len() {
             let is_end = index == 0 || index + 1 == self.frames.len();
-            let played = self.play_frame(index, technique, backends, is_end)?;
-            out.masks.push(played.rendered.mask);
-            out.draws_the_picture |= played.draws_the_picture;
-            out.casts |= played.casts;
-            out.disagreeing = all_backends::sum(out.disagreeing, played.rendered.disagreeing);
+            let executed = self.render_frame(index, technique, backends, is_end)?;
+            out.masks.push(executed.rendered.mask);
+            out.draws_the_picture |= executed.draws_the_picture;
+            out.casts |= executed.casts;
+            out.disagreeing = all_backends::sum(out.disagreeing, executed.rendered.disagreeing);
         }
         Ok(out)
     }
 
     /// Renders the mask of frame `index` at the first frame's receivers, on the first backend or on
     /// all.
-    fn play_frame(
+    fn render_frame(
         &self,
         index: usize,
         technique: &dyn ShadowTechnique,
         backends: &SharedBackends<'_>,
         on_all: bool,
-    ) -> Result<PlayedFrame, NoMask> {
+    ) -> Result<RenderedFrame, NoMask> {
         let render = |view: &View<'_>, recipe: &Recipe| {
             let mut backends = backends.lock();
-            let playing = all_backends::select(&mut backends.playing, on_all);
-            all_backends::render(playing, view, recipe)
+            let own_backends = all_backends::select(&mut backends.backends, on_all);
+            all_backends::render(own_backends, view, recipe)
         };
         let frame = &self.frames[index];
         let geometry = &frame.geometry;
@@ -226,7 +226,7 @@ impl Moving {
         if draws_the_picture(&recipe, &frame.camera) {
             let at_first = first_view.with_receivers(receivers);
             let recipe = guard::plan(technique, &at_first)?;
-            return Ok(PlayedFrame {
+            return Ok(RenderedFrame {
                 rendered: render(&at_first, &recipe)?,
                 draws_the_picture: true,
                 casts,
@@ -234,11 +234,11 @@ impl Moving {
         }
         // Look up the points at shifted pixels, and shift the mask back.
         let pixels = if self.motion.moves_pixels() { index } else { 0 };
-        let asked_beside = pixel_shift::to_the_right(receivers, pixels);
-        let at_pixels = first_view.with_receivers(&asked_beside);
+        let shifted_receivers = pixel_shift::to_the_right(receivers, pixels);
+        let at_pixels = first_view.with_receivers(&shifted_receivers);
         let mut rendered = render(&at_pixels, &recipe)?;
-        pixel_shift::back(&mut rendered.mask, receivers.size.x, pixels);
-        Ok(PlayedFrame {
+        pixel_shift::shift_back(&mut rendered.mask, receivers.size.x, pixels);
+        Ok(RenderedFrame {
             rendered,
             draws_the_picture: false,
             casts,
@@ -252,7 +252,7 @@ impl Moving {
 }
 
 /// Result of a setting in one frame.
-struct PlayedFrame {
+struct RenderedFrame {
     /// The mask at the first frame's receivers.
     rendered: all_backends::RenderedOnAll,
     /// Whether it casts into the camera's own image.
@@ -268,7 +268,7 @@ const IN_THE_PICTURE: &str =
 /// Reason why a technique without a map isn't measured then.
 const NO_MAP: &str = "it draws no map, so its visibility at a point cannot depend on the camera while the light stands still";
 
-impl PlayedFrames {
+impl RenderedFrames {
     /// Returns the reason why the change of visibility, `figure`, is always 0 while only the camera
     /// moves; `None` if it can change.
     fn cannot_change(&self, figure: f64) -> Option<&'static str> {
@@ -281,7 +281,7 @@ impl PlayedFrames {
 }
 
 /// Result of a setting over all frames.
-struct PlayedFrames {
+struct RenderedFrames {
     /// Mask of each frame from the first backend, at the first frame's receivers.
     masks: Vec<Vec<f32>>,
     /// Whether it casts into the camera's own image.
@@ -342,5 +342,5 @@ fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let origin = position + lift;
     let direction = to_eye - lift;
     let bvh = frame.geometry.bvh();
-    is_inside && !bvh.occluded(origin, direction, receivers.triangle[i])
+    is_inside && !bvh.is_occluded(origin, direction, receivers.triangle[i])
 }

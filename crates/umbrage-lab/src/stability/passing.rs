@@ -36,15 +36,15 @@ impl Stability {
             }
             Demand::Pass(names) => {
                 for name in names {
-                    let mut asked = self
+                    let mut requested = self
                         .cases
                         .iter()
                         .filter(|case| is_named(case, name))
                         .peekable();
-                    if asked.peek().is_none() {
+                    if requested.peek().is_none() {
                         return Err(self.no_such(name));
                     }
-                    if !asked.all(|case| best(case, technique) == Some(Verdict::Pass)) {
+                    if !requested.all(|case| best(case, technique) == Some(Verdict::Pass)) {
                         return Ok(false);
                     }
                 }
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_were_not_played_are_refused() {
+    fn rows_that_were_not_rendered_are_refused() {
         let error = results()
             .meets("hard", &Demand::Pass(vec!["9".to_owned()]))
             .expect_err("no such row");

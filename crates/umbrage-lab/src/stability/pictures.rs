@@ -12,7 +12,7 @@ const FRAMES: usize = 4;
 const FULL_COLOR_CHANGE: f32 = 0.25;
 
 /// Returns truth, mask and error side by side, as a PNG.
-pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, LabError> {
+pub(super) fn side_by_side(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, LabError> {
     let truth = &case_truth.truth;
     let parts = [
         png::mask_colors(&truth.visibility, &truth.pixels),

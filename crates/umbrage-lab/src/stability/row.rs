@@ -63,7 +63,7 @@ impl StabilityCase {
 
     /// Returns a case of a moving scene. While light and casters stand still nothing may change;
     /// otherwise as much may change as in truth.
-    pub(super) const fn moving(moving: MovingScene) -> Self {
+    pub(super) const fn moving_case(moving: MovingScene) -> Self {
         let measure = if moving.motion.moves_shadows() {
             Measure::ChangeError
         } else {
@@ -77,7 +77,7 @@ impl StabilityCase {
     }
 
     /// Returns the same case under another name, for a scene with two measures.
-    pub(super) const fn named(self, name: &'static str) -> Self {
+    pub(super) const fn with_name(self, name: &'static str) -> Self {
         Self { name, ..self }
     }
 
@@ -101,7 +101,10 @@ impl StabilityCase {
 
     /// Returns the case with settings that run in addition to those of the catalogue:
     /// [`StabilityCase::extra`].
-    pub(super) const fn also(self, extra: fn(map_size: u32) -> Vec<TechniquePreset>) -> Self {
+    pub(super) const fn with_settings(
+        self,
+        extra: fn(map_size: u32) -> Vec<TechniquePreset>,
+    ) -> Self {
         Self {
             extra: Some(extra),
             ..self

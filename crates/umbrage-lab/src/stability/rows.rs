@@ -70,8 +70,8 @@ const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
 }
 
-const fn moving(moving: MovingScene) -> StabilityCase {
-    StabilityCase::moving(moving)
+const fn moving_case(moving: MovingScene) -> StabilityCase {
+    StabilityCase::moving_case(moving)
 }
 
 const fn row(
@@ -144,7 +144,7 @@ fn hard_leaky_bias(size: u32) -> Vec<TechniquePreset> {
 
 /// Returns hard and filtered shadows from four cascades that together have the memory of one map:
 /// split by the visible receivers, stable, and blended.
-fn cascaded(size: u32) -> Vec<TechniquePreset> {
+fn cascade_presets(size: u32) -> Vec<TechniquePreset> {
     let map = |fit, cascades| ShadowMap {
         size: size / 2,
         fit,
@@ -207,35 +207,35 @@ fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
 
 /// Range of the stable fits for cascade seams, metres: the farthest visible distance.
 const FARTHEST_SEAM: f32 = 320.0;
-const FENCE_PAN: StabilityCase = moving(MovingScene::FENCE_PAN);
-const WIRE_FENCE_PAN: StabilityCase = moving(MovingScene::WIRE_FENCE_PAN);
-const FOLIAGE_PAN: StabilityCase = moving(MovingScene::FOLIAGE_PAN);
-const HILLS_PAN: StabilityCase = moving(MovingScene::HILLS_PAN);
-const HILLS_1E5_PAN: StabilityCase = moving(MovingScene::HILLS_1E5_PAN).limits_from("hills");
-const HILLS_1E6_PAN: StabilityCase = moving(MovingScene::HILLS_1E6_PAN).limits_from("hills");
-const HILLS_YAW: StabilityCase = moving(MovingScene::HILLS_YAW);
-const HILLS_FOV: StabilityCase = moving(MovingScene::HILLS_FOV);
-const HILLS_SUN: StabilityCase = moving(MovingScene::HILLS_SUN);
-const HILLS_ENDLESS_PAN: StabilityCase = moving(MovingScene::HILLS_ENDLESS_PAN);
-const HILLS_CASTERS: StabilityCase = moving(MovingScene::HILLS_CASTERS);
-const HILLS_JITTER: StabilityCase = moving(MovingScene::HILLS_JITTER);
+const FENCE_PAN: StabilityCase = moving_case(MovingScene::FENCE_PAN);
+const WIRE_FENCE_PAN: StabilityCase = moving_case(MovingScene::WIRE_FENCE_PAN);
+const FOLIAGE_PAN: StabilityCase = moving_case(MovingScene::FOLIAGE_PAN);
+const HILLS_PAN: StabilityCase = moving_case(MovingScene::HILLS_PAN);
+const HILLS_1E5_PAN: StabilityCase = moving_case(MovingScene::HILLS_1E5_PAN).limits_from("hills");
+const HILLS_1E6_PAN: StabilityCase = moving_case(MovingScene::HILLS_1E6_PAN).limits_from("hills");
+const HILLS_YAW: StabilityCase = moving_case(MovingScene::HILLS_YAW);
+const HILLS_FOV: StabilityCase = moving_case(MovingScene::HILLS_FOV);
+const HILLS_SUN: StabilityCase = moving_case(MovingScene::HILLS_SUN);
+const HILLS_ENDLESS_PAN: StabilityCase = moving_case(MovingScene::HILLS_ENDLESS_PAN);
+const HILLS_CASTERS: StabilityCase = moving_case(MovingScene::HILLS_CASTERS);
+const HILLS_JITTER: StabilityCase = moving_case(MovingScene::HILLS_JITTER);
 
 const WARPS: &str = "perspective warps";
 
 #[rustfmt::skip]
 const ROWS: &[StabilityRow] = &[
     row(1, "low sun", "a constant bias and a wide kernel are too little bias at grazing light: acne", &[
-        still("low-sun-2", Measure::Acne).also(hard_small_bias), still("low-sun-5", Measure::Acne).also(hard_small_bias), still("low-sun-10", Measure::Acne).also(hard_small_bias),
+        still("low-sun-2", Measure::Acne).with_settings(hard_small_bias), still("low-sun-5", Measure::Acne).with_settings(hard_small_bias), still("low-sun-10", Measure::Acne).with_settings(hard_small_bias),
     ]),
     row(2, "near and far", "one bias for receivers at 5 m and at 300 m: acne in one of them", &[
-        still("long-plane", Measure::AcneByDistance).also(hard_small_bias), still("long-plane-lamp", Measure::AcneByDistance).also(hard_small_bias),
+        still("long-plane", Measure::AcneByDistance).with_settings(hard_small_bias), still("long-plane-lamp", Measure::AcneByDistance).with_settings(hard_small_bias),
     ]),
     row(3, "thin contact", "a bias detaches the shadow from a plate of 2 mm; second depth leaks at its base", &[
-        still("thin-plate", Measure::Gap(PLATE)).also(hard_leaky_bias),
-        still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).also(hard_leaky_bias).named("thin-plate-leak"),
+        still("thin-plate", Measure::Gap(PLATE)).with_settings(hard_leaky_bias),
+        still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).with_settings(hard_leaky_bias).with_name("thin-plate-leak"),
     ]),
     row(4, "sealed room", "walls one texel thick: front-face culling, second depth and normal offsets let light in", &[
-        still("sealed-room", Measure::Leak).also(hard_leaky_bias),
+        still("sealed-room", Measure::Leak).with_settings(hard_leaky_bias),
     ]),
     row(5, "open shells", "leaves, sheets and open boxes have no far side: techniques that need closed casters lose shadow", &[
         still("open-shells", Measure::Wrong),
@@ -277,7 +277,7 @@ const ROWS: &[StabilityRow] = &[
         still("lamp-in-room", Measure::Seams),
     ]),
     row(16, "coarse floor", "straight edges between few vertices bend on a curved map", &[
-        still("lamp-in-room", Measure::EdgeDisplacement).named("lamp-in-room-edges"),
+        still("lamp-in-room", Measure::EdgeDisplacement).with_name("lamp-in-room-edges"),
     ]).not_covered_yet("paraboloids"),
     row(17, "rising heights", "each box has a penumbra of its own width", &[
         still("rising-boxes", Measure::PenumbraWidth), still("rising-boxes-disc", Measure::PenumbraWidth),
@@ -308,7 +308,7 @@ const ROWS: &[StabilityRow] = &[
         still("relief-without-depth-pass", Measure::Acne),
     ]),
     row(26, "coarse depth", "16 bits over a quarter of a kilometre: depths are quantised", &[
-        still("far-range", Measure::Acne).also(hard_16_bit),
+        still("far-range", Measure::Acne).with_settings(hard_16_bit),
     ]),
     row(27, "light along up", "a look-at whose up is the light's direction: the right vector is undefined", &[
         still("sun-above", Measure::Rmse), still("spot-above", Measure::Rmse),
@@ -345,14 +345,14 @@ const ROWS: &[StabilityRow] = &[
         HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", MovingScene::HILLS_JITTER.range),
     ]),
     row(38, "cascade seams", "between one map and the next coarser one: a line across the image, or no shadow at all", &[
-        still("hills", Measure::CascadeSeams).also(cascaded).named("hills-seams"),
-        still("far-range", Measure::CascadeSeams).also(cascaded).named("far-range-seams"),
+        still("hills", Measure::CascadeSeams).with_settings(cascade_presets).with_name("hills-seams"),
+        still("far-range", Measure::CascadeSeams).with_settings(cascade_presets).with_name("far-range-seams"),
     ]),
     row(39, "leaf cards", "alpha-tested leaves 5 to 500 m away: holes finer than a texel, a pixel, or both", &[
         still("foliage", Measure::Rmse), FOLIAGE_PAN, FOLIAGE_PAN.stable("foliage-pan-stable", MovingScene::FOLIAGE_PAN.range),
     ]),
     row(40, "light bleeding", "moments of two blockers: light along the upper one's outline within the shadow of the lower one", &[
-        still("two-plates", Measure::Leak).also(unreduced_moments),
+        still("two-plates", Measure::Leak).with_settings(unreduced_moments),
     ]),
 ];
 

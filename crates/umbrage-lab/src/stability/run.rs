@@ -7,10 +7,10 @@ use super::{
     guard,
     measure::Measure,
     motion::Moving,
-    play::Still,
     row::{StabilityCase, StabilityRow},
     rows::{cases, rows},
     settings::settings,
+    still::Still,
     threads::{self, SharedBackends},
 };
 use crate::{compare::Backends, error::LabError};
@@ -158,7 +158,7 @@ pub fn run(
         .collect();
     let mut out = Stability {
         backends: backends
-            .playing
+            .backends
             .iter()
             .map(|b| b.kind().to_owned())
             .collect(),
@@ -185,7 +185,7 @@ pub fn run(
             let Ok(prepared) = receiver.recv() else {
                 break;
             };
-            let result = play_case(row, case, &prepared?, options, backends)?;
+            let result = run_case(row, case, &prepared?, options, backends)?;
             on_event(StabilityEvent::Done { result: &result });
             out.faults.extend(faults(&result));
             out.cases.push(result);
@@ -292,12 +292,12 @@ pub fn case_truth(
     let scene = (entry.build)();
     let camera = case
         .motion
-        .first_camera(&scene.cameras[0].resized(options.size));
+        .first_camera(&scene.cameras[0].with_size(options.size));
     let lights = scene.lights.iter().take(case.lights).copied().collect();
     CaseTruth::new(scene, camera, lights, options.map_size, &options.truth)
 }
 
-fn play_case(
+fn run_case(
     row: &StabilityRow,
     case: &StabilityCase,
     prepared: &Prepared,
@@ -347,7 +347,7 @@ fn play_case(
 
 /// Errors if there is no backend.
 pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
-    if backends.playing.is_empty() {
+    if backends.backends.is_empty() {
         return Err(Invalid::new(
             "stability",
             "has no backend",

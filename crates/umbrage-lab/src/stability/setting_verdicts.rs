@@ -52,7 +52,10 @@ impl Stability {
     /// Returns the verdicts on every setting that ran in all rows with the tight fit, in the order
     /// of the cells.
     pub fn setting_verdicts(&self) -> Vec<SettingVerdicts> {
-        let tight: Vec<&CaseResult> = self.telling().filter(|c| c.fit.is_empty()).collect();
+        let tight: Vec<&CaseResult> = self
+            .separating_cases()
+            .filter(|c| c.fit.is_empty())
+            .collect();
         // Some cases add settings; those that all cases share are the techniques' own.
         let Some(least) = tight.iter().min_by_key(|case| case.cells.len()) else {
             return Vec::new();
@@ -72,10 +75,11 @@ impl Stability {
             not_measured: 0,
             not_served: 0,
         };
-        let mut rows: Vec<u8> = self.telling().map(|case| case.row).collect();
+        let mut rows: Vec<u8> = self.separating_cases().map(|case| case.row).collect();
         rows.dedup();
         for row in rows {
-            let of_row: Vec<&CaseResult> = self.telling().filter(|c| c.row == row).collect();
+            let of_row: Vec<&CaseResult> =
+                self.separating_cases().filter(|c| c.row == row).collect();
             match worst(&of_row, "", setting) {
                 None => out.not_served += 1,
                 Some(Verdict::NotMeasured) => out.not_measured += 1,
@@ -230,8 +234,8 @@ mod tests {
         }
     }
 
-    fn judged(verdict: Verdict) -> CellOutcome {
-        CellOutcome::of(vec![Judgement {
+    fn judged_cell(verdict: Verdict) -> CellOutcome {
+        CellOutcome::from_judgements(vec![Judgement {
             figure: Some(1.0),
             verdict,
             reason: None,
@@ -266,7 +270,7 @@ mod tests {
     /// degraded; row 3 is not measured, row 4 not supported.
     fn sample() -> Stability {
         use Verdict::{Degraded, Fails, NotMeasured, Pass};
-        let both = |verdict| [judged(verdict), judged(Pass)];
+        let both = |verdict| [judged_cell(verdict), judged_cell(Pass)];
         let unsupported = || CellOutcome::Unsupported {
             reason: String::new(),
         };

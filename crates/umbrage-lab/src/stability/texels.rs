@@ -57,7 +57,12 @@ impl Texels {
     /// Returns the point of the plane through `position` whose map coordinates are those of
     /// `position` moved by `to`. Map coordinates are in texels from the top left; points are in
     /// world space, metres. `None` if no map contains the position, or its plane is edge-on.
-    pub fn moved(&self, position: Vec3, normal: Vec3, to: impl Fn(DVec2) -> DVec2) -> Option<Vec3> {
+    pub fn moved_position(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        to: impl Fn(DVec2) -> DVec2,
+    ) -> Option<Vec3> {
         let position = position.as_dvec3();
         let normal = normal.as_dvec3();
         let space = self.spaces.iter().find(|space| space.shows(position))?;
@@ -83,12 +88,12 @@ impl Texels {
 
     /// Returns each receiver moved to another point of its plane, and the traced visibility there.
     ///
-    /// `to` moves its map coordinates (as in [`Texels::moved`]). `keep` may move the point again,
+    /// `to` moves its map coordinates (as in [`Texels::moved_position`]). `keep` may move the point again,
     /// given the receiver's index. `None` if nothing receives or no map contains the receiver.
     ///
     /// # Errors
     /// Errors if the light is not valid.
-    pub fn seen(
+    pub fn seen_texels(
         &self,
         geometry: &Geometry,
         light: &Light,
@@ -99,7 +104,9 @@ impl Texels {
     ) -> Result<Vec<Option<(Vec3, PointTruth)>>, Invalid> {
         let mut places: Vec<(usize, Vec3)> = Vec::new();
         for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
-            if let Some(moved) = self.moved(receivers.position(i), receivers.normal(i), &to) {
+            if let Some(moved) =
+                self.moved_position(receivers.position(i), receivers.normal(i), &to)
+            {
                 places.push((i, keep(i, moved)));
             }
         }
@@ -138,7 +145,7 @@ pub(super) fn point_at(
 
 /// Returns the last point within a triangle on the segment from `p` to `q`, both on its plane; `p`
 /// itself if it is outside.
-pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
+pub(super) fn last_point_inside(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     let edge_1 = triangle[1] - triangle[0];
     let edge_2 = triangle[2] - triangle[0];
     let normal = edge_1.cross(edge_2);
@@ -194,13 +201,13 @@ mod tests {
     fn places_snap_to_texel_centres_along_the_receivers_plane() {
         let t = texels();
         let flat = t
-            .moved(Vec3::new(0.2, 1.0, 3.9), Vec3::Y, to_center)
+            .moved_position(Vec3::new(0.2, 1.0, 3.9), Vec3::Y, to_center)
             .expect("on the map");
         assert!(flat.distance(Vec3::new(0.5, 1.0, 3.5)) < 1e-5, "{flat}");
         // On a plane that rises by one along x, moving .3 m in x raises the point by as much.
         let n = Vec3::new(-1.0, 1.0, 0.0).normalize();
         let sloped = t
-            .moved(Vec3::new(0.2, 1.0, 3.5), n, to_center)
+            .moved_position(Vec3::new(0.2, 1.0, 3.5), n, to_center)
             .expect("on the map");
         assert!(sloped.distance(Vec3::new(0.5, 1.3, 3.5)) < 1e-5, "{sloped}");
     }
@@ -214,17 +221,23 @@ mod tests {
             (Vec3::new(-1.0, 0.0, 1.0), Vec3::new(0.0, 0.0, 1.0)),
             (Vec3::new(5.0, 0.0, 5.0), Vec3::new(2.0, 0.0, 2.0)),
         ] {
-            assert!(within(p, q, triangle).distance(expected) < 1e-6, "{q}");
+            assert!(
+                last_point_inside(p, q, triangle).distance(expected) < 1e-6,
+                "{q}"
+            );
         }
-        assert_eq!(within(-p, p * -2.0, triangle), -p);
+        assert_eq!(last_point_inside(-p, p * -2.0, triangle), -p);
     }
 
     #[test]
-    fn beside_the_map_and_edge_on_there_is_no_answer() {
+    fn next_to_the_map_and_edge_on_there_is_no_answer() {
         assert_eq!(
-            texels().moved(Vec3::new(5.2, 0.0, 0.0), Vec3::Y, to_center),
+            texels().moved_position(Vec3::new(5.2, 0.0, 0.0), Vec3::Y, to_center),
             None
         );
-        assert_eq!(texels().moved(Vec3::ZERO, Vec3::X, to_center), None);
+        assert_eq!(
+            texels().moved_position(Vec3::ZERO, Vec3::X, to_center),
+            None
+        );
     }
 }

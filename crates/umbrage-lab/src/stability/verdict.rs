@@ -80,7 +80,7 @@ impl VerdictLimits {
     }
 
     /// Returns limits with both raised by a figure that no map can avoid.
-    pub fn beyond(self, unavoidable: f64) -> Self {
+    pub fn raised_by(self, unavoidable: f64) -> Self {
         Self {
             pass: self.pass + unavoidable,
             fails: self.fails + unavoidable,
@@ -89,7 +89,7 @@ impl VerdictLimits {
 
     /// Returns limits capped by the figure of no shadow at all, `none`: a pass has at most half of
     /// it, and more than three quarters of it fail, however coarse the map.
-    pub fn below(self, none: f64) -> Self {
+    pub fn capped_by_none(self, none: f64) -> Self {
         if none > 0.0 {
             Self {
                 pass: self.pass.min(0.5 * none),
@@ -154,9 +154,12 @@ mod tests {
         let judged = [0.0, 2.0, 2.1, 8.0, 8.1, f64::NAN, f64::INFINITY].map(|v| limits.judge(v));
         use Verdict::{Degraded as D, Fails as F, Pass as P};
         assert_eq!(judged, [P, P, D, D, F, F, F]);
-        assert_eq!(limits.below(2.0), VerdictLimits::new(1.0, 1.5));
-        assert_eq!([limits.below(100.0), limits.below(0.0)], [limits; 2]);
+        assert_eq!(limits.capped_by_none(2.0), VerdictLimits::new(1.0, 1.5));
+        assert_eq!(
+            [limits.capped_by_none(100.0), limits.capped_by_none(0.0)],
+            [limits; 2]
+        );
         assert_eq!(limits.times(0.5), VerdictLimits::new(1.0, 4.0));
-        assert_eq!(limits.beyond(0.5), VerdictLimits::new(2.5, 8.5));
+        assert_eq!(limits.raised_by(0.5), VerdictLimits::new(2.5, 8.5));
     }
 }

@@ -19,7 +19,7 @@ use super::{
     row::StabilityCase,
     rows::PLATE,
     run::{StabilityOptions, case_truth, some_backend},
-    sweeps::curve::{not_played, play},
+    sweeps::curve::{render_point, sweep_error},
     threads::{self, SharedBackends},
     verdict::Verdict,
 };
@@ -97,7 +97,7 @@ pub fn windows(
     // Trace truth for both cases.
     let mut stages = Vec::new();
     for case in &CASES {
-        stages.push(Stage::new(case, options)?);
+        stages.push(WindowCase::new(case, options)?);
     }
     // Collect the selected techniques that have a map.
     let mut presets = Vec::new();
@@ -130,12 +130,12 @@ pub fn windows(
 }
 
 /// A case with its truth.
-struct Stage {
+struct WindowCase {
     case_truth: CaseTruth,
     criteria: Vec<Criterion>,
 }
 
-impl Stage {
+impl WindowCase {
     fn new(case: &StabilityCase, options: &StabilityOptions) -> Result<Self, LabError> {
         let case_truth = case_truth(case, case.scene, options)?;
         let criteria = Criterion::of_case(case.measure, &case_truth, |m| m.limits(&case_truth));
@@ -185,7 +185,7 @@ fn window(
     preset: &TechniquePreset,
     map: ShadowMap,
     base: Base,
-    stages: &[Stage],
+    stages: &[WindowCase],
     backends: &SharedBackends<'_>,
 ) -> Result<Option<BiasWindow>, LabError> {
     let mut trial = Trial {
@@ -228,7 +228,7 @@ struct Trial<'a> {
     preset: &'a TechniquePreset,
     map: ShadowMap,
     base: Base,
-    stages: &'a [Stage],
+    stages: &'a [WindowCase],
     /// [`BiasWindow::disagreeing`] so far.
     disagreeing: Option<u64>,
 }
@@ -251,16 +251,16 @@ impl Trial<'_> {
     ) -> Result<Option<bool>, LabError> {
         let technique = self.technique(amount);
         for stage in self.stages {
-            let played = match play(&stage.case_truth, &technique, backends, i, count) {
-                Ok(played) => played,
+            let rendered = match render_point(&stage.case_truth, &technique, backends, i, count) {
+                Ok(rendered) => rendered,
                 Err(NoMask::Unsupported(_)) => return Ok(None),
                 Err(NoMask::Fault(what)) => {
-                    return Err(not_played(&stage.case_truth, &technique, &what));
+                    return Err(sweep_error(&stage.case_truth, &technique, &what));
                 }
             };
-            self.disagreeing = all_backends::sum(self.disagreeing, played.disagreeing);
+            self.disagreeing = all_backends::sum(self.disagreeing, rendered.disagreeing);
             // Skip the other case after a failure.
-            if !stage.passes(&played.mask) {
+            if !stage.passes(&rendered.mask) {
                 return Ok(Some(false));
             }
         }
@@ -337,7 +337,7 @@ mod tests {
             techniques: vec!["hard".to_owned(), "traced".to_owned()],
             ..StabilityOptions::quick()
         };
-        let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+        let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
         let windows = windows(&options, &mut backends, &mut |_| {}).expect("runs");
         let [own, bare] = &windows[..] else {
             panic!("rays have no bias: {windows:?}");

@@ -117,16 +117,16 @@ fn built_in(name: &str) -> Scene {
 }
 
 /// Returns the scene with its cameras resized to the gallery's image size.
-fn sized(mut scene: Scene) -> Scene {
+fn with_test_size(mut scene: Scene) -> Scene {
     scene
         .cameras
         .iter_mut()
-        .for_each(|c| *c = c.resized(UVec2::new(400, 300)));
+        .for_each(|c| *c = c.with_size(UVec2::new(400, 300)));
     scene
 }
 
 fn cubes() -> Scene {
-    sized(built_in("cubes"))
+    with_test_size(built_in("cubes"))
 }
 
 /// Returns the cubes under a spot light at the position of the textbooks' sun map.
@@ -144,23 +144,23 @@ fn cubes_under_spot() -> Scene {
 }
 
 fn figure() -> Scene {
-    sized(built_in("figure"))
+    with_test_size(built_in("figure"))
 }
 
 fn teapot() -> Scene {
-    sized(built_in("teapot-lamp"))
+    with_test_size(built_in("teapot-lamp"))
 }
 
 fn room() -> Scene {
-    sized(built_in("textbook-room"))
+    with_test_size(built_in("textbook-room"))
 }
 
 fn flat() -> Scene {
-    sized(built_in("flat-receivers"))
+    with_test_size(built_in("flat-receivers"))
 }
 
 fn wall() -> Scene {
-    sized(built_in("textbook-wall"))
+    with_test_size(built_in("textbook-wall"))
 }
 
 /// Returns the wall without its normal map.
@@ -171,19 +171,19 @@ fn smooth_wall() -> Scene {
 }
 
 fn relief() -> Scene {
-    sized(built_in("displaced-wall"))
+    with_test_size(built_in("displaced-wall"))
 }
 
 fn relief_of_the_camera_alone() -> Scene {
-    sized(built_in("relief-without-depth-pass"))
+    with_test_size(built_in("relief-without-depth-pass"))
 }
 
 fn far_range() -> Scene {
-    sized(built_in("far-range"))
+    with_test_size(built_in("far-range"))
 }
 
 fn plate() -> Scene {
-    sized(built_in("thin-plate"))
+    with_test_size(built_in("thin-plate"))
 }
 
 const fn cubes_with(label: &'static str, technique: fn() -> Technique) -> Preset {

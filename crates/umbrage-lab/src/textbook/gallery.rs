@@ -2,7 +2,7 @@
 
 use super::{
     effect::{Effect, Preset},
-    play::{PlayedEffect, Side},
+    measure::{MeasuredEffect, Side},
 };
 use crate::output::html::{data_uri, document, escape};
 use umbrage_core::ShadowTechnique as _;
@@ -22,28 +22,28 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 const TITLE: &str = "The textbooks' shadow effects";
 
 /// Returns the page. `backends` holds the backends' full names.
-pub fn html(rows: &[(&Effect, PlayedEffect)], backends: &[String]) -> String {
+pub fn html(rows: &[(&Effect, MeasuredEffect)], backends: &[String]) -> String {
     let mut body = format!(
         "<h1>{TITLE}</h1>\n\
          <p>Left: the artefact. Right: the fix. Next to each image is its error against ray-traced truth: blue is false shadow, \
          orange false light, grey faces away from the light. Rendered by {}.</p>\n",
         escape(&backends.join(" and "))
     );
-    for (effect, played) in rows {
-        body += &section(effect, played);
+    for (effect, rendered) in rows {
+        body += &section(effect, rendered);
     }
     document(TITLE, STYLE, &body)
 }
 
-fn section(effect: &Effect, played: &PlayedEffect) -> String {
+fn section(effect: &Effect, rendered: &MeasuredEffect) -> String {
     let head = format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n",
         effect.name,
         escape(effect.title),
         escape(effect.text)
     );
-    let left = figure(&effect.fault, &played.fault, None);
-    let right = figure(&effect.cure, &played.cure, Some(&played.fault));
+    let left = figure(&effect.fault, &rendered.fault, None);
+    let right = figure(&effect.cure, &rendered.cure, Some(&rendered.fault));
     let worse = effect.worse.map_or_else(String::new, |why| {
         format!("<p class=worse>{}</p>\n", escape(why))
     });

@@ -1,16 +1,16 @@
 //! Textbook effects as presets: settings that show an artefact, and settings that fix it, with the
-//! textbooks' numbers. [`play()`] measures and renders both; [`html`] writes one page of all
+//! textbooks' numbers. [`measure()`] measures and renders both; [`html`] writes one page of all
 //! effects.
 
 mod effect;
 mod effects;
 mod gallery;
-mod play;
+mod measure;
 
 pub use effect::{Effect, Preset};
 pub use effects::all;
 pub use gallery::html;
-pub use play::{PlayedEffect, Side, play};
+pub use measure::{MeasuredEffect, Side, measure};
 
 /// Returns the effect of this name.
 pub fn find(name: &str) -> Option<&'static Effect> {
@@ -27,17 +27,22 @@ mod tests {
     fn no_cure_is_worse_than_its_fault_unless_the_page_says_why() {
         let mut backends: Vec<Box<dyn Backend + Send>> = vec![Box::new(Cpu::new())];
         for effect in all() {
-            let played =
-                play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
-            let [before, after] = [&played.fault, &played.cure].map(|side| side.errors[0].1.mean);
+            let rendered =
+                measure(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
+            let [before, after] =
+                [&rendered.fault, &rendered.cure].map(|side| side.errors[0].1.mean);
             assert_eq!(
                 after > before,
                 effect.worse.is_some(),
                 "{}: {before} to {after}",
                 effect.name
             );
-            assert_ne!(played.fault.picture, played.cure.picture, "{}", effect.name);
-            let page = html(&[(effect, played)], &[]);
+            assert_ne!(
+                rendered.fault.picture, rendered.cure.picture,
+                "{}",
+                effect.name
+            );
+            let page = html(&[(effect, rendered)], &[]);
             assert_eq!(
                 page.contains("<p class=worse>"),
                 effect.worse.is_some(),

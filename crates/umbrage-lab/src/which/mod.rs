@@ -48,7 +48,7 @@ pub fn write(
     }
     let folder = Folder::create(out)?;
     let shown = pictures::write(&folder, &groups, &scenes)?;
-    let page = words::Words {
+    let page = words::AnswerWords {
         scenes: &scenes,
         groups: &groups,
         stability: &stability,

@@ -25,7 +25,7 @@ pub(super) fn write(
     groups: &[WhichGroup],
     scenes: &[MeasuredScene],
 ) -> Result<Shown, LabError> {
-    let unfinished = folder.unfinished(PICTURES)?;
+    let unfinished = folder.unfinished_folder(PICTURES)?;
     let mut out = Vec::new();
     for group in groups {
         // Use the first scene: all scenes of a group are of one kind.
@@ -45,7 +45,7 @@ pub(super) fn write(
             let parts = [scene.folder.join("truth.png"), mask, error];
             let words = format!("{} {}", answer.technique, answer.settings);
             let name = format!("{}.{}.png", slug(&group.heading()), slug(&words));
-            unfinished.write(&name, &beside(&parts)?)?;
+            unfinished.write(&name, &side_by_side(&parts)?)?;
             of_group.push(Some(format!("{PICTURES}/{name}")));
         }
         out.push(of_group);
@@ -72,11 +72,11 @@ fn files(folder: &Path, scene: &SceneResult, rows: &[&CompareRow]) -> Option<[Pa
 }
 
 /// Returns images side by side, each [`WIDTH`] wide, as a PNG.
-fn beside(files: &[PathBuf; 3]) -> Result<Vec<u8>, LabError> {
+fn side_by_side(files: &[PathBuf; 3]) -> Result<Vec<u8>, LabError> {
     let mut small: Vec<Small> = Vec::new();
     for file in files {
         let whole = image::open(file).map_err(|e| LabError::write(file, e))?;
-        small.push(Small::of(&whole.to_rgb8()));
+        small.push(Small::downscaled(&whole.to_rgb8()));
     }
     let height = small
         .iter()
@@ -103,7 +103,7 @@ struct Small {
 
 impl Small {
     /// Averages blocks of a larger image.
-    fn of(whole: &RgbImage) -> Self {
+    fn downscaled(whole: &RgbImage) -> Self {
         let [w, h] = [whole.width(), whole.height()].map(|side| side.max(1) as usize);
         let height = (WIDTH * h).div_ceil(w);
         // First source pixel of a small image's pixel; each pixel has at least one.
@@ -155,12 +155,12 @@ mod tests {
                 [100, 255, 60]
             })
         });
-        let small = Small::of(&whole);
+        let small = Small::downscaled(&whole);
         assert_eq!((small.height, small.texels.len()), (2, 6 * WIDTH));
         // Half of 100 is 50; the nearest level is 51.
         assert_eq!(small.texels[..3], [51, 255, 68]);
         // A smaller image's pixels are repeated.
         let tiny = RgbImage::from_pixel(4, 3, image::Rgb([255, 0, 0]));
-        assert_eq!(Small::of(&tiny).height, WIDTH * 3 / 4);
+        assert_eq!(Small::downscaled(&tiny).height, WIDTH * 3 / 4);
     }
 }

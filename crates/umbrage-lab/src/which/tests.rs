@@ -111,7 +111,7 @@ fn stability() -> StabilityResults {
         cells: vec![Cell {
             technique: "hard".to_owned(),
             settings: "512, bias: adaptive".to_owned(),
-            outcome: CellOutcome::of(vec![Judgement {
+            outcome: CellOutcome::from_judgements(vec![Judgement {
                 figure: Some(1.0),
                 verdict,
                 reason: None,
@@ -131,7 +131,7 @@ fn stability() -> StabilityResults {
 }
 
 /// Writes a comparison and `stability`'s results; returns the folder.
-fn measured(better: f64, section: Section) -> tempfile::TempDir {
+fn measured_folder(better: f64, section: Section) -> tempfile::TempDir {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let named = umbrage_core::Scene {
         name: "street".to_owned(),
@@ -187,7 +187,7 @@ fn line<'a>(markdown: &'a str, cell: &str) -> &'a str {
 
 #[test]
 fn answers_follow_the_figures() {
-    let better = page(measured(0.1, Section::Content).path());
+    let better = page(measured_folder(0.1, Section::Content).path());
     assert!(line(&better, "1.25 times hard").contains("**hard** 1024: 40 %, 1.0 times"));
     assert!(line(&better, "2 times hard").contains("**better** 1024: 20 %, 1.8 times"));
     let mut lines = better.lines();
@@ -199,13 +199,13 @@ fn answers_follow_the_figures() {
         "{better}"
     );
     // Once it is worse, no answer names it.
-    let worse = page(measured(0.3, Section::Content).path());
+    let worse = page(measured_folder(0.3, Section::Content).path());
     assert!(!worse.contains("better"), "{worse}");
 }
 
 #[test]
 fn what_is_not_known_is_said() {
-    let markdown = page(measured(0.1, Section::Content).path());
+    let markdown = page(measured_folder(0.1, Section::Content).path());
     let missing = markdown
         .lines()
         .find(|line| line.starts_with("**Not measured**"));
@@ -233,7 +233,7 @@ fn what_is_not_known_is_said() {
 
 #[test]
 fn folders_without_such_results_are_refused() {
-    let dir = measured(0.1, Section::Check);
+    let dir = measured_folder(0.1, Section::Check);
     let refused = |compared: &str, stability: &str| {
         let at = |name: &str| dir.path().join(name);
         let error = write(&at(compared), &at(stability), &at("out"), "").expect_err("refused");

@@ -13,7 +13,7 @@ use crate::{
 use umbrage_techniques::ShadowMap;
 
 /// Inputs of the page.
-pub(super) struct Words<'a> {
+pub(super) struct AnswerWords<'a> {
     pub(super) scenes: &'a [MeasuredScene],
     /// Groups; at least one.
     pub(super) groups: &'a [WhichGroup],
@@ -32,7 +32,7 @@ const SOFTWARE: [&str; 2] = ["llvmpipe", "SwiftShader"];
 /// Greatest number of `stability` rows that an answer lists.
 const NAMED_ROWS: usize = 40;
 
-impl Words<'_> {
+impl AnswerWords<'_> {
     pub(super) fn document(&self) -> Document {
         let mut blocks = self.beginning();
         blocks.extend(self.short());
@@ -69,7 +69,7 @@ impl Words<'_> {
         let first = &self.scenes[0];
         let stale = self
             .stability
-            .stale_beside(&first.program, &first.environment);
+            .stale_against(&first.program, &first.environment);
         let mut out = vec![
             Block::Heading(1, "Which technique should I use?".to_owned()),
             Block::Paragraph(vec![
@@ -109,7 +109,7 @@ impl Words<'_> {
                     Inline::Bold("Fails".to_owned()),
                     text(format!(
                         " counts failed rows of the failure catalogue, from stability: {}.",
-                        self.stability.told()
+                        self.stability.description()
                     )),
                 ],
             ]),
@@ -309,21 +309,21 @@ impl Words<'_> {
     ) -> Option<f64> {
         let mut logarithms = 0.0;
         for &place in &group.scenes {
-            let measured = self.measured(place, &of.backend, answer)?;
+            let measured = self.measured_figures(place, &of.backend, answer)?;
             logarithms += measured.milliseconds(of.clock, motion)?.ln();
         }
         Some((logarithms / group.scenes.len() as f64).exp())
     }
 
     /// Returns the measurement of a setting on a scene and backend.
-    fn measured(&self, scene: usize, backend: &str, answer: &Answer) -> Option<&Measured> {
+    fn measured_figures(&self, scene: usize, backend: &str, answer: &Answer) -> Option<&Measured> {
         let mut rows = self.scenes[scene].result.rows.iter();
         let row = rows.find(|row| {
             row.backend == backend
                 && row.technique == answer.technique
                 && row.settings == answer.settings
         })?;
-        row.measured()
+        row.measured_figures()
     }
 
     /// Returns an answer's table row: its image, its errors, its times on all backends, and the
@@ -359,7 +359,9 @@ impl Words<'_> {
                 frames.push(text(line));
             }
         }
-        let verdicts = self.stability.of(&answer.technique, &answer.settings);
+        let verdicts = self
+            .stability
+            .verdicts_of(&answer.technique, &answer.settings);
         let fails = match verdicts {
             Some(verdicts) if verdicts.is_of(&answer.technique, &answer.settings) => {
                 verdicts.words(NAMED_ROWS)

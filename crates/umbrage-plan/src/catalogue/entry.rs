@@ -19,7 +19,7 @@ pub struct CatalogueEntry {
     /// The technique's row in the library's list: name, summary, default settings.
     pub technique: TechniqueEntry,
     /// Settings to compare, for the given map sides (texels) and fit:
-    /// [`CataloguedTechnique::compared`].
+    /// [`CataloguedTechnique::compared_settings`].
     pub settings: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
     /// Few representative settings, for the given map sides (texels) and fit:
     /// [`CataloguedTechnique::headline`].
@@ -64,10 +64,10 @@ impl Debug for CatalogueEntry {
 
 impl CatalogueEntry {
     /// Returns the entry of a technique.
-    pub fn of<T: CataloguedTechnique>() -> Self {
+    pub fn for_technique<T: CataloguedTechnique>() -> Self {
         Self {
-            technique: TechniqueEntry::of::<T>(),
-            settings: |map_sizes, fit| presets(T::compared(map_sizes, fit)),
+            technique: TechniqueEntry::for_technique::<T>(),
+            settings: |map_sizes, fit| presets(T::compared_settings(map_sizes, fit)),
             headline: |map_sizes, fit| presets(T::headline(map_sizes, fit)),
             max_compared_triangles: T::MAX_COMPARED_TRIANGLES,
             exhaustive: |map_size| presets(T::exhaustive(map_size)),
@@ -103,7 +103,7 @@ fn presets<T: CataloguedTechnique>(settings: Vec<T>) -> Vec<TechniquePreset> {
 
 macro_rules! rows {
     ($($technique:ty,)*) => {
-        vec![$(CatalogueEntry::of::<$technique>()),*]
+        vec![$(CatalogueEntry::for_technique::<$technique>()),*]
     };
 }
 

@@ -26,7 +26,7 @@ impl CataloguedTechnique for MapTechnique<Evsm> {
     // Filters take longer than most techniques' lookups, especially on software drivers.
     const IS_PREVIEWED: bool = false;
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         sweeps::blurs(map_sizes, fit, |map, blur| {
             Evsm {
                 blur,
@@ -76,7 +76,7 @@ impl CataloguedTechnique for MapTechnique<Evsm> {
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [3, 8]
             .map(|blur| {
-                Candidate::of(
+                Candidate::from_setting(
                     Evsm {
                         blur,
                         ..Evsm::default()

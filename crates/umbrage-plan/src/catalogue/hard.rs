@@ -32,7 +32,7 @@ impl CataloguedTechnique for MapTechnique<Hard> {
         kernel::downcast::<HardKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Hard {}.on(map));
         for format in [MapFormat::Depth16, MapFormat::Rgba8] {
             out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| {

@@ -9,7 +9,7 @@ impl CataloguedTechnique for MapTechnique<Midpoint> {
         Some(self.filter.radius as f32)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let biases = [Bias::NONE, Bias::ADAPTIVE];
         sweeps::sweep(map_sizes, fit, &biases, |map| {
             Midpoint { radius: 0 }.on(map)
@@ -22,7 +22,7 @@ impl CataloguedTechnique for MapTechnique<Midpoint> {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [0, 1]
-            .map(|radius| Candidate::of(Midpoint { radius }.on(map)))
+            .map(|radius| Candidate::from_setting(Midpoint { radius }.on(map)))
             .to_vec()
     }
 

@@ -1,7 +1,7 @@
 //! Catalogue of measured techniques, with one entry per technique.
 //!
 //! A technique implements [`CataloguedTechnique`] in its own file, which defines how it is
-//! compared, planned and tested. [`CatalogueEntry::of`] creates its entry. A [`Catalogue`] is a
+//! compared, planned and tested. [`CatalogueEntry::for_technique`] creates its entry. A [`Catalogue`] is a
 //! list of entries of built-in techniques and of a program's own.
 
 mod entry;
@@ -60,7 +60,7 @@ use umbrage_techniques::{ListedTechnique, ShadowMap};
 /// // `Mine` implements `ListedTechnique`.
 /// impl CataloguedTechnique for Mine {}
 ///
-/// let catalogue = Catalogue::built_in().with(CatalogueEntry::of::<Mine>())?;
+/// let catalogue = Catalogue::built_in().with(CatalogueEntry::for_technique::<Mine>())?;
 /// assert_eq!(catalogue.names().last(), Some(&"mine"));
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
@@ -69,7 +69,7 @@ pub trait CataloguedTechnique: ListedTechnique {
     ///
     /// Techniques without a map ignore both. Defaults to the default settings, on maps of all
     /// sizes.
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let default = Self::default();
         let Some(bias) = default.map().map(|map| map.bias) else {
             return vec![default];
@@ -112,7 +112,7 @@ pub trait CataloguedTechnique: ListedTechnique {
     /// map's other parameters. Defaults to the default settings.
     fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
         let _ = light;
-        vec![Candidate::of(Self::default().with_map(map))]
+        vec![Candidate::from_setting(Self::default().with_map(map))]
     }
 
     /// Biases that a planner may assign to its maps.
@@ -198,7 +198,7 @@ pub enum Candidate<T> {
 
 impl<T> Candidate<T> {
     /// Returns a candidate of one setting.
-    pub fn of(setting: T) -> Self {
+    pub fn from_setting(setting: T) -> Self {
         Self::One(setting)
     }
 

@@ -17,7 +17,7 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
         kernel::downcast::<PcfKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |radius: u32| {
             let biases = sweeps::wide_biases(radius as f32);
             sweeps::sweep(map_sizes, fit, &biases, |map| Pcf { radius }.on(map))
@@ -57,7 +57,7 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3, 5]
-            .map(|radius| Candidate::of(Pcf { radius }.on(map)))
+            .map(|radius| Candidate::from_setting(Pcf { radius }.on(map)))
             .to_vec()
     }
 

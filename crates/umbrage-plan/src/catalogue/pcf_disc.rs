@@ -20,7 +20,7 @@ impl CataloguedTechnique for MapTechnique<PcfDisc> {
         kernel::downcast::<PcfDiscKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let few = PcfDisc {
             taps: 8,
             ..PcfDisc::default()
@@ -74,7 +74,7 @@ impl CataloguedTechnique for MapTechnique<PcfDisc> {
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         let mut out = Vec::new();
         for (radius, taps) in [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)] {
-            out.push(Candidate::of(
+            out.push(Candidate::from_setting(
                 PcfDisc {
                     radius,
                     taps,

@@ -17,7 +17,7 @@ impl CataloguedTechnique for MapTechnique<PcfDithered> {
         kernel::downcast::<PcfDitheredKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| {
             PcfDithered {}.on(map)
         })

@@ -19,7 +19,7 @@ impl CataloguedTechnique for MapTechnique<PcfHardware> {
         kernel::downcast::<HardwareKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |samples: u32| {
             let biases = sweeps::two_biases(PcfHardware::reach(samples));
             sweeps::sweep(map_sizes, fit, &biases, |map| {
@@ -49,7 +49,7 @@ impl CataloguedTechnique for MapTechnique<PcfHardware> {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3]
-            .map(|samples| Candidate::of(PcfHardware { samples }.on(map)))
+            .map(|samples| Candidate::from_setting(PcfHardware { samples }.on(map)))
             .to_vec()
     }
 

@@ -17,7 +17,7 @@ impl CataloguedTechnique for MapTechnique<PcfMerged> {
         kernel::downcast::<MergedKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [1, 2] {
             let biases = sweeps::two_biases(PcfMerged::reach(radius));
@@ -46,7 +46,7 @@ impl CataloguedTechnique for MapTechnique<PcfMerged> {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3]
-            .map(|radius| Candidate::of(PcfMerged { radius }.on(map)))
+            .map(|radius| Candidate::from_setting(PcfMerged { radius }.on(map)))
             .to_vec()
     }
 

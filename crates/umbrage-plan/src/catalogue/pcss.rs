@@ -20,7 +20,7 @@ impl CataloguedTechnique for MapTechnique<Pcss> {
         kernel::downcast::<PcssKernel>(kernel)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let few = with_taps(8, 16);
         let usual = with_taps(16, 32);
         let many = with_taps(32, 64);
@@ -72,7 +72,7 @@ impl CataloguedTechnique for MapTechnique<Pcss> {
         }
         [(4, 8), (8, 16), (16, 32), (32, 64)]
             .map(|(blocker_taps, filter_taps)| {
-                Candidate::of(with_taps(blocker_taps, filter_taps).with_map(map))
+                Candidate::from_setting(with_taps(blocker_taps, filter_taps).with_map(map))
             })
             .to_vec()
     }

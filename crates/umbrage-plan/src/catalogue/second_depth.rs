@@ -11,7 +11,7 @@ impl CataloguedTechnique for MapTechnique<SecondDepth> {
         Some(self.filter.radius as f32)
     }
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         sweeps::sweep(map_sizes, fit, &[Bias::FRONT_CULL], |map| {
             SecondDepth { radius: 0 }.on(map)
         })
@@ -27,7 +27,7 @@ impl CataloguedTechnique for MapTechnique<SecondDepth> {
             ..map
         };
         [0, 1]
-            .map(|radius| Candidate::of(SecondDepth { radius }.on(map)))
+            .map(|radius| Candidate::from_setting(SecondDepth { radius }.on(map)))
             .to_vec()
     }
 

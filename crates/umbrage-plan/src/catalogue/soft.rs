@@ -22,7 +22,7 @@ impl CataloguedTechnique for Soft {
         kernel::downcast::<SoftKernel>(kernel)
     }
 
-    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
+    fn compared_settings(_: &[u32], _: Fit) -> Vec<Self> {
         COMPARED.map(|error| Self { error }).to_vec()
     }
 

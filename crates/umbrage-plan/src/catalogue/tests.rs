@@ -14,7 +14,7 @@ fn names_are_unique_and_select_entries() {
     assert!(
         catalogue
             .clone()
-            .with(CatalogueEntry::of::<MapTechnique<Pcss>>())
+            .with(CatalogueEntry::for_technique::<MapTechnique<Pcss>>())
             .is_err()
     );
     let selected = catalogue.select(&["pcf".to_owned(), "none".to_owned()]);

@@ -22,7 +22,7 @@ impl CataloguedTechnique for Traced {
         kernel::downcast::<TracedKernel>(kernel)
     }
 
-    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
+    fn compared_settings(_: &[u32], _: Fit) -> Vec<Self> {
         [1, 4, 32].map(|samples| Self { samples }).to_vec()
     }
 

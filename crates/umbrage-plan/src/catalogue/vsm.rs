@@ -24,7 +24,7 @@ impl CataloguedTechnique for MapTechnique<Vsm> {
     // Filters take longer than most techniques' lookups, especially on software drivers.
     const IS_PREVIEWED: bool = false;
 
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+    fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         sweeps::blurs(map_sizes, fit, |map, blur| {
             Vsm {
                 blur,
@@ -67,7 +67,7 @@ impl CataloguedTechnique for MapTechnique<Vsm> {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         // A wider blur causes more light bleeding; `evsm` and `msm` cover it.
-        vec![Candidate::of(Vsm::default().on(map))]
+        vec![Candidate::from_setting(Vsm::default().on(map))]
     }
 
     // A blend of a plane's depths is the plane's depth, so no bias is needed.

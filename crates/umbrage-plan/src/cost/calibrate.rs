@@ -38,7 +38,7 @@ impl CostSample {
         }
         let draw = Self {
             label: format!("{label}, drawing"),
-            work: work.drawing(),
+            work: work.drawing_only(),
             milliseconds: draw_ms,
         };
         vec![draw, lookup]
@@ -80,7 +80,7 @@ pub fn time_work(
         // Build the hierarchy first, since this is not part of a frame.
         let _: &Arc<Bvh> = geometry.bvh();
         for &size in sizes {
-            let camera = camera.resized(size);
+            let camera = camera.with_size(size);
             let receivers = Cpu::new().receivers(&camera, &geometry)?;
             let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
             for technique in settings {
@@ -138,7 +138,7 @@ fn measure(
         }
     }
     let label = format!("{place} {} ({})", technique.name(), technique.settings());
-    let work = Work::of(view, &recipe, &Catalogue::built_in());
+    let work = Work::of_recipe(view, &recipe, &Catalogue::built_in());
     Ok(CostSample::of_parts(
         &label,
         &work,
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_are_no_sum_of_work_are_told_by_the_factor() {
+    fn times_that_are_no_sum_of_work_are_found_by_the_factor() {
         let mut spoilt = samples(&CostModel::CPU);
         spoilt
             .iter_mut()

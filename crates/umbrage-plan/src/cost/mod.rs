@@ -75,7 +75,7 @@ impl CostModel {
 
     /// Returns the prices for a kind of backend: those of `cpu`, or of the software driver for all
     /// others.
-    pub fn of(kind: &str) -> Self {
+    pub fn for_backend(kind: &str) -> Self {
         if kind == "cpu" {
             Self::CPU
         } else {
@@ -83,7 +83,7 @@ impl CostModel {
         }
     }
 
-    /// Returns the factor within which [`CostModel::of`] predicts nine of ten times of its
+    /// Returns the factor within which [`CostModel::for_backend`] predicts nine of ten times of its
     /// calibration.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
         if kind == "cpu" { 1.95 } else { 1.61 }
@@ -136,21 +136,21 @@ mod tests {
     /// Building lists is not work of backends: it is part of neither drawing nor lookup.
     #[test]
     fn listed_triangles_are_priced_apart() {
-        let played = Work {
+        let rendered = Work {
             passes: 1,
             receivers: 1000,
             ..Work::default()
         };
         let with_lists = Work {
             listed: 5000,
-            ..played
+            ..rendered
         };
-        assert_eq!(with_lists.played(), played);
-        assert_eq!(with_lists.lookup(), played.lookup());
-        assert_eq!(with_lists.drawing(), played.drawing());
+        assert_eq!(with_lists.without_lists(), rendered);
+        assert_eq!(with_lists.lookup(), rendered.lookup());
+        assert_eq!(with_lists.drawing_only(), rendered.drawing_only());
         let drawn = Work {
             triangles: 5000,
-            ..played
+            ..rendered
         };
         let prices = CostModel::CPU;
         assert_eq!(

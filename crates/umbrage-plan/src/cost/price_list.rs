@@ -32,7 +32,7 @@ impl Default for PriceList {
 
 impl PriceList {
     /// Returns the prices for a kind of backend: those of `cpu`, or of wgpu for all others.
-    pub fn of(&self, kind: &str) -> CostModel {
+    pub fn model_for_backend(&self, kind: &str) -> CostModel {
         if kind == "cpu" { self.cpu } else { self.wgpu }
     }
 
@@ -137,8 +137,8 @@ mod tests {
         for key in KEYS {
             assert_eq!(text.matches(&format!("\n{key} = ")).count(), 2, "{key}");
         }
-        assert_eq!(list.of("cpu"), list.cpu);
-        assert_eq!(list.of("wgpu"), list.wgpu);
+        assert_eq!(list.model_for_backend("cpu"), list.cpu);
+        assert_eq!(list.model_for_backend("wgpu"), list.wgpu);
     }
 
     #[test]

@@ -32,7 +32,7 @@ const RANKED_WORSE: [(&str, &str, f64); 3] = [
 ];
 
 /// Row of the table.
-struct Row {
+struct RecordedRow {
     section: String,
     scene: String,
     backend: String,
@@ -42,7 +42,7 @@ struct Row {
     lookup_ms: f64,
 }
 
-fn recorded() -> Vec<Row> {
+fn recorded_rows() -> Vec<RecordedRow> {
     let mut lines = RECORDED.lines();
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
     let mut out = Vec::new();
@@ -68,7 +68,7 @@ fn recorded() -> Vec<Row> {
             counted: count("counted"),
             bytes: 0,
         };
-        out.push(Row {
+        out.push(RecordedRow {
             section: fields["section"].to_owned(),
             scene: fields["scene"].to_owned(),
             backend: fields["backend"].to_owned(),
@@ -82,8 +82,8 @@ fn recorded() -> Vec<Row> {
 }
 
 /// Returns the rows of frames of real size, by scene and backend.
-fn frames(rows: &[Row]) -> BTreeMap<[&str; 2], Vec<&Row>> {
-    let mut out: BTreeMap<[&str; 2], Vec<&Row>> = BTreeMap::new();
+fn frames(rows: &[RecordedRow]) -> BTreeMap<[&str; 2], Vec<&RecordedRow>> {
+    let mut out: BTreeMap<[&str; 2], Vec<&RecordedRow>> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.section == "content") {
         let key = [row.scene.as_str(), row.backend.as_str()];
         out.entry(key).or_default().push(row);
@@ -92,7 +92,7 @@ fn frames(rows: &[Row]) -> BTreeMap<[&str; 2], Vec<&Row>> {
 }
 
 /// Fits prices to all rows of a backend.
-fn fitted(rows: &[Row], backend: &str) -> Calibration {
+fn fit_rows(rows: &[RecordedRow], backend: &str) -> Calibration {
     let mut samples = Vec::new();
     for row in rows.iter().filter(|row| row.backend == backend) {
         let label = format!("{} {}", row.scene, row.label);
@@ -102,19 +102,19 @@ fn fitted(rows: &[Row], backend: &str) -> Calibration {
     fit(samples)
 }
 
-fn correlation(rows: &[&Row], prices: &CostModel) -> f64 {
-    let pair = |row: &&Row| [prices.milliseconds(&row.work), row.draw_ms + row.lookup_ms];
+fn correlation(rows: &[&RecordedRow], prices: &CostModel) -> f64 {
+    let pair = |row: &&RecordedRow| [prices.milliseconds(&row.work), row.draw_ms + row.lookup_ms];
     let pairs: Vec<[f64; 2]> = rows.iter().map(pair).collect();
     rank_correlation(&pairs).expect("enough rows")
 }
 
 #[test]
 fn built_in_prices_are_those_that_fit() {
-    let rows = recorded();
+    let rows = recorded_rows();
     for backend in ["cpu", "wgpu"] {
-        let found = fitted(&rows, backend);
-        let built_in = PriceList::default().of(backend).nanoseconds;
-        let told = format!(
+        let found = fit_rows(&rows, backend);
+        let built_in = PriceList::default().model_for_backend(backend).nanoseconds;
+        let reported = format!(
             "{backend}: {:?}, half within {:.2}, nine of ten within {:.2}",
             found.model.nanoseconds, found.typical_factor, found.factor_of_nine_in_ten
         );
@@ -122,24 +122,24 @@ fn built_in_prices_are_those_that_fit() {
             let fits = found.model.nanoseconds[k];
             // Built-in prices are rounded to three digits.
             let near = (built_in[k] - fits).abs() <= 0.006 * fits + 1e-3;
-            assert!(near, "{name} is {}, not {fits}; {told}", built_in[k]);
+            assert!(near, "{name} is {}, not {fits}; {reported}", built_in[k]);
         }
         let factor = CostModel::factor_of_nine_in_ten(backend);
         let near = (factor - found.factor_of_nine_in_ten).abs() < 0.02;
-        assert!(near, "{factor}; {told}");
+        assert!(near, "{factor}; {reported}");
     }
 }
 
 #[test]
 fn prices_rank_recorded_times() {
-    let rows = recorded();
+    let rows = recorded_rows();
     let frames = frames(&rows);
     assert_eq!(frames.len(), 28, "14 frames on 2 backends");
     let prices = PriceList::default();
     let mut low = Vec::new();
     for ([scene, backend], rows) in &frames {
         assert!(rows.len() >= 12, "{scene} on {backend}: {}", rows.len());
-        let found = correlation(rows, &prices.of(backend));
+        let found = correlation(rows, &prices.model_for_backend(backend));
         let named = RANKED_WORSE
             .iter()
             .find(|(s, b, _)| s == scene && b == backend);
@@ -154,7 +154,7 @@ fn prices_rank_recorded_times() {
 /// The rank correlation detects wrong prices.
 #[test]
 fn wrong_prices_rank_badly() {
-    let rows = recorded();
+    let rows = recorded_rows();
     let mut of_taps_alone = CostModel {
         nanoseconds: [0.0; super::KINDS],
     };

@@ -63,7 +63,7 @@ pub struct Work {
 impl Work {
     /// Returns the work of a recipe for the view that it was built for. `catalogue` provides the
     /// costs of its kernels. Without receivers in the view, all pixels count as receivers.
-    pub fn of(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
+    pub fn of_recipe(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view
             .receivers
@@ -92,7 +92,7 @@ impl Work {
                 triangles,
                 covered,
                 cut_out,
-            } = drawn(view.geometry, cast, size);
+            } = drawn_work(view.geometry, cast, size);
             // About half of the faces of closed casters face the light, and a culled face costs
             // almost nothing.
             let sides = if cast.cull == Cull::None { 1 } else { 2 };
@@ -143,13 +143,13 @@ impl Work {
 
     /// Returns the work of backends, without the work of building the recipe.
     #[must_use]
-    pub fn played(&self) -> Self {
+    pub fn without_lists(&self) -> Self {
         Self { listed: 0, ..*self }
     }
 
     /// Returns the work of casts and filters only.
     #[must_use]
-    pub fn drawing(&self) -> Self {
+    pub fn drawing_only(&self) -> Self {
         Self {
             passes: self.passes.saturating_sub(1),
             listed: 0,
@@ -173,7 +173,7 @@ struct Drawn {
 }
 
 /// Returns the amounts that a cast draws on a map of `size`.
-fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
+fn drawn_work(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();
     let mut count = 0;
     let mut area = 0.0;
@@ -342,12 +342,12 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beside_the_view_is_cut_off() {
+    fn what_lies_next_to_the_view_is_cut_off() {
         // The triangle exceeds all sides: the view is four square units.
         let triangle = [corner(-9.0, -9.0), corner(20.0, -9.0), corner(-9.0, 20.0)];
         assert!((area(triangle, Cull::None) - 4.0).abs() < 1e-12);
-        let beside = triangle.map(|c| c + DVec4::new(40.0, 0.0, 0.0, 0.0));
-        assert_eq!(area(beside, Cull::None), 0.0);
+        let adjacent = triangle.map(|c| c + DVec4::new(40.0, 0.0, 0.0, 0.0));
+        assert_eq!(area(adjacent, Cull::None), 0.0);
     }
 
     #[test]

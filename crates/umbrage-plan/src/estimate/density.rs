@@ -46,7 +46,7 @@ impl Pilot {
 }
 
 /// Returns the density of samples at each pixel: shares that add up to 1, and 0 outside the
-/// [lit](PlanScene::lit) receivers. Unlit receivers count in no error, and under a spot they may be
+/// [lit](PlanScene::lit_pixels) receivers. Unlit receivers count in no error, and under a spot they may be
 /// most of the image.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
@@ -79,7 +79,7 @@ pub(crate) fn density(
     for (interest, weight) in interest.iter_mut().zip(&scene.weights) {
         *interest *= weight;
     }
-    Ok(normalized(interest, lit))
+    Ok(normalize_interest(interest, lit))
 }
 
 /// Renders a technique's mask of the whole image. Returns `None` if it is not supported.
@@ -96,7 +96,7 @@ fn mask(
 
 /// Converts weights to shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit
 /// receivers, the rest in proportion to `interest`.
-pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
+pub(crate) fn normalize_interest(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     for (interest, lit) in interest.iter_mut().zip(lit) {
         if !lit {
             *interest = 0.0;
@@ -129,7 +129,7 @@ fn local_range(size: UVec2, mask: &[f32], lit: &[bool]) -> Vec<f32> {
             let mut range = Range::EMPTY;
             for neighbor in neighbors(x, width) {
                 let i = y * width + neighbor;
-                range = range.union(Range::at(mask[i], lit[i]));
+                range = range.union(Range::sample_at(mask[i], lit[i]));
             }
             rows.push(range);
         }
@@ -166,7 +166,7 @@ impl Range {
     };
 
     /// Returns the range of one value, or the empty range if it is not lit.
-    fn at(value: f32, lit: bool) -> Self {
+    fn sample_at(value: f32, lit: bool) -> Self {
         if lit {
             Self {
                 min: value,
@@ -205,7 +205,7 @@ mod tests {
         let range = local_range(size, &mask, &lit);
         let expected = |x: usize| if (4..8).contains(&x) { 1.0 } else { 0.0 };
         assert!((0..36).all(|i| range[i] == expected(i % 12)), "{range:?}");
-        let density = normalized(range.iter().map(|&s| f64::from(s)).collect(), &lit);
+        let density = normalize_interest(range.iter().map(|&s| f64::from(s)).collect(), &lit);
         assert!((density.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert_eq!(density[23], 0.0);
         assert!(density[5] > 5.0 * density[0] && density[0] > 0.0);
@@ -214,9 +214,12 @@ mod tests {
     #[test]
     fn where_nothing_varies_all_are_alike() {
         assert_eq!(
-            normalized(vec![0.0; 4], &[true, true, false, true]),
+            normalize_interest(vec![0.0; 4], &[true, true, false, true]),
             [1.0 / 3.0, 1.0 / 3.0, 0.0, 1.0 / 3.0]
         );
-        assert_eq!(normalized(vec![0.0; 2], &[false, false]), [0.0, 0.0]);
+        assert_eq!(
+            normalize_interest(vec![0.0; 2], &[false, false]),
+            [0.0, 0.0]
+        );
     }
 }

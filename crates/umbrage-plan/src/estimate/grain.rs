@@ -66,7 +66,7 @@ impl GrainProbe {
             .collect();
         let around: Vec<[u32; 9]> = in_penumbra
             .into_iter()
-            .filter_map(|pixel| around(scene, pixel))
+            .filter_map(|pixel| neighbours_of(scene, pixel))
             .collect();
         // Use twice as many as needed, since some are across edges.
         let step = around.len().div_ceil(2 * PLACES).max(1);
@@ -129,7 +129,7 @@ fn noise(places: &[f64]) -> f64 {
 
 /// Returns the 3 x 3 pixels around one. Returns `None` at the image's border, or if they show
 /// several surfaces.
-fn around(scene: &PlanScene<'_>, pixel: u32) -> Option<[u32; 9]> {
+fn neighbours_of(scene: &PlanScene<'_>, pixel: u32) -> Option<[u32; 9]> {
     let receivers = &scene.receivers;
     let [width, height] = receivers.size.to_array();
     let x = pixel % width;

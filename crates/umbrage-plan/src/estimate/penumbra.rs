@@ -72,21 +72,26 @@ pub(crate) fn find(
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
     let rays = scene.camera.rays();
     let pixel = rays.dir_dx.length() / rays.dir.length();
-    let asked: Vec<[ReceiverPoint; 4]> = chosen
+    let requested: Vec<[ReceiverPoint; 4]> = chosen
         .iter()
-        .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
+        .map(|&i| points_around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
-    let seen = trace_points(scene.geometry, scene.light, asked.as_flattened(), options)?;
+    let seen = trace_points(
+        scene.geometry,
+        scene.light,
+        requested.as_flattened(),
+        options,
+    )?;
     let mut out = Vec::new();
-    for (points, seen) in asked.iter().zip(seen.as_chunks::<4>().0) {
-        out.extend(at(points, seen));
+    for (points, seen) in requested.iter().zip(seen.as_chunks::<4>().0) {
+        out.extend(penumbra_between(points, seen));
     }
     Ok(out)
 }
 
 /// Returns the penumbra between four points on a surface, as two pairs of opposite points. Returns
 /// `None` if visibility does not change.
-fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
+fn penumbra_between(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     let u = points[1].position - points[0].position;
     let v = points[3].position - points[2].position;
     let change_along_u = seen[1].visibility - seen[0].visibility;
@@ -102,7 +107,7 @@ fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
 
 /// Returns the points a step (metres) to each side of a receiver along its surface, as two pairs of
 /// opposite points.
-fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
+fn points_around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     let position = scene.receivers.position(i);
     let normal = scene.receivers.normal(i);
     let u = tangent(normal) * step;

@@ -47,13 +47,13 @@ impl PixelSample {
     }
 
     /// Returns the sample with its errors weighted by the weights of the whole image.
-    pub(crate) fn weighted(mut self, weights: &[f64]) -> Self {
+    pub(crate) fn with_weights(mut self, weights: &[f64]) -> Self {
         self.weights = self.pixels.iter().map(|&i| weights[i as usize]).collect();
         self
     }
 
     /// Returns the sample's pixels at these indices.
-    pub(crate) fn kept(&self, places: &[usize]) -> Self {
+    pub(crate) fn keep_places(&self, places: &[usize]) -> Self {
         Self {
             pixels: places.iter().map(|&k| self.pixels[k]).collect(),
             chances: places.iter().map(|&k| self.chances[k]).collect(),

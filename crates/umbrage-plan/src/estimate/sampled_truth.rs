@@ -81,7 +81,7 @@ impl Coverage {
     }
 
     /// Returns the number of receivers that are lit and whose truth was not traced.
-    pub fn unsampled(&self) -> u64 {
+    pub fn unsampled_pixels(&self) -> u64 {
         self.receivers.saturating_sub(self.unlit + self.traced)
     }
 }
@@ -92,7 +92,7 @@ impl SampledTruth {
         let kept: Vec<usize> = (0..truth.len())
             .filter(|&k| truth[k].pixel == Pixel::Counted)
             .collect();
-        let sample = sample.kept(&kept);
+        let sample = sample.keep_places(&kept);
         Self {
             sample,
             truth: kept.into_iter().map(|k| truth[k]).collect(),
@@ -101,7 +101,7 @@ impl SampledTruth {
         }
     }
 
-    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density`, and traces
+    /// Draws a sample of all [lit](PlanScene::lit_pixels) receivers in proportion to `density`, and traces
     /// its truth. `density` has one number a pixel: above 0 at lit receivers, and 0 elsewhere.
     pub(crate) fn draw(
         scene: &mut PlanScene<'_>,
@@ -110,7 +110,7 @@ impl SampledTruth {
         on_step: &OnStep<'_>,
     ) -> Result<Self, MeasureError> {
         let sample = PixelSample::draw(scene.camera.size, density, sampling.count, sampling.seed)
-            .weighted(&scene.weights);
+            .with_weights(&scene.weights);
         let truth = scene.truth_at(&sample.pixels, &sampling.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;

@@ -6,7 +6,7 @@ use crate::{
     cost::{CostModel, Work},
     error::MeasureError,
     motion::follows_camera,
-    truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels, unlit},
+    truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels, unlit_pixels},
 };
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -152,12 +152,12 @@ impl<'a> PlanScene<'a> {
     }
 
     /// Returns the view that the backend executes, with all data that it needs.
-    pub(crate) fn played_view(&self) -> View<'_> {
+    pub(crate) fn rendered_view(&self) -> View<'_> {
         View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
     }
 
     pub(crate) fn price(&self, recipe: &Recipe, cost: &CostModel, catalogue: &Catalogue) -> Price {
-        let work = Work::of(&self.played_view(), recipe, catalogue);
+        let work = Work::of_recipe(&self.rendered_view(), recipe, catalogue);
         let lookup_ms = cost.lookup_milliseconds(&work);
         Price {
             draw_ms: cost.milliseconds(&work) - lookup_ms,
@@ -206,7 +206,7 @@ impl<'a> PlanScene<'a> {
 
     /// Returns for each pixel whether it shows a receiver that the light may reach: truth is not
     /// [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Other pixels count in no error.
-    pub(crate) fn lit(&self, options: &TruthOptions) -> Result<Vec<bool>, MeasureError> {
+    pub(crate) fn lit_pixels(&self, options: &TruthOptions) -> Result<Vec<bool>, MeasureError> {
         let receives = &self.receivers.receives;
         let all: Vec<u32> = (0..receives.len() as u32).collect();
         let request = TruthRequest {
@@ -215,7 +215,7 @@ impl<'a> PlanScene<'a> {
             receivers: &self.receivers,
             pixels: &all,
         };
-        let unlit = unlit(&request, self.light, options)?;
+        let unlit = unlit_pixels(&request, self.light, options)?;
         let lit = receives.iter().zip(unlit);
         Ok(lit.map(|(receives, unlit)| *receives && !unlit).collect())
     }
@@ -262,7 +262,7 @@ impl<'a> PlanScene<'a> {
     }
 
     /// Returns the number of pixels whose truth was traced.
-    pub(crate) fn traced(&self) -> usize {
+    pub(crate) fn traced_points(&self) -> usize {
         self.truth.len()
     }
 }

@@ -11,7 +11,7 @@
 //! cases.
 
 use super::{
-    density::{Pilot, normalized},
+    density::{Pilot, normalize_interest},
     error::{CountedPixels, Estimate, Part, estimate, estimate_of_part, upper_limit_of_sum},
     sample::PixelSample,
     sampled_truth::{Coverage, SampledTruth, Sampling},
@@ -32,7 +32,7 @@ const SIZES: [usize; 3] = [1, 4, 16];
 pub(crate) struct Verifier {
     /// `None` if the scene can't be traced.
     pub(crate) pilot: Option<Pilot>,
-    /// [`PlanScene::lit`] of each pixel.
+    /// [`PlanScene::lit_pixels`] of each pixel.
     pub(crate) lit: Vec<bool>,
     pub(crate) sampling: Sampling,
 }
@@ -71,7 +71,7 @@ impl Verifier {
                 .collect()
         } else {
             let interest = differences.iter().map(|d| f64::from(*d)).collect();
-            normalized(interest, &self.lit)
+            normalize_interest(interest, &self.lit)
         };
         let mut found = contender.first;
         // Draw samples of increasing size.
@@ -82,7 +82,7 @@ impl Verifier {
                 times * self.sampling.count,
                 self.sampling.seed.wrapping_add(k),
             )
-            .weighted(&scene.weights);
+            .with_weights(&scene.weights);
             let is_whole = sample.chances.iter().all(|chance| *chance == 1.0);
             let greatest_share = if is_whole {
                 0.0
@@ -98,7 +98,7 @@ impl Verifier {
                 .collect();
             found = if nowhere_else {
                 let all = first_sample.counted;
-                let unseen = unseen(pilot, &second, &mask_there, first_sample.coverage)
+                let unseen = unseen_error(pilot, &second, &mask_there, first_sample.coverage)
                     * self.greatest_weight_over_mean(scene, all);
                 let part = Part {
                     all,
@@ -170,7 +170,12 @@ fn greatest_share(sample: &PixelSample, density: &[f64], weights: &[f64]) -> f64
 
 /// Returns the greatest mean square error that the pilot's rays may have missed where they agree
 /// with the mask, or 0 if they are exact.
-fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Coverage) -> f64 {
+fn unseen_error(
+    pilot: &Pilot,
+    second: &SampledTruth,
+    mask_there: &[f32],
+    coverage: Coverage,
+) -> f64 {
     let pixels = coverage.certain + coverage.certain_margin;
     let rays = f64::from(pilot.rays) * pixels as f64;
     if pilot.is_exact || rays == 0.0 {

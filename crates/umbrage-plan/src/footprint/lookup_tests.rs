@@ -47,7 +47,7 @@ fn presets() -> Vec<TechniquePreset> {
 }
 
 /// Returns the visibility of the receivers from these images.
-fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
+fn looked_up_visibilities(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
     let views: Vec<_> = recipe
         .receive
         .inputs
@@ -74,7 +74,7 @@ fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
 
 /// Returns the images with a blocker at the light in each texel whose number of lookups is
 /// `chosen`.
-fn spoilt(
+fn spoil_images(
     recipe: &Recipe,
     images: &[Image],
     footprint: &RecipeFootprint,
@@ -97,7 +97,7 @@ fn texels_never_looked_up_may_hold_anything() {
     let mut checked = 0;
     for name in SCENES {
         let scene: Scene = umbrage_scenes::by_argument(name).unwrap();
-        let camera = scene.cameras[0].resized(UVec2::new(96, 64));
+        let camera = scene.cameras[0].with_size(UVec2::new(96, 64));
         let geometry = Geometry::bake(&scene).unwrap();
         let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
@@ -108,7 +108,7 @@ fn texels_never_looked_up_may_hold_anything() {
             };
             recipe.keep_images = true;
             let images = Cpu::new().render(&view, &recipe).unwrap().images;
-            let footprint = of(
+            let footprint = recipe_footprint(
                 &technique,
                 &view,
                 &recipe,
@@ -116,12 +116,16 @@ fn texels_never_looked_up_may_hold_anything() {
                 &Catalogue::built_in(),
             )
             .expect("it has a map");
-            let right = asked(&recipe, &images, &receivers);
-            let unused = spoilt(&recipe, &images, &footprint, |n| n == 0);
-            assert_eq!(asked(&recipe, &unused, &receivers), right, "{label}");
-            let used = spoilt(&recipe, &images, &footprint, |n| n > 0);
+            let right = looked_up_visibilities(&recipe, &images, &receivers);
+            let unused = spoil_images(&recipe, &images, &footprint, |n| n == 0);
+            assert_eq!(
+                looked_up_visibilities(&recipe, &unused, &receivers),
+                right,
+                "{label}"
+            );
+            let used = spoil_images(&recipe, &images, &footprint, |n| n > 0);
             assert_ne!(
-                asked(&recipe, &used, &receivers),
+                looked_up_visibilities(&recipe, &used, &receivers),
                 right,
                 "{label}: nothing was looked up"
             );

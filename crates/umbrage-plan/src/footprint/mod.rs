@@ -102,7 +102,7 @@ pub struct CastFootprint {
 /// Returns the use of a technique's maps in a recipe that it built for `view`, or `None` if it uses
 /// no maps. `catalogue` provides the kernel's reach, and `receivers` are those visible to the
 /// view's camera.
-pub fn of(
+pub fn recipe_footprint(
     preset: &TechniquePreset,
     view: &View<'_>,
     recipe: &Recipe,
@@ -143,9 +143,9 @@ pub fn measure(
         .map(|cast| of_cast(cast, recipe, receivers, reach, kernel))
         .collect();
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
-    let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
+    let untouched: usize = casts.iter().map(CastFootprint::untouched_texels).sum();
     // Measure the texels in each pixel.
-    let layers: Vec<Layer> = nearest.map(Layer::of).collect();
+    let layers: Vec<Layer> = nearest.map(Layer::of_cast).collect();
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
     let mut sizes = texels_per_pixel_in(view, receivers, 1, |position, _| {
         Some(layer_at(&layers, kernel, position)?.clip_from_world)
@@ -233,7 +233,7 @@ impl RecipeFootprint {
 }
 
 impl CastFootprint {
-    fn untouched(&self) -> usize {
+    fn untouched_texels(&self) -> usize {
         self.lookups.iter().filter(|&&n| n == 0).count()
     }
 }
@@ -251,7 +251,7 @@ impl CastFootprint {
 /// let recipe = MapTechnique::<Hard>::default().recipe(&view)?;
 /// let catalogue = Catalogue::built_in();
 /// let places = MapPlaces::new(&recipe, &catalogue).expect("a map");
-/// let place = places.at(geometry.bounds().center()).expect("on the map");
+/// let place = places.place_at(geometry.bounds().center()).expect("on the map");
 /// assert_eq!(place.layer, 0);
 /// assert!(place.texel.min_element() > 0.0 && place.texel.max_element() < 1024.0);
 ///
@@ -291,7 +291,7 @@ impl<'a> MapPlaces<'a> {
         let first = maps.first()?;
         Some(Self {
             kernel: catalogue.kernel(recipe),
-            layers: maps.iter().map(|cast| Layer::of(cast)).collect(),
+            layers: maps.iter().map(|cast| Layer::of_cast(cast)).collect(),
             size: recipe.images[first.image].size.as_vec2(),
         })
     }
@@ -299,7 +299,7 @@ impl<'a> MapPlaces<'a> {
     /// Returns the position on the map of a receiver at `position` (world space). Returns `None`
     /// behind the light or outside the map. The offset of receivers along their normals by a bias
     /// is neglected.
-    pub fn at(&self, position: Vec3) -> Option<MapPlace> {
+    pub fn place_at(&self, position: Vec3) -> Option<MapPlace> {
         let layer = layer_at(&self.layers, self.kernel, position)?;
         let texel = texel_at(layer.clip_from_world, self.size, position)?;
         let is_on_map = texel.cmpge(Vec2::ZERO).all() && texel.cmplt(self.size).all();
@@ -331,7 +331,7 @@ struct Layer {
 }
 
 impl Layer {
-    fn of(cast: &Cast) -> Self {
+    fn of_cast(cast: &Cast) -> Self {
         Self {
             index: cast.layer,
             view_from_world: cast.space.view_from_world,
@@ -398,7 +398,7 @@ fn of_cast(
         lookups: counts.sums(),
         unused: 0.0,
     };
-    out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
+    out.unused = out.untouched_texels() as f64 / out.lookups.len().max(1) as f64;
     out
 }
 
@@ -419,8 +419,8 @@ fn touched_texels(
     }
     let texel = texel_at(cast.space.clip_from_world(), image.size.as_vec2(), position)?;
     let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
-    let columns = TexelSpan::around(texel.x, reach, image.size.x);
-    let rows = TexelSpan::around(texel.y, reach, image.size.y);
+    let columns = TexelSpan::around_coordinate(texel.x, reach, image.size.x);
+    let rows = TexelSpan::around_coordinate(texel.y, reach, image.size.y);
     Some([columns, rows])
 }
 
@@ -435,7 +435,7 @@ struct TexelSpan {
 impl TexelSpan {
     /// Returns the texels of a map with `side` texels along the axis that are within `reach` of a
     /// coordinate, both in texels.
-    fn around(coordinate: f32, reach: f32, side: u32) -> Self {
+    fn around_coordinate(coordinate: f32, reach: f32, side: u32) -> Self {
         let side = side as usize;
         let first = (coordinate - reach).floor();
         let last = (coordinate + reach).floor();

@@ -78,7 +78,7 @@ fn map() -> ShadowMap {
     }
 }
 
-fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFootprint {
+fn measure_footprint(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFootprint {
     let (camera, geometry) = (camera(half), plane());
     let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
@@ -90,7 +90,7 @@ fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFoo
 /// Pixels of 1/8 m on texels of 1/8 m, over a quarter of the map.
 #[test]
 fn a_quarter_of_the_map_is_looked_up_once() {
-    let f = measured(2.0, &Hard {}.on(map()), 0.0);
+    let f = measure_footprint(2.0, &Hard {}.on(map()), 0.0);
     assert_eq!(f.casts.len(), 1);
     assert_eq!((f.total.unused, f.casts[0].unused), (0.75, 0.75));
     assert_eq!(
@@ -109,7 +109,7 @@ fn a_quarter_of_the_map_is_looked_up_once() {
 /// The kernel adds three texels around the quarter, and 49 lookups within it.
 #[test]
 fn kernels_touch_what_they_reach() {
-    let f = measured(2.0, &Pcf { radius: 3 }.on(map()), 3.0);
+    let f = measure_footprint(2.0, &Pcf { radius: 3 }.on(map()), 3.0);
     let touched = 38 * 38;
     assert_eq!(
         f.total.unused,
@@ -120,8 +120,8 @@ fn kernels_touch_what_they_reach() {
 
 /// With pixels of 1/4 m, every second texel is skipped, and half the side is enough.
 #[test]
-fn a_map_too_fine_is_told() {
-    let f = measured(4.0, &Hard {}.on(map()), 0.0);
+fn a_map_too_fine_is_reported() {
+    let f = measure_footprint(4.0, &Hard {}.on(map()), 0.0);
     assert_eq!(f.total.unused, 0.75);
     assert!(
         (f.total.texels_per_pixel.unwrap()[1] - 2.0).abs() < 1e-4,
@@ -144,7 +144,7 @@ fn nothing_seen_is_no_use() {
 /// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light
 /// at an angle, the map is equally long along the slope, but the plane is foreshortened.
 #[test]
-fn the_side_that_pixels_ask_for() {
+fn the_side_that_pixels_need() {
     let geometry = plane();
     for (half, side) in [(2.0, 64), (4.0, 32), (1.0, 128)] {
         let camera = camera(half);
@@ -169,7 +169,7 @@ fn the_side_that_pixels_ask_for() {
 /// Under light at 60 degrees from the vertical, a pixel's step along the slope spans half as much
 /// of the map, so the side doubles.
 #[test]
-fn slanting_light_asks_for_more() {
+fn slanting_light_needs_more() {
     let (camera, geometry) = (camera(2.0), plane());
     let direction = Vec3::new(3.0_f32.sqrt(), -1.0, 0.0);
     let sun = Light::Directional {
@@ -184,10 +184,10 @@ fn slanting_light_asks_for_more() {
 
 /// The map side for a view is enough for the requested share, and a slightly smaller one is not.
 #[test]
-fn maps_take_the_size_that_a_view_asks_for() {
+fn maps_take_the_size_that_a_view_needs() {
     for name in ["cubes", "teapot-lamp", "lamp-in-room"] {
         let scene = umbrage_scenes::by_argument(name).unwrap();
-        let camera = scene.cameras[0].resized(UVec2::new(320, 240));
+        let camera = scene.cameras[0].with_size(UVec2::new(320, 240));
         let geometry = Geometry::bake(&scene).unwrap();
         let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
@@ -253,7 +253,7 @@ fn small_pictures_show_all_maps() {
 
 /// One map is described by its figures, several maps by ranges. Equal figures appear once.
 #[test]
-fn several_maps_are_told_by_their_ranges() {
+fn several_maps_are_found_by_their_ranges() {
     let map = |unused, texels, side| MapUse {
         unused,
         texels,

@@ -205,7 +205,7 @@ mod tests {
     fn a_larger_box_around_the_casters_follows_no_camera() {
         let scene = umbrage_scenes::by_argument("street").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(32, 18));
+        let camera = scene.cameras[0].with_size(UVec2::new(32, 18));
         let mut view = View::new(&camera, &scene.lights[0], &geometry);
         view.casters.max += Vec3::new(1.0, 2.0, 3.0);
         let technique = hard(Fit::Tight);
@@ -217,7 +217,7 @@ mod tests {
     fn follows_when(technique: &dyn ShadowTechnique, knows_receivers: bool) -> bool {
         let scene = umbrage_scenes::by_argument("street").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(32, 18));
+        let camera = scene.cameras[0].with_size(UVec2::new(32, 18));
         let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
         let mut view = View::new(&camera, &scene.lights[0], &geometry);
         if knows_receivers {
@@ -254,7 +254,7 @@ mod tests {
     fn a_map_of_the_pictures_size_need_not_follow_the_camera() {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::splat(64));
+        let camera = scene.cameras[0].with_size(UVec2::splat(64));
         let view = View::new(&camera, &scene.lights[0], &geometry);
         let technique = hard(Fit::Whole);
         let recipe = technique.recipe(&view).expect("served");
@@ -274,7 +274,7 @@ mod tests {
 
     /// Returns the recipe of a map with a blur. The fit of the whole scene is the same for any
     /// width.
-    fn blurred(blur: u32) -> Recipe {
+    fn blurred_recipe(blur: u32) -> Recipe {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -293,8 +293,8 @@ mod tests {
 
     /// Filters of the same inputs with different parameters draw different images.
     #[test]
-    fn filters_that_differ_are_told_apart() {
-        let [narrow, same, mut wide] = [2, 2, 3].map(blurred);
+    fn filters_that_differ_are_distinguished() {
+        let [narrow, same, mut wide] = [2, 2, 3].map(blurred_recipe);
         assert!(draw_alike(&narrow, &same));
         wide.casts.clone_from(&narrow.casts);
         assert!(!draw_alike(&narrow, &wide));
@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn tables_are_compared_by_their_rows() {
         let with_rows = |word: u32| {
-            let mut recipe = blurred(2);
+            let mut recipe = blurred_recipe(2);
             recipe.filters[0].tables.push(recipe.tables.len());
             recipe.tables.push(Table {
                 label: "test",

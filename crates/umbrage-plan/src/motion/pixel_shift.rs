@@ -27,7 +27,7 @@ pub fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
 }
 
 /// Moves each row of such a mask, `width` pixels wide, back to the left.
-pub fn back(mask: &mut [f32], width: u32, pixels: usize) {
+pub fn shift_back(mask: &mut [f32], width: u32, pixels: usize) {
     let width = width as usize;
     for row in mask.chunks_mut(width) {
         row.rotate_left(pixels % width);
@@ -55,7 +55,7 @@ mod tests {
         assert_eq!(moved.x, [2.0, 0.0, 1.0, 5.0, 3.0, 4.0]);
         assert!(moved.receives[5] && !moved.receives[4]);
         let mut mask = moved.x;
-        back(&mut mask, 3, 1);
+        shift_back(&mut mask, 3, 1);
         assert_eq!(mask, receivers.x);
         // Moving by a whole row changes nothing.
         assert_eq!(to_the_right(&receivers, 3), receivers);

@@ -34,7 +34,7 @@ pub(super) fn best_bias(
     let mut firsts: Vec<(&BiasAmounts, Setting)> = Vec::new();
     // Evaluate the first amount of each kind.
     for biases in &kinds {
-        let preset = family.at(candidate, biases.kind, biases.first());
+        let preset = family.preset_at(candidate, biases.kind, biases.first());
         let Some(setting) = trials.try_out(&preset)? else {
             continue;
         };
@@ -87,7 +87,7 @@ fn line_search(
     for direction in [down, up] {
         let mut is_better = false;
         for index in direction {
-            let preset = family.at(candidate, biases.kind, biases.amounts[index]);
+            let preset = family.preset_at(candidate, biases.kind, biases.amounts[index]);
             let Some(setting) = trials.try_out(&preset)? else {
                 break;
             };
@@ -125,7 +125,7 @@ pub(super) fn all_biases(
     let mut out = Vec::new();
     for BiasAmounts { kind, amounts, .. } in family.bias_amounts() {
         for texels in amounts {
-            let setting = trials.try_out(&family.at(candidate, kind, texels))?;
+            let setting = trials.try_out(&family.preset_at(candidate, kind, texels))?;
             out.extend(setting.map(|setting| Biased {
                 kind,
                 texels,

@@ -103,11 +103,11 @@ pub(super) fn times(
     presets: &[(TechniquePreset, bool)],
     races: &[Race],
 ) -> Result<Vec<Option<f64>>, MeasureError> {
-    let view = scene.played_view();
+    let view = scene.rendered_view();
     // Build each recipe and run it once.
     let mut runners: Vec<Option<Runner>> = Vec::new();
     for (preset, is_kept) in presets {
-        runners.push(first_play(backend, scene, motion, preset, *is_kept)?);
+        runners.push(first_run(backend, scene, motion, preset, *is_kept)?);
     }
     let start = Instant::now();
     // Run all needed settings in turn, and keep the least time of each.
@@ -117,7 +117,7 @@ pub(super) fn times(
         if is_enough(ENOUGH) || is_enough(ENOUGH_OF_SLOW) {
             break;
         }
-        let needed = needed(&runners, races, round);
+        let needed = needed_runners(&runners, races, round);
         for (runner, is_needed) in runners.iter_mut().zip(needed) {
             let Some(runner) = runner.as_mut().filter(|_| is_needed) else {
                 continue;
@@ -143,7 +143,7 @@ pub(super) fn times(
 }
 
 /// Returns the settings that run in a round: all without races, otherwise those that a race needs.
-fn needed(runners: &[Option<Runner>], races: &[Race], round: u32) -> Vec<bool> {
+fn needed_runners(runners: &[Option<Runner>], races: &[Race], round: u32) -> Vec<bool> {
     let hopeless = if round < ROUNDS_BEFORE_DROPPING {
         HOPELESS_AT_FIRST
     } else {
@@ -161,7 +161,7 @@ fn needed(runners: &[Option<Runner>], races: &[Race], round: u32) -> Vec<bool> {
 
 /// Builds a recipe and runs it once, which compiles and uploads. Returns `None` if it can't be
 /// executed.
-fn first_play(
+fn first_run(
     backend: &mut dyn Backend,
     scene: &PlanScene<'_>,
     motion: FrameMotion,
@@ -173,7 +173,7 @@ fn first_play(
     };
     // Tables that a recipe builds on first use are timed separately.
     recipe.make_tables();
-    let timings = match backend.render(&scene.played_view(), &recipe) {
+    let timings = match backend.render(&scene.rendered_view(), &recipe) {
         Ok(shadows) => shadows.timings,
         Err(BackendError::Invalid(_)) => return Ok(None),
         Err(e) => return Err(e.into()),
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn what_is_kept_is_not_timed_and_all_that_moves_is() {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
-        let camera = scene.cameras[0].resized(UVec2::new(64, 48));
+        let camera = scene.cameras[0].with_size(UVec2::new(64, 48));
         let geometry = Geometry::bake(&scene).expect("valid");
         let planned =
             PlanScene::new(&camera, &scene.lights[0], &geometry, Weighting::Even).expect("valid");

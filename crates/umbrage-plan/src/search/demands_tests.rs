@@ -2,7 +2,7 @@
 //! clock.
 
 use super::{
-    tests::{planned, scene, small, with_planner},
+    tests::{plan_scene, scene, small, with_planner},
     *,
 };
 use crate::{
@@ -28,7 +28,9 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
             let mut grain = |preset: TechniquePreset| {
                 let trials = &mut planner.trials;
                 let setting = trials.try_out(&preset).expect("valid").expect("supported");
-                let endured = trials.endured(setting, &bounds).expect("valid");
+                let endured = trials
+                    .with_grain_and_shimmer(setting, &bounds)
+                    .expect("valid");
                 endured.grain.expect("there are penumbrae")
             };
             let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
@@ -64,7 +66,9 @@ fn only_fits_that_follow_the_camera_shimmer() {
                 .try_out(&Hard {}.on(map).into())
                 .expect("valid")
                 .expect("supported");
-            let endured = trials.endured(setting, &bounds).expect("valid");
+            let endured = trials
+                .with_grain_and_shimmer(setting, &bounds)
+                .expect("valid");
             endured.shimmer.expect("measured")
         };
         let [tight, stable] = [Fit::Tight, Fit::Stable { range: 30.0 }].map(&mut shimmer);
@@ -115,15 +119,15 @@ fn a_plan_holds_for_all_cameras_or_for_a_share() {
 /// A relative bound is that share of the error of no shadow.
 #[test]
 fn relative_bounds_are_shares_of_the_shadow_that_is_there() {
-    let relative = planned("cubes", &Bounds::relative_error(0.2));
+    let relative = plan_scene("cubes", &Bounds::relative_error(0.2));
     let none = relative.error_of_no_shadow;
     assert!(none.error > 0.1);
     let chosen = relative.chosen.expect("possible");
     assert!(chosen.estimate.high <= 0.2 * none.error, "{chosen:?}");
-    let absolute = planned("cubes", &Bounds::error(0.2 * none.low));
+    let absolute = plan_scene("cubes", &Bounds::error(0.2 * none.low));
     assert_eq!(absolute.chosen.expect("possible").preset, chosen.preset);
     // A scene without shadows needs no technique.
-    let empty = planned("no-casters", &Bounds::relative_error(0.2));
+    let empty = plan_scene("no-casters", &Bounds::relative_error(0.2));
     assert_eq!(empty.chosen.expect("possible").technique, "none");
 }
 
@@ -151,15 +155,15 @@ fn what_moves_decides_what_counts() {
 /// The classes of the image's receivers add up to the total.
 #[test]
 fn a_plan_says_for_how_many_pixels_it_holds() {
-    let coverage = planned("cubes", &Bounds::error(0.1)).coverage;
+    let coverage = plan_scene("cubes", &Bounds::error(0.1)).coverage;
     assert_eq!(coverage.pixels, 160 * 120);
     let sum = coverage.certain + coverage.ambiguous + coverage.unlit;
     assert!(sum.abs_diff(coverage.receivers) <= 3, "{coverage:?}");
     assert!(coverage.certain > coverage.receivers / 2 && coverage.unlit > 0);
-    assert!(coverage.unsampled() + coverage.traced + coverage.unlit >= coverage.receivers);
+    assert!(coverage.unsampled_pixels() + coverage.traced + coverage.unlit >= coverage.receivers);
     let whole = {
         let scene = scene("cubes");
-        let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+        let camera = scene.cameras[0].with_size(UVec2::new(160, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let mut cpu = Cpu::new();
         let find = &mut |c: &Camera, g: &Geometry| -> Result<Receivers, _> { cpu.receivers(c, g) };
@@ -182,7 +186,7 @@ fn a_plan_says_for_how_many_pixels_it_holds() {
 #[test]
 fn weighted_samples_tell_of_whole_images() {
     let scene = scene("lamp-in-room");
-    let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+    let camera = scene.cameras[0].with_size(UVec2::new(160, 120));
     let geometry = Geometry::bake(&scene).expect("valid");
     let options = PlanOptions {
         weighting: Weighting::Irradiance,

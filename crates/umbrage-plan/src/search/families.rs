@@ -99,7 +99,7 @@ impl Family {
 
     /// Returns the same family of maps as cascades, each map reduced so that the memory does not
     /// grow. Returns `None` if the family has no maps.
-    fn cascaded(&self, cascades: Cascades) -> Option<Self> {
+    fn with_cascades(&self, cascades: Cascades) -> Option<Self> {
         let sides = &SIZES[..SIZES.len() - 1];
         let first = self.preset();
         let layout = Layout::Cascades(cascades);
@@ -139,7 +139,12 @@ impl Family {
     }
 
     /// Returns a candidate's preset with this much bias, or unchanged if it has no map.
-    pub(super) fn at(&self, candidate: usize, kind: BiasKind, texels: f32) -> TechniquePreset {
+    pub(super) fn preset_at(
+        &self,
+        candidate: usize,
+        kind: BiasKind,
+        texels: f32,
+    ) -> TechniquePreset {
         let preset = &self.candidates[candidate];
         let Some(&map) = preset.map() else {
             return preset.clone();
@@ -233,7 +238,7 @@ pub(super) fn families_for(
     // The side that matches the view's pixels applies to families with one map only.
     let mut cascaded: Vec<Family> = Vec::new();
     if let Some(cascades) = cascades {
-        cascaded.extend(families.iter().filter_map(|f| f.cascaded(cascades)));
+        cascaded.extend(families.iter().filter_map(|f| f.with_cascades(cascades)));
     }
     // Add stable variants.
     if needs.stable && is_sun {
@@ -302,7 +307,7 @@ mod tests {
 
     fn family_of<T: CataloguedTechnique>(technique: T) -> Family {
         let candidate = Candidate::One(TechniquePreset::from(technique));
-        Family::new(candidate, &CatalogueEntry::of::<T>())
+        Family::new(candidate, &CatalogueEntry::for_technique::<T>())
     }
 
     /// A technique that is added to the catalogue must also be a candidate.
@@ -357,7 +362,7 @@ mod tests {
     #[test]
     fn cascaded_families_take_no_more_memory() {
         let hard = family_of(MapTechnique::<Hard>::default());
-        let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
+        let cascaded = hard.with_cascades(Cascades::default()).expect("has maps");
         let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
         assert_eq!(2 * largest(&cascaded), largest(&hard));
         let label = cascaded.candidates[0].settings();
@@ -368,7 +373,7 @@ mod tests {
             Layout::Cascades(Cascades::default())
         );
         assert_eq!(
-            family_of(Traced::default()).cascaded(Cascades::default()),
+            family_of(Traced::default()).with_cascades(Cascades::default()),
             None
         );
     }

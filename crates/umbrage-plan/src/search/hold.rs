@@ -33,7 +33,7 @@ impl Hold {
 
     /// Returns the least figure that the required number of cameras does not exceed, or 0 without
     /// cameras.
-    pub(super) fn of(self, mut figures: Vec<f64>) -> f64 {
+    pub(super) fn required_figure(self, mut figures: Vec<f64>) -> f64 {
         figures.sort_by(f64::total_cmp);
         let count = figures.len();
         let needed = match self {
@@ -56,12 +56,15 @@ mod tests {
     #[test]
     fn a_share_leaves_out_the_worst() {
         let figures: Vec<f64> = (1..=20).map(f64::from).collect();
-        assert_eq!(Hold::Worst.of(figures.clone()), 20.0);
-        assert_eq!(Hold::Share(0.95).of(figures.clone()), 19.0);
-        assert_eq!(Hold::Share(0.951).of(figures.clone()), 20.0);
-        assert_eq!(Hold::Share(0.95).of(figures[..19].to_vec()), 19.0);
-        assert_eq!(Hold::Share(0.01).of(figures), 1.0);
-        assert_eq!(Hold::Worst.of(Vec::new()), 0.0);
+        assert_eq!(Hold::Worst.required_figure(figures.clone()), 20.0);
+        assert_eq!(Hold::Share(0.95).required_figure(figures.clone()), 19.0);
+        assert_eq!(Hold::Share(0.951).required_figure(figures.clone()), 20.0);
+        assert_eq!(
+            Hold::Share(0.95).required_figure(figures[..19].to_vec()),
+            19.0
+        );
+        assert_eq!(Hold::Share(0.01).required_figure(figures), 1.0);
+        assert_eq!(Hold::Worst.required_figure(Vec::new()), 0.0);
     }
 
     #[test]

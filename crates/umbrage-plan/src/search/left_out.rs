@@ -32,7 +32,7 @@ pub(super) fn find(
         return Ok(out);
     }
     out.extend(shadow(planner, plan)?);
-    out.extend(redrawing(plan));
+    out.extend(left_out_redrawing(plan));
     out.extend(small_casters(scene, cameras, planner, plan)?);
     Ok(out)
 }
@@ -81,7 +81,7 @@ impl LightsPlan {
 }
 
 /// Returns the omission of redrawing kept images.
-fn redrawing(plan: &Plan) -> Option<LeftOut> {
+fn left_out_redrawing(plan: &Plan) -> Option<LeftOut> {
     let chosen = plan.chosen.as_ref()?;
     let update = update_of(plan.motion, chosen);
     (update != Update::EveryFrame).then_some(LeftOut {
@@ -136,7 +136,8 @@ fn small_casters(
         other.make_recipes_from(plan.bounds.renderer);
         views.push(other);
     }
-    let Some((estimate, draw_ms, lookup_ms)) = trials.play_elsewhere(&mut views, &chosen.preset)?
+    let Some((estimate, draw_ms, lookup_ms)) =
+        trials.evaluate_on_scenes(&mut views, &chosen.preset)?
     else {
         return Ok(None);
     };
@@ -168,7 +169,7 @@ fn small_casters(
 /// Returns the box around an instance, world space.
 fn bounds(scene: &Scene, instance: &Instance) -> Aabb {
     let place = |p: &Vec3| instance.world_from_local.transform_point3(*p);
-    Aabb::around(scene.meshes[instance.mesh].positions.iter().map(place))
+    Aabb::from_points(scene.meshes[instance.mesh].positions.iter().map(place))
 }
 
 /// Returns the width at which a camera sees the sphere around a box, pixels. Returns infinity if
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    fn planned(scene: &Scene, motion: FrameMotion) -> Plan {
+    fn plan_scene(scene: &Scene, motion: FrameMotion) -> Plan {
         plan(scene, &Bounds::error(0.08), &options(motion), &|_| {}).expect("can be planned")
     }
 
@@ -230,7 +231,7 @@ mod tests {
             );
             scene.instances.push(Instance::new(speck, place));
         }
-        let found = planned(&scene, FrameMotion::AllMoves);
+        let found = plan_scene(&scene, FrameMotion::AllMoves);
         let rules = found.frame_rules();
         assert_eq!(
             rules.skip_casters_below_pixels, SMALL_PIXELS,
@@ -249,16 +250,16 @@ mod tests {
             (left_out.estimate.error - left_out.error_before).abs() < 0.005,
             "{left_out:?}"
         );
-        let without = planned(&cubes(), FrameMotion::AllMoves);
+        let without = plan_scene(&cubes(), FrameMotion::AllMoves);
         assert!(without.left_out.is_empty() && without.frame_rules() == FrameRules::default());
     }
 
     #[test]
     fn what_is_kept_is_drawn_once() {
-        let update = |motion| planned(&cubes(), motion).frame_rules().update;
+        let update = |motion| plan_scene(&cubes(), motion).frame_rules().update;
         assert_eq!(update(FrameMotion::Still), Update::Once);
         assert_eq!(update(FrameMotion::AllMoves), Update::EveryFrame);
-        let moving = planned(&cubes(), FrameMotion::CameraMoves);
+        let moving = plan_scene(&cubes(), FrameMotion::CameraMoves);
         let chosen = moving.chosen.as_ref().expect("possible");
         let expected = if FrameMotion::CameraMoves.keeps(chosen.kept_as_camera_moves)
             && chosen.draw_ms > 0.0
@@ -273,7 +274,7 @@ mod tests {
     #[test]
     fn a_shadow_that_nobody_sees_is_left_out() {
         let scene = umbrage_scenes::by_argument("no-casters").expect("built in");
-        let found = planned(&scene, FrameMotion::AllMoves);
+        let found = plan_scene(&scene, FrameMotion::AllMoves);
         let [left_out] = &found.left_out[..] else {
             panic!("one thing: {:?}", found.left_out);
         };

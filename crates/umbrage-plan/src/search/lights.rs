@@ -127,7 +127,7 @@ pub fn plan_lights(
         let mut planner = Planner::of_cameras(&cameras, light, &geometry, options, on_step)?;
         let settings = planner.front(limits)?;
         let settings = match &mut clock {
-            Some(backend) => planner.timed(settings, &mut **backend)?,
+            Some(backend) => planner.measure_times(settings, &mut **backend)?,
             None => settings,
         };
         let trials = &mut planner.trials;
@@ -136,7 +136,7 @@ pub fn plan_lights(
             kind: light.kind().to_owned(),
             chosen: None,
             error_of_no_shadow: trials.error_of_no_shadow()?,
-            front: undominated(settings),
+            front: undominated_settings(settings),
             coverage: trials.coverage(),
         });
     }
@@ -154,7 +154,7 @@ pub fn plan_lights(
         high: 0.0,
         miss: None,
     };
-    Ok(plan.picked())
+    Ok(plan.picked_settings())
 }
 
 /// Returns the time of a setting, milliseconds: the measured time if it was timed.
@@ -163,7 +163,7 @@ fn time_of(setting: &Setting) -> f64 {
 }
 
 /// Returns the settings that no other beats in both time and error, by rising time.
-fn undominated(settings: Vec<Setting>) -> Vec<Setting> {
+fn undominated_settings(settings: Vec<Setting>) -> Vec<Setting> {
     let points: Vec<[f64; 2]> = settings
         .iter()
         .map(|s| [time_of(s), s.estimate.high])
@@ -231,7 +231,7 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
 
 impl LightsPlan {
     /// Returns the plan with the best setting chosen for each light.
-    fn picked(mut self) -> Self {
+    fn picked_settings(mut self) -> Self {
         let lists: Vec<Vec<[f64; 2]>> = self
             .lights
             .iter()
@@ -406,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_told() {
+    fn what_cannot_be_is_reported() {
         let time = lights(LightsBudget::Milliseconds(0.0));
         assert!(
             time.miss

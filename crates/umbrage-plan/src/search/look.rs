@@ -106,7 +106,7 @@ mod tests {
             (UVec2::new(54, 40), 54 * 40)
         );
         // The grid's receivers are those at every third row and column of the image.
-        let camera = scene.cameras[0].resized(UVec2::new(161, 120));
+        let camera = scene.cameras[0].with_size(UVec2::new(161, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let whole = umbrage_cpu::Cpu::new()
             .receivers(&camera, &geometry)

@@ -88,7 +88,7 @@ impl PlanOptions {
         if own.is_empty() {
             return Err(no_such(scene, "camera"));
         }
-        let resized = |camera: &Camera| self.size.map_or(*camera, |size| camera.resized(size));
+        let resized = |camera: &Camera| self.size.map_or(*camera, |size| camera.with_size(size));
         Ok(own.iter().map(resized).collect())
     }
 }

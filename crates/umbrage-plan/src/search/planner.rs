@@ -10,7 +10,7 @@ use super::{
     outcome::{CurvePoint, Miss, Plan, Sampled},
     reasons::{Facts, by_the_clock},
     setting::Setting,
-    strategy::{Found, Place},
+    strategy::{Found, LadderPlace},
     trials::{Counting, SampledView, Trials},
 };
 use crate::{
@@ -156,7 +156,7 @@ impl<'a> Planner<'a> {
             CostModel::factor_of_nine_in_ten(backend.kind())
         });
         // Search by counted costs.
-        let (max_error, found) = self.searched(bounds, spread)?;
+        let (max_error, found) = self.search_within(bounds, spread)?;
         let mut timed = Vec::new();
         // Time the finalists.
         let found = match (found, clock) {
@@ -199,7 +199,7 @@ impl<'a> Planner<'a> {
             motion: trials.counting.motion,
             bounds: *bounds,
             runners_up: self.runners_up(chosen.as_ref()),
-            failing: self.failing(chosen.as_ref(), bounds, max_error),
+            failing: self.missed_settings(chosen.as_ref(), bounds, max_error),
             timed,
             error_of_no_shadow: none,
             chosen,
@@ -214,7 +214,7 @@ impl<'a> Planner<'a> {
                     .iter()
                     .map(|view| view.sampled.truth.len())
                     .sum(),
-                traced: trials.traced(),
+                traced: trials.traced_points(),
                 settings: trials.count(),
                 looking: self.sampling_seconds,
                 trying: start.elapsed().as_secs_f64(),
@@ -224,7 +224,7 @@ impl<'a> Planner<'a> {
 
     /// Searches the candidates within the bounds. Also returns the error bound of the strictest
     /// camera. `spread` is that of [`Planner::cheapest`].
-    fn searched(
+    fn search_within(
         &mut self,
         bounds: &Bounds,
         spread: f64,
@@ -246,13 +246,13 @@ impl<'a> Planner<'a> {
     /// Searches the candidates within the bounds by counted costs.
     pub(super) fn search_for(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
         self.is_timed = false;
-        let (_, found) = self.searched(bounds, 1.0)?;
+        let (_, found) = self.search_within(bounds, 1.0)?;
         Ok(found)
     }
 
     /// Returns the settings with their measured times. Settings that the backend can't execute are
     /// removed.
-    pub(super) fn timed(
+    pub(super) fn measure_times(
         &mut self,
         settings: Vec<Setting>,
         backend: &mut dyn Backend,
@@ -286,18 +286,19 @@ impl<'a> Planner<'a> {
     /// times, the fastest first.
     fn quickest(
         &mut self,
-        finalists: Vec<(Place, Setting)>,
+        finalists: Vec<(LadderPlace, Setting)>,
         bounds: &Bounds,
         backend: &mut dyn Backend,
     ) -> Result<(Found, Vec<Setting>), MeasureError> {
         // Run and sort the finalists.
-        let (places, settings): (Vec<Place>, Vec<Setting>) = finalists.into_iter().unzip();
-        let all = self.timed(settings.clone(), backend)?;
+        let (places, settings): (Vec<LadderPlace>, Vec<Setting>) = finalists.into_iter().unzip();
+        let all = self.measure_times(settings.clone(), backend)?;
         let place_of = |timed: &Setting| {
             let i = settings.iter().position(|s| s.preset == timed.preset);
             places[i.unwrap_or_default()]
         };
-        let mut timed: Vec<(Place, Setting)> = all.into_iter().map(|s| (place_of(&s), s)).collect();
+        let mut timed: Vec<(LadderPlace, Setting)> =
+            all.into_iter().map(|s| (place_of(&s), s)).collect();
         let quickest = |a: &Setting, b: &Setting| match (a.measured_ms, b.measured_ms) {
             (Some(a), Some(b)) => a.total_cmp(&b),
             _ => std::cmp::Ordering::Equal,
@@ -333,7 +334,7 @@ impl<'a> Planner<'a> {
     /// Returns the two cheaper settings that are closest to the bounds and break one, the better
     /// first, of different techniques. Among equal frame costs, the one that is cheaper to draw
     /// counts as cheaper.
-    fn failing(
+    fn missed_settings(
         &self,
         chosen: Option<&Setting>,
         bounds: &Bounds,
@@ -363,7 +364,7 @@ impl<'a> Planner<'a> {
     /// Returns the chosen setting with the best of all biases, and the error curve over all biases.
     fn with_best_bias(
         &mut self,
-        place: Place,
+        place: LadderPlace,
         chosen: Setting,
         bounds: &Bounds,
         max_error: Option<f64>,
@@ -392,7 +393,7 @@ impl<'a> Planner<'a> {
         {
             // The chosen setting was verified: another bias must be verified, too.
             let other = trials.verify(other, max_error, *on_step)?;
-            let other = trials.endured(other, bounds)?;
+            let other = trials.with_grain_and_shimmer(other, bounds)?;
             let is_within = max_error.is_none_or(|error| other.estimate.is_surely_within(error))
                 && bounds.endures(other.grain, other.shimmer);
             if is_within && other.estimate.error < best_setting.estimate.error {
@@ -457,7 +458,7 @@ fn sampled_view<'a>(
     on_step: &OnStep<'_>,
 ) -> Result<SampledView<'a>, MeasureError> {
     let pilot = Pilot::new(&mut scene)?;
-    let lit = scene.lit(&options.truth)?;
+    let lit = scene.lit_pixels(&options.truth)?;
     let density = density(&mut scene, pilot.as_ref(), &lit)?;
     let factor = if scene.light.is_ideal() {
         IDEAL_LIGHT_FACTOR

@@ -147,8 +147,9 @@ fn map_use(
     catalogue: &Catalogue,
 ) -> Result<Option<String>, MeasureError> {
     let recipe = scene.recipe(&chosen.preset)?;
-    let view = scene.played_view();
-    let found = footprint::of(&chosen.preset, &view, &recipe, &scene.receivers, catalogue);
+    let view = scene.rendered_view();
+    let found =
+        footprint::recipe_footprint(&chosen.preset, &view, &recipe, &scene.receivers, catalogue);
     Ok(found.map(|footprint| footprint.total.words()))
 }
 

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     error::MeasureError,
     progress::{OnStep, Step},
-    truth::{TruthOptions, drawn},
+    truth::{TruthOptions, stratified_pixels},
 };
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
@@ -201,7 +201,7 @@ impl<'a> Sweep<'a> {
         } else {
             options.truth.block_side
         };
-        let judged = drawn(scene.receivers.size, block_side);
+        let judged = stratified_pixels(scene.receivers.size, block_side);
         let truth = if block_side <= 1 {
             options.truth
         } else {
@@ -245,7 +245,10 @@ impl<'a> Sweep<'a> {
             Err(e) => return Err(e),
         };
         let bounds = Bounds::error(1.0);
-        let endured = self.planner.trials.endured(setting.clone(), &bounds)?;
+        let endured = self
+            .planner
+            .trials
+            .with_grain_and_shimmer(setting.clone(), &bounds)?;
         let is_fine = bounds.endures(endured.grain, endured.shimmer);
         Ok(is_fine.then_some(error))
     }
@@ -376,7 +379,7 @@ impl<'a> Sweep<'a> {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
                 for biases in family.bias_amounts() {
                     for texels in biases.amounts {
-                        presets.push(family.at(size, biases.kind, texels));
+                        presets.push(family.preset_at(size, biases.kind, texels));
                     }
                 }
                 let Some(price) = self.planner.trials.price(&presets[0])? else {
@@ -461,7 +464,7 @@ mod tests {
     #[test]
     fn under_ideal_lights_whole_images_are_judged() {
         let scene = scene("cubes");
-        let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+        let camera = scene.cameras[0].with_size(UVec2::new(160, 120));
         let geometry = Geometry::bake(&scene).expect("built in");
         let judged = |block_side| {
             let mut options = small();

@@ -25,7 +25,7 @@ mod tests {
 
     fn with_scene<R>(name: &str, size: UVec2, f: impl FnOnce(PlanScene<'_>) -> R) -> R {
         let scene = umbrage_scenes::by_argument(name).unwrap();
-        let camera: Camera = scene.cameras[0].resized(size);
+        let camera: Camera = scene.cameras[0].with_size(size);
         let (light, geometry): (&Light, Geometry) =
             (&scene.lights[0], Geometry::bake(&scene).unwrap());
         f(PlanScene::new(&camera, light, &geometry, Weighting::Even).unwrap())
@@ -62,7 +62,7 @@ mod tests {
 
     /// The side grows with the number of pixels, within the coarsest and the finest map.
     #[test]
-    fn the_side_that_pixels_ask_for_is_a_candidate() {
+    fn the_side_that_pixels_need_is_a_candidate() {
         // Another image size could need a side close to an existing one.
         let size = UVec2::new(240, 180);
         let side = with_scene("cubes", size, |scene| side(&scene)).unwrap();

@@ -8,7 +8,7 @@ use crate::{error::MeasureError, progress::Step};
 
 /// Index of a candidate in the list of families.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct LadderPlace {
     pub(super) family: usize,
     /// Index within the family, from the coarsest map or the fewest rays up.
     pub(super) candidate: usize,
@@ -17,7 +17,7 @@ pub(super) struct Place {
 /// Result of a search.
 pub(super) enum Found {
     /// The candidates within the bounds, the best by counted costs first; at least one.
-    Chosen(Vec<(Place, Setting)>),
+    Chosen(Vec<(LadderPlace, Setting)>),
     Missed(Box<Miss>),
 }
 
@@ -28,7 +28,7 @@ const MOST_ACCURATE: usize = 4;
 /// Next candidate of a family.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
-    place: Place,
+    place: LadderPlace,
     milliseconds: f64,
     /// Error of the previous candidate; infinite without one.
     last_error: f64,
@@ -56,7 +56,7 @@ impl Planner<'_> {
     ) -> Result<Found, MeasureError> {
         let mut candidates = Vec::new();
         for family in 0..self.families.len() {
-            let coarsest = Place {
+            let coarsest = LadderPlace {
                 family,
                 candidate: 0,
             };
@@ -65,7 +65,7 @@ impl Planner<'_> {
         // Settings within the error bound that break another bound.
         let mut too_dear: Option<Setting> = None;
         let mut refused: Option<Setting> = None;
-        let mut found: Vec<(Place, Setting)> = Vec::new();
+        let mut found: Vec<(LadderPlace, Setting)> = Vec::new();
         // Evaluate candidates from the cheapest up.
         while let Some(candidate) = take_cheapest(&mut candidates) {
             if let Some((_, least)) = found.first()
@@ -83,7 +83,7 @@ impl Planner<'_> {
                 candidates.extend(self.finer(&candidate, f64::INFINITY, max_error)?);
                 continue;
             };
-            let setting = self.verified(setting, max_error)?;
+            let setting = self.verify_setting(setting, max_error)?;
             if !setting.estimate.is_surely_within(max_error) {
                 candidates.extend(self.finer(&candidate, setting.estimate.error, max_error)?);
                 continue;
@@ -97,7 +97,7 @@ impl Planner<'_> {
                 }
                 continue;
             }
-            let setting = self.trials.endured(setting, bounds)?;
+            let setting = self.trials.with_grain_and_shimmer(setting, bounds)?;
             if bounds.endures(setting.grain, setting.shimmer) {
                 found.push((candidate.place, setting));
             } else {
@@ -115,7 +115,11 @@ impl Planner<'_> {
 
     /// Verifies a setting. If it breaks the bound, returns the first setting with another bias that
     /// meets it. Among biases of similar error, a shared sample can prefer the wrong one.
-    fn verified(&mut self, setting: Setting, max_error: f64) -> Result<Setting, MeasureError> {
+    fn verify_setting(
+        &mut self,
+        setting: Setting,
+        max_error: f64,
+    ) -> Result<Setting, MeasureError> {
         let mut others = self
             .trials
             .with_other_bias(&setting)
@@ -149,8 +153,8 @@ impl Planner<'_> {
         for family in 0..self.families.len() {
             let mut tried = 0;
             for candidate in (0..self.families[family].candidates.len()).rev() {
-                let place = Place { family, candidate };
-                let Some(candidate) = self.supported(place, [f64::INFINITY; 2])? else {
+                let place = LadderPlace { family, candidate };
+                let Some(candidate) = self.priced_candidate(place, [f64::INFINITY; 2])? else {
                     continue;
                 };
                 if !bounds.affords(candidate.milliseconds, 0) {
@@ -174,7 +178,7 @@ impl Planner<'_> {
             return Ok(Found::Chosen(best));
         }
         // Price the cheapest candidate, so that the message can state the shortfall.
-        let least = Place {
+        let least = LadderPlace {
             family: 0,
             candidate: 0,
         };
@@ -188,12 +192,12 @@ impl Planner<'_> {
     /// the clock decides. Removes those outside the bounds of grain and shimmer.
     fn best_of(
         &mut self,
-        mut left: Vec<(Place, Setting)>,
+        mut left: Vec<(LadderPlace, Setting)>,
         bounds: &Bounds,
-    ) -> Result<Vec<(Place, Setting)>, MeasureError> {
+    ) -> Result<Vec<(LadderPlace, Setting)>, MeasureError> {
         // Sort the best one last, since `pop` takes the last.
         left.sort_by(|(_, a), (_, b)| by_error_then_cost(b, a));
-        let mut best: Vec<(Place, Setting)> = Vec::new();
+        let mut best: Vec<(LadderPlace, Setting)> = Vec::new();
         while let Some((place, first)) = left.pop() {
             let is_no_better = best
                 .first()
@@ -202,7 +206,7 @@ impl Planner<'_> {
                 break;
             }
             let setting = self.trials.verify(&first, None, self.on_step)?;
-            let setting = self.trials.endured(setting, bounds)?;
+            let setting = self.trials.with_grain_and_shimmer(setting, bounds)?;
             if bounds.endures(setting.grain, setting.shimmer) {
                 best.push((place, setting));
                 best.sort_by(|(_, a), (_, b)| by_error_then_cost(a, b));
@@ -221,7 +225,7 @@ impl Planner<'_> {
     /// `error_limit` is that of [`best_bias`].
     fn try_out(
         &mut self,
-        place: Place,
+        place: LadderPlace,
         error_limit: Option<f64>,
     ) -> Result<Option<Setting>, MeasureError> {
         let family = &self.families[place.family];
@@ -235,11 +239,11 @@ impl Planner<'_> {
     /// of the two candidates before, the finer one first.
     fn supported_from(
         &mut self,
-        place: Place,
+        place: LadderPlace,
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         for candidate in place.candidate..self.families[place.family].candidates.len() {
-            let found = self.supported(Place { candidate, ..place }, last_errors)?;
+            let found = self.priced_candidate(LadderPlace { candidate, ..place }, last_errors)?;
             if found.is_some() {
                 return Ok(found);
             }
@@ -248,14 +252,14 @@ impl Planner<'_> {
     }
 
     /// Returns the candidate at `place` with its price, or `None` if it is not supported.
-    fn supported(
+    fn priced_candidate(
         &mut self,
-        place: Place,
+        place: LadderPlace,
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         let family = &self.families[place.family];
         let biases = &family.bias_amounts()[0];
-        let preset = family.at(place.candidate, biases.kind, biases.first());
+        let preset = family.preset_at(place.candidate, biases.kind, biases.first());
         let price = self.trials.price(&preset)?;
         Ok(price.map(|price| Candidate {
             place,
@@ -273,7 +277,7 @@ impl Planner<'_> {
         error: f64,
         max_error: f64,
     ) -> Result<Option<Candidate>, MeasureError> {
-        let Place {
+        let LadderPlace {
             family: of,
             candidate: at,
         } = candidate.place;
@@ -296,7 +300,7 @@ impl Planner<'_> {
         } else {
             [error, f64::INFINITY]
         };
-        let place = Place {
+        let place = LadderPlace {
             family: of,
             candidate: next,
         };

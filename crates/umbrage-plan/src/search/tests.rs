@@ -36,14 +36,14 @@ pub(super) fn small() -> PlanOptions {
     }
 }
 
-pub(super) fn planned(name: &str, bounds: &Bounds) -> Plan {
+pub(super) fn plan_scene(name: &str, bounds: &Bounds) -> Plan {
     plan(&scene(name), bounds, &small(), &|_| {}).expect("can be planned")
 }
 
 /// Runs `f` with a planner of a scene.
 pub(super) fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
     let scene = scene(name);
-    let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+    let camera = scene.cameras[0].with_size(UVec2::new(160, 120));
     let geometry = Geometry::bake(&scene).expect("built in");
     f(
         Planner::new(&camera, &scene.lights[0], &geometry, &small(), &|_| {})
@@ -54,7 +54,7 @@ pub(super) fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R
 #[test]
 fn where_nothing_casts_there_is_no_shadow_to_make() {
     for name in ["no-casters", "only-sky", "no-receivers"] {
-        let plan = planned(name, &Bounds::error(0.01));
+        let plan = plan_scene(name, &Bounds::error(0.01));
         assert_eq!(
             plan.chosen.as_ref().map(|c| c.technique.as_str()),
             Some("none"),
@@ -65,9 +65,9 @@ fn where_nothing_casts_there_is_no_shadow_to_make() {
 
 /// On flat receivers under an ideal light several techniques are exact, and the cheapest one wins.
 #[test]
-fn exact_techniques_are_told_apart_by_cost() {
+fn exact_techniques_are_distinguished_by_cost() {
     let exact = |plan: Plan| plan.chosen.expect("rays are exact");
-    let chosen = exact(planned("c1-box-sun", &Bounds::error(0.0)));
+    let chosen = exact(plan_scene("c1-box-sun", &Bounds::error(0.0)));
     assert_eq!(
         (chosen.technique.as_str(), chosen.estimate.high),
         ("planar", 0.0)
@@ -134,7 +134,7 @@ fn samples_tell_of_whole_images() {
                 .expect("can be traced");
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
-            for preset in [64, 512].into_iter().flat_map(sized) {
+            for preset in [64, 512].into_iter().flat_map(presets_of_size) {
                 let Some(setting) = planner.trials.try_out(&preset).expect("valid") else {
                     continue;
                 };
@@ -160,7 +160,7 @@ fn samples_tell_of_whole_images() {
 }
 
 /// Returns every technique with its defaults except for the size of its map.
-fn sized(size: u32) -> Vec<TechniquePreset> {
+fn presets_of_size(size: u32) -> Vec<TechniquePreset> {
     let at = |p: TechniquePreset| match p.map() {
         Some(&map) => p.with_map(umbrage_techniques::ShadowMap { size, ..map }),
         None => p,
@@ -219,7 +219,7 @@ fn second_looks_tell_of_whole_images() {
                 .expect("can be traced");
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
-            for preset in sized(64) {
+            for preset in presets_of_size(64) {
                 let Some(setting) = planner.trials.try_out(&preset).expect("valid") else {
                     continue;
                 };
@@ -390,15 +390,15 @@ fn the_same_seed_gives_the_same_plan() {
         (plan.sampled.looking, plan.sampled.trying) = (0.0, 0.0);
         plan
     };
-    let [a, b] = [(); 2].map(|()| untimed(planned("open-shells", &Bounds::error(0.1))));
+    let [a, b] = [(); 2].map(|()| untimed(plan_scene("open-shells", &Bounds::error(0.1))));
     assert_eq!(a, b);
     assert!(!a.reasons.is_empty() && a.curve.iter().filter(|p| p.chosen).count() == 1);
 }
 
 #[test]
-fn what_cannot_be_is_told_with_the_bound_that_fails() {
+fn what_cannot_be_is_reported_with_the_bound_that_fails() {
     let miss = |bounds: &Bounds| {
-        planned("c4-edge-square", bounds)
+        plan_scene("c4-edge-square", bounds)
             .preset()
             .expect_err("impossible")
     };
@@ -421,7 +421,7 @@ fn what_cannot_be_is_told_with_the_bound_that_fails() {
 #[test]
 fn within_a_time_the_most_accurate_is_chosen() {
     let within = |ms| {
-        planned("cubes", &Bounds::milliseconds(ms))
+        plan_scene("cubes", &Bounds::milliseconds(ms))
             .chosen
             .expect("possible")
     };
@@ -440,10 +440,10 @@ fn within_a_time_the_most_accurate_is_chosen() {
 /// A receiver evaluated alone returns the same bits as in the whole image, also with patterns that
 /// depend on its position.
 #[test]
-fn receivers_asked_alone_answer_the_same() {
+fn receivers_queried_alone_answer_the_same() {
     for name in ["cubes", "rising-boxes-disc", "lamp-in-room"] {
         let scene = scene(name);
-        let camera = scene.cameras[0].resized(UVec2::new(96, 54));
+        let camera = scene.cameras[0].with_size(UVec2::new(96, 54));
         let geometry = Geometry::bake(&scene).expect("built in");
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(&camera, &geometry).expect("valid");
@@ -478,7 +478,7 @@ fn receivers_asked_alone_answer_the_same() {
 #[test]
 fn some_pixels_have_the_truth_of_all() {
     let scene = scene("rising-boxes");
-    let camera = scene.cameras[0].resized(UVec2::new(64, 36));
+    let camera = scene.cameras[0].with_size(UVec2::new(64, 36));
     let geometry = Geometry::bake(&scene).expect("built in");
     let options = TruthOptions {
         samples: 16,
@@ -542,7 +542,7 @@ fn biases_are_those_of_their_kinds() {
         true,
     ) {
         for biases in family.bias_amounts() {
-            let preset = family.at(0, biases.kind, biases.first());
+            let preset = family.preset_at(0, biases.kind, biases.first());
             let own = family
                 .preset()
                 .map()
@@ -557,7 +557,7 @@ fn biases_are_those_of_their_kinds() {
 #[test]
 fn second_looks_under_a_spot_see_what_it_lights() {
     let scene = scene("night-room");
-    let camera = scene.cameras[0].resized(UVec2::new(320, 180));
+    let camera = scene.cameras[0].with_size(UVec2::new(320, 180));
     let geometry = Geometry::bake(&scene).expect("built in");
     let options = PlanOptions {
         samples: 64,
@@ -570,7 +570,7 @@ fn second_looks_under_a_spot_see_what_it_lights() {
     let truth = (view.scene)
         .trace_at(&all, &options.truth, &|_, _| {})
         .expect("can be traced");
-    let lit = view.scene.lit(&options.truth).expect("valid");
+    let lit = view.scene.lit_pixels(&options.truth).expect("valid");
     let is_lit = |pixel| matches!(pixel, Pixel::Counted | Pixel::Ambiguous);
     assert!((0..lit.len()).all(|i| lit[i] == is_lit(truth[i].pixel)));
     let (visibility, pixels): (Vec<f32>, Vec<_>) =

@@ -165,13 +165,16 @@ impl<'a> Trials<'a> {
     pub(super) fn coverage(&self) -> Coverage {
         let all = self.views.iter().map(|view| view.sampled.coverage);
         let mut out = all.fold(Coverage::default(), Coverage::plus);
-        out.traced = self.traced() as u64;
+        out.traced = self.traced_points() as u64;
         out
     }
 
     /// Returns the number of pixels of all cameras whose truth was traced.
-    pub(super) fn traced(&self) -> usize {
-        self.views.iter().map(|view| view.scene.traced()).sum()
+    pub(super) fn traced_points(&self) -> usize {
+        self.views
+            .iter()
+            .map(|view| view.scene.traced_points())
+            .sum()
     }
 
     /// Removes all evaluated settings, as if truth had changed.
@@ -281,9 +284,9 @@ impl<'a> Trials<'a> {
             .map(|price| price.lookup_ms + if is_kept { 0.0 } else { price.draw_ms })
             .collect();
         Prices {
-            milliseconds: hold.of(frames.clone()),
+            milliseconds: hold.required_figure(frames.clone()),
             frames,
-            draw_ms: hold.of(prices.iter().map(|price| price.draw_ms).collect()),
+            draw_ms: hold.required_figure(prices.iter().map(|price| price.draw_ms).collect()),
             bytes: prices
                 .iter()
                 .map(|p| p.work.bytes)
@@ -364,7 +367,7 @@ impl<'a> Trials<'a> {
     }
 
     fn set_estimates(&self, setting: &mut Setting, estimates: &[Estimate], frames: &[f64]) {
-        setting.estimate = held(self.counting.hold, estimates);
+        setting.estimate = worst_required(self.counting.hold, estimates);
         if estimates.len() > 1 {
             setting.cameras = estimates
                 .iter()
@@ -420,7 +423,7 @@ impl<'a> Trials<'a> {
 
     /// Measures the grain and the shimmer of a setting if they have bounds; with several cameras,
     /// the greatest.
-    pub(super) fn endured(
+    pub(super) fn with_grain_and_shimmer(
         &mut self,
         mut setting: Setting,
         bounds: &Bounds,
@@ -445,7 +448,7 @@ impl<'a> Trials<'a> {
     /// Evaluates a preset on other scenes with the same cameras and samples, such as scenes with
     /// fewer casters. Returns its error, and the costs of drawing and lookup, milliseconds. Returns
     /// `None` if it is not supported there.
-    pub(super) fn play_elsewhere(
+    pub(super) fn evaluate_on_scenes(
         &self,
         scenes: &mut [PlanScene<'_>],
         preset: &TechniquePreset,
@@ -466,15 +469,15 @@ impl<'a> Trials<'a> {
             let estimate = view.sampled.estimate(scene, &recipe)?;
             estimates.push(estimate.times(view.scale));
         }
-        let draw_ms = hold.of(prices.iter().map(|price| price.draw_ms).collect());
-        let lookup_ms = hold.of(prices.iter().map(|price| price.lookup_ms).collect());
-        Ok(Some((held(hold, &estimates), draw_ms, lookup_ms)))
+        let draw_ms = hold.required_figure(prices.iter().map(|price| price.draw_ms).collect());
+        let lookup_ms = hold.required_figure(prices.iter().map(|price| price.lookup_ms).collect());
+        Ok(Some((worst_required(hold, &estimates), draw_ms, lookup_ms)))
     }
 
     /// Returns the first sample's estimate of a setting, verified since or not.
     pub(super) fn first_estimate(&self, setting: &Setting) -> Estimate {
         match self.first_estimates.get(&setting.preset) {
-            Some(firsts) => held(self.counting.hold, firsts),
+            Some(firsts) => worst_required(self.counting.hold, firsts),
             None => setting.estimate,
         }
     }
@@ -485,7 +488,7 @@ impl<'a> Trials<'a> {
         for view in &mut self.views {
             estimates.push(error_of_no_shadow(view)?);
         }
-        Ok(held(self.counting.hold, &estimates))
+        Ok(worst_required(self.counting.hold, &estimates))
     }
 }
 
@@ -503,11 +506,12 @@ fn error_of_no_shadow(view: &mut SampledView<'_>) -> Result<Estimate, MeasureErr
 }
 
 /// Returns each figure of the worst camera that the plan holds for.
-fn held(hold: Hold, estimates: &[Estimate]) -> Estimate {
+fn worst_required(hold: Hold, estimates: &[Estimate]) -> Estimate {
     if let [one] = estimates {
         return *one;
     }
-    let of = |figure: fn(&Estimate) -> f64| hold.of(estimates.iter().map(figure).collect());
+    let of =
+        |figure: fn(&Estimate) -> f64| hold.required_figure(estimates.iter().map(figure).collect());
     Estimate {
         error: of(|e| e.error),
         low: of(|e| e.low),

@@ -62,7 +62,7 @@ pub const PROBES: usize = 6;
 /// visible fraction of the light, 0 for unlit pixels and 1 for pixels without a receiver. For
 /// lights with an extent, the change must exceed [`TruthOptions::ambiguous_change`].
 pub(super) fn find(
-    asked: &TruthRequest<'_>,
+    request: &TruthRequest<'_>,
     light: &Light,
     options: &TruthOptions,
     nudge: Nudge,
@@ -75,39 +75,39 @@ pub(super) fn find(
         ..*options
     };
     // Trace the original image.
-    let tracer = Tracer::new(asked.geometry, light, &probe)?;
+    let tracer = Tracer::new(request.geometry, light, &probe)?;
     let change = if light.is_ideal() {
         0.0
     } else {
         options.ambiguous_change
     };
-    let base = asked.trace(&tracer, 1.0, report);
+    let base = request.trace(&tracer, 1.0, report);
     // Vary the ray's origin.
     let mut out = if light.is_ideal() {
-        let out = light_and_shadow(asked, light, &base);
+        let out = light_and_shadow(request, light, &base);
         report(out.len());
         out
     } else {
-        let lifted = asked.trace(&tracer, LIFT, report);
+        let lifted = request.trace(&tracer, LIFT, report);
         let mut out = vec![false; base.len()];
         mark_changes(&mut out, &base, &lifted, change);
         out
     };
     // Move the image.
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
-        let camera = asked.camera.nudged(direction * nudge.pixels);
-        let receivers = find_receivers(&camera, asked.geometry)?;
+        let camera = request.camera.nudged_by(direction * nudge.pixels);
+        let receivers = find_receivers(&camera, request.geometry)?;
         let nudged_request = TruthRequest {
             camera: &camera,
             receivers: &receivers,
-            ..*asked
+            ..*request
         };
         let nudged = nudged_request.trace(&tracer, 1.0, report);
         mark_changes(&mut out, &base, &nudged, change);
         if nudge.outlines {
-            for (out, &i) in out.iter_mut().zip(asked.pixels) {
+            for (out, &i) in out.iter_mut().zip(request.pixels) {
                 let i = i as usize;
-                *out |= asked.receivers.receives[i] != receivers.receives[i];
+                *out |= request.receivers.receives[i] != receivers.receives[i];
             }
         }
     }
@@ -123,14 +123,19 @@ fn mark_changes(out: &mut [bool], base: &[PointTruth], nudged: &[PointTruth], ch
 
 /// Returns for each pixel whether there is both light and shadow around its point, and the
 /// difference matters.
-fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]) -> Vec<bool> {
-    let vicinity = Vicinity::new(asked.camera, asked.geometry, light, f64::from(NUDGE));
-    asked
+fn light_and_shadow(requested: &TruthRequest<'_>, light: &Light, base: &[PointTruth]) -> Vec<bool> {
+    let vicinity = Vicinity::new(
+        requested.camera,
+        requested.geometry,
+        light,
+        f64::from(NUDGE),
+    );
+    requested
         .pixels
         .par_iter()
         .zip(base)
         .map_init(Vec::new, |ids, (&i, seen)| {
-            has_both(asked, &vicinity, i, seen, ids)
+            has_both(requested, &vicinity, i, seen, ids)
         })
         .collect()
 }
@@ -138,19 +143,24 @@ fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]
 /// Returns whether there is both light and shadow around the point of pixel `i`. `ids` is scratch
 /// memory.
 fn has_both(
-    asked: &TruthRequest<'_>,
+    request: &TruthRequest<'_>,
     vicinity: &Vicinity<'_>,
     i: u32,
     seen: &PointTruth,
     ids: &mut Vec<u32>,
 ) -> bool {
-    if !asked.receivers.receives[i as usize] {
+    if !request.receivers.receives[i as usize] {
         return false;
     }
-    let point = ReceiverPoint::of_pixel(asked.camera, asked.geometry, asked.receivers, i as usize);
-    let x = i % asked.receivers.size.x;
-    let y = i / asked.receivers.size.x;
-    match vicinity.around(&point, [x, y], ids) {
+    let point = ReceiverPoint::of_pixel(
+        request.camera,
+        request.geometry,
+        request.receivers,
+        i as usize,
+    );
+    let x = i % request.receivers.size.x;
+    let y = i / request.receivers.size.x;
+    match vicinity.around_point(&point, [x, y], ids) {
         Around::Both => !seen.unlit,
         Around::Grazed => true,
         Around::Light | Around::Shadow | Around::Neither => false,

@@ -7,7 +7,7 @@ use umbrage_core::{Extents, Instance, Light, Mesh, Scene, light_sample::hash};
 use umbrage_cpu::Cpu;
 
 /// Triangles with a camera and a light.
-struct Case {
+struct AmbiguityCase {
     name: &'static str,
     corners: Vec<[Vec3; 3]>,
     camera: Camera,
@@ -144,7 +144,7 @@ fn ball() -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-fn cases() -> Vec<Case> {
+fn cases() -> Vec<AmbiguityCase> {
     let sun = |x: f32, y: f32, z: f32| Light::Directional {
         direction: Vec3::new(x, y, z),
         angular_diameter: 0.0,
@@ -171,7 +171,7 @@ fn cases() -> Vec<Case> {
     let mut out = Vec::new();
     for (name, shape) in shapes {
         for (k, light) in lights.into_iter().enumerate() {
-            out.push(Case {
+            out.push(AmbiguityCase {
                 name,
                 corners: shape.clone(),
                 camera: camera(Vec3::ZERO, k == 2),
@@ -183,14 +183,14 @@ fn cases() -> Vec<Case> {
 }
 
 /// Returns boxes this far from the origin, with rounded corners.
-fn far_case(metres: f32) -> Case {
+fn far_case(metres: f32) -> AmbiguityCase {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
     let corners = boxes().into_iter().map(|t| t.map(|c| c + at)).collect();
     let light = Light::Directional {
         direction: Vec3::new(-0.5, -0.7, -0.3),
         angular_diameter: 0.0,
     };
-    Case {
+    AmbiguityCase {
         name: "boxes far away",
         corners,
         camera: camera(at, false),
@@ -214,7 +214,7 @@ fn camera(at: Vec3, parallel: bool) -> Camera {
     Camera::perspective(eye, at, Vec3::Y, 0.7, [0.5, 50.0], size).expect("a good camera")
 }
 
-fn truth_of(case: &Case) -> (Geometry, Truth) {
+fn truth_of(case: &AmbiguityCase) -> (Geometry, Truth) {
     let positions = case.corners.iter().flatten().copied().collect();
     let triangles = (0..case.corners.len() as u32)
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
@@ -247,8 +247,8 @@ type TruthRequest = ([u32; 2], Option<u32>, f64);
 
 /// Returns the number of pixels that the oracle contradicts and the total, among the pixels that
 /// are marked, or those that aren't.
-fn contradicted(
-    case: &Case,
+fn contradicted_pixels(
+    case: &AmbiguityCase,
     marked: bool,
     contradicts: impl Fn(&Oracle<'_>, TruthRequest) -> bool + Sync,
 ) -> [usize; 2] {
@@ -283,7 +283,7 @@ fn contradicted(
 fn answers_that_are_not_ambiguous_are_right() {
     for case in cases() {
         // The vicinity contains a circle of cos(pi / 16) times its radius.
-        let [wrong, pixels] = contradicted(&case, false, |oracle, (pixel, shown, value)| {
+        let [wrong, pixels] = contradicted_pixels(&case, false, |oracle, (pixel, shown, value)| {
             oracle.answer(pixel, None) != value
                 || shown.is_some() && oracle.changes(pixel, shown, 0.0196, 1.0, 24)
         });
@@ -301,7 +301,7 @@ fn answers_that_are_not_ambiguous_are_right() {
 fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     for (metres, least) in [(1e3, 6_000), (1e4, 5_000), (1e5, 3_000), (1e6, 1_000)] {
         let [wrong, pixels] =
-            contradicted(&far_case(metres), false, |oracle, (pixel, shown, value)| {
+            contradicted_pixels(&far_case(metres), false, |oracle, (pixel, shown, value)| {
                 oracle.answer(pixel, shown) != value
             });
         assert!(
@@ -317,7 +317,7 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
 fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
     for case in cases() {
-        let [firm, pixels] = contradicted(&case, true, |oracle, (pixel, shown, _)| {
+        let [firm, pixels] = contradicted_pixels(&case, true, |oracle, (pixel, shown, _)| {
             ![None, shown]
                 .iter()
                 .any(|&shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000))

@@ -53,7 +53,7 @@ fn distance(
 
 /// Returns the distance below which blockers touch their shadows, metres.
 pub(super) fn contact(receivers: &Receivers) -> f32 {
-    let bounds = Aabb::around(receivers.positions());
+    let bounds = Aabb::from_points(receivers.positions());
     if bounds.is_empty() {
         0.0
     } else {

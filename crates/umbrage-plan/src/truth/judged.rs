@@ -18,17 +18,21 @@ pub(super) struct JudgedPoints {
 
 /// Traces truth at the pixels of a request, and marks the ambiguous ones.
 pub(super) fn judge(
-    asked: &TruthRequest<'_>,
+    request: &TruthRequest<'_>,
     light: &Light,
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
     progress: &Progress<'_>,
 ) -> Result<JudgedPoints, MeasureError> {
     let done = AtomicUsize::new(0);
-    let total = asked.pixels.len() * (1 + ambiguity::PROBES);
+    let total = request.pixels.len() * (1 + ambiguity::PROBES);
     let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
-    let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
-    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
+    let seen = request.trace(
+        &Tracer::new(request.geometry, light, options)?,
+        1.0,
+        &report,
+    );
+    let ambiguous = ambiguity::find(request, light, options, Nudge::ROUNDING, find, &report)?;
     Ok(JudgedPoints { seen, ambiguous })
 }
 

@@ -23,7 +23,7 @@ pub use ambiguity::PROBES;
 pub use options::{FindReceivers, Progress, TruthOptions};
 pub use points::{PointTruth, ReceiverPoint, TruthRequest, trace_points};
 pub use sampled::PREVIEW_SAMPLES;
-pub(crate) use sampled::drawn;
+pub(crate) use sampled::stratified_pixels;
 
 use crate::error::MeasureError;
 use ambiguity::Nudge;
@@ -177,12 +177,12 @@ pub fn trace_pixels(
 ///
 /// # Errors
 /// Errors if the light is not valid.
-pub(crate) fn unlit(
+pub(crate) fn unlit_pixels(
     request: &TruthRequest<'_>,
     light: &Light,
     options: &TruthOptions,
 ) -> Result<Vec<bool>, Invalid> {
-    Ok(request.unlit(&Tracer::new(request.geometry, light, options)?))
+    Ok(request.unlit_points(&Tracer::new(request.geometry, light, options)?))
 }
 
 /// Returns truth's ambiguous pixels on a device whose sub-pixel grid has this step, pixels.
@@ -221,14 +221,14 @@ pub fn ambiguous_on(
             pixels.push(i as u32);
         }
     }
-    let asked = TruthRequest {
+    let requested = TruthRequest {
         camera,
         geometry,
         receivers: &truth.receivers,
         pixels: &pixels,
     };
     // Find the ambiguous ones.
-    let found = ambiguity::find(&asked, light, options, nudge, find, &|_| {})?;
+    let found = ambiguity::find(&requested, light, options, nudge, find, &|_| {})?;
     let mut out = vec![false; truth.receivers.len()];
     for (&i, ambiguous) in pixels.iter().zip(found) {
         out[i as usize] = ambiguous;

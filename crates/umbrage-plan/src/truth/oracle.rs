@@ -158,8 +158,8 @@ impl<'a> Oracle<'a> {
                 offsets: aside.extend(up) * offsets,
             };
             // Skip moved rays that miss the given triangle.
-            let is_beside = shown.is_some_and(|id| self.misses(pixel, moved, id));
-            !is_beside && self.visibility(pixel, moved, shown) != unmoved
+            let is_outside = shown.is_some_and(|id| self.misses(pixel, moved, id));
+            !is_outside && self.visibility(pixel, moved, shown) != unmoved
         })
     }
 

@@ -106,7 +106,9 @@ pub fn trace_points(
     let tracer = Tracer::new(geometry, light, options)?;
     Ok(points
         .par_iter()
-        .map_init(Memory::default, |memory, p| tracer.ask(p, 1.0, memory))
+        .map_init(Memory::default, |memory, p| {
+            tracer.trace_point(p, 1.0, memory)
+        })
         .collect())
 }
 
@@ -150,7 +152,7 @@ impl TruthRequest<'_> {
                         self.receivers,
                         i as usize,
                     );
-                    *seen = tracer.ask(&point, lift, &mut memory);
+                    *seen = tracer.trace_point(&point, lift, &mut memory);
                 }
                 report(pixels.len());
             });
@@ -158,7 +160,7 @@ impl TruthRequest<'_> {
     }
 
     /// Returns for each pixel whether it shows an unlit receiver, without rays.
-    pub(super) fn unlit(&self, tracer: &Tracer) -> Vec<bool> {
+    pub(super) fn unlit_points(&self, tracer: &Tracer) -> Vec<bool> {
         self.pixels
             .par_iter()
             .map(|&i| {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 /// Corners of a convex polygon, counter-clockwise. Fewer than three corners are the empty set.
-pub(super) type Polygon = Vec<DVec2>;
+pub(super) type FlatPolygon = Vec<DVec2>;
 
 /// Returns the area of a polygon, positive if its corners are counter-clockwise.
 pub(super) fn area(p: &[DVec2]) -> f64 {
@@ -16,7 +16,7 @@ pub(super) fn area(p: &[DVec2]) -> f64 {
 }
 
 /// Returns the corners in counter-clockwise order.
-pub(super) fn counter_clockwise(mut p: Polygon) -> Polygon {
+pub(super) fn counter_clockwise(mut p: FlatPolygon) -> FlatPolygon {
     if area(&p) < 0.0 {
         p.reverse();
     }
@@ -24,7 +24,7 @@ pub(super) fn counter_clockwise(mut p: Polygon) -> Polygon {
 }
 
 /// Returns the part of a polygon to the left of the line from `a` to `b`.
-pub(super) fn left_of(p: &[DVec2], a: DVec2, b: DVec2) -> Polygon {
+pub(super) fn left_of(p: &[DVec2], a: DVec2, b: DVec2) -> FlatPolygon {
     cut(p, |q| (b - a).perp_dot(q - a))
 }
 
@@ -69,7 +69,7 @@ pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// Returns the intersection of two polygons. A `q` without corners clips nothing.
-pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
+pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> FlatPolygon {
     let mut part = p.to_vec();
     for [a, b] in edges(q) {
         let along = b - a;
@@ -77,7 +77,7 @@ pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
         let inside = part.iter().filter(|&&c| along.perp_dot(c - a) >= 0.0);
         let inside = inside.count();
         if inside == 0 {
-            return Polygon::new();
+            return FlatPolygon::new();
         }
         if inside < part.len() {
             part = left_of(&part, a, b);
@@ -87,7 +87,11 @@ pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
 }
 
 /// Returns `pieces` without `q`. Parts with an area up to `dust` are dropped.
-pub(super) fn without(pieces: Vec<Polygon>, q: &[DVec2], dust: f64) -> Vec<Polygon> {
+pub(super) fn subtract_polygon(
+    pieces: Vec<FlatPolygon>,
+    q: &[DVec2],
+    dust: f64,
+) -> Vec<FlatPolygon> {
     if area(q) <= dust {
         return pieces;
     }
@@ -116,7 +120,7 @@ fn edges(p: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
 
 /// Returns the convex hull of some points (Andrew 1979, "Another efficient algorithm for convex
 /// hulls in two dimensions").
-pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
+pub(super) fn hull(mut points: Vec<DVec2>) -> FlatPolygon {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut out = half_hull(points.iter());
     out.extend(half_hull(points.iter().rev()));
@@ -125,8 +129,8 @@ pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
 
 /// Returns the part of the hull to the right of the path through sorted points, from the first one
 /// up to the last, exclusive.
-fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
-    let mut out: Polygon = Vec::new();
+fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> FlatPolygon {
+    let mut out: FlatPolygon = Vec::new();
     for &p in points {
         // Remove a corner at which the chain does not turn left.
         while let [.., a, b] = out[..]
@@ -143,7 +147,7 @@ fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
 /// Returns the Minkowski sum of two convex polygons from [`hull`]: all sums of a point of each. Its
 /// edges are those of both, in the order of their directions (de Berg, Cheong, van Kreveld,
 /// Overmars 2008, "Computational Geometry", 13.3).
-pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
+pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> FlatPolygon {
     let mut out = Vec::with_capacity(p.len() + q.len());
     if p.is_empty() || q.is_empty() {
         return out;

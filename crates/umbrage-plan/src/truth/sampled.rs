@@ -43,7 +43,7 @@ pub(super) fn trace(
     progress: &Progress<'_>,
 ) -> Result<TracedImage, MeasureError> {
     let receivers = image.receivers;
-    let drawn = drawn(receivers.size, options.block_side);
+    let drawn = stratified_pixels(receivers.size, options.block_side);
     let request = TruthRequest {
         camera: image.camera,
         geometry: image.geometry,
@@ -105,7 +105,7 @@ impl TracedImage {
 }
 
 /// Returns the rising indices of one pixel of each block of `side` by `side` pixels.
-pub(crate) fn drawn(size: UVec2, side: u32) -> Vec<u32> {
+pub(crate) fn stratified_pixels(size: UVec2, side: u32) -> Vec<u32> {
     let side = side.max(1);
     let mut out = Vec::new();
     for top in (0..size.y).step_by(side as usize) {
@@ -130,7 +130,7 @@ mod tests {
     fn one_pixel_of_each_block_is_drawn() {
         let size = UVec2::new(30, 18);
         for side in [1, 4, 7, 64] {
-            let drawn = drawn(size, side);
+            let drawn = stratified_pixels(size, side);
             let blocks = size.x.div_ceil(side) * size.y.div_ceil(side);
             assert_eq!(drawn.len() as u32, blocks);
             let mut of_blocks: Vec<[u32; 2]> = drawn
@@ -149,7 +149,7 @@ mod tests {
     fn the_draw_prefers_no_place() {
         let size = UVec2::splat(1024);
         let mut count = [0_u32; 16];
-        for i in drawn(size, 4) {
+        for i in stratified_pixels(size, 4) {
             let x = i % size.x % 4;
             let y = i / size.x % 4;
             count[(4 * y + x) as usize] += 1;

@@ -212,7 +212,7 @@ fn area_lights_tell_their_error_and_ambiguity_is_rare() {
 
 /// Checks a floor under lights from below, from the side and past it.
 #[test]
-fn unlit_points_are_told() {
+fn unlit_points_are_reported() {
     let mesh =
         Mesh::new("floor", vec![Vec3::ZERO, Vec3::Z, Vec3::X], vec![[0, 1, 2]]).expect("valid");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
@@ -223,11 +223,11 @@ fn unlit_points_are_told() {
     })
     .expect("valid");
     let point = ReceiverPoint::new(Vec3::new(0.2, 0.0, 0.2), Vec3::Y, &geometry);
-    let ask = |light: Light| {
+    let query = |light: Light| {
         trace_points(&geometry, &light, &[point], &TruthOptions::default()).expect("valid")[0]
     };
     let sun = |direction: Vec3, angular_diameter: f32| {
-        ask(Light::Directional {
+        query(Light::Directional {
             direction,
             angular_diameter,
         })
@@ -262,7 +262,7 @@ fn unlit_points_are_told() {
         radius: 0.0,
     };
     assert_eq!(
-        ask(spot(1.2)),
+        query(spot(1.2)),
         PointTruth {
             visibility: 1.0,
             error: 0.0,
@@ -271,7 +271,7 @@ fn unlit_points_are_told() {
     );
     // Outside the cone, occlusion is traced anyway.
     assert_eq!(
-        ask(spot(0.8)),
+        query(spot(0.8)),
         PointTruth {
             visibility: 1.0,
             error: 0.0,
@@ -283,7 +283,7 @@ fn unlit_points_are_told() {
 /// Unlit pixels are found without rays, with the same result as with rays. This holds for lights
 /// with and without an extent, and for cones.
 #[test]
-fn unlit_pixels_are_told_without_rays() {
+fn unlit_pixels_are_reported_without_rays() {
     for (name, light) in [
         ("cubes", 0),
         ("rising-boxes-disc", 0),
@@ -293,7 +293,7 @@ fn unlit_pixels_are_told_without_rays() {
     ] {
         let scene = umbrage_scenes::by_argument(name).expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(64, 36));
+        let camera = scene.cameras[0].with_size(UVec2::new(64, 36));
         let light = &scene.lights[light];
         let options = TruthOptions {
             samples: 32,
@@ -311,7 +311,7 @@ fn unlit_pixels_are_told_without_rays() {
             receivers: &truth.receivers,
             pixels: &all,
         };
-        let found = unlit(&request, light, &options).expect("valid");
+        let found = unlit_pixels(&request, light, &options).expect("valid");
         let expected: Vec<bool> = (truth.pixels.iter())
             .map(|pixel| *pixel == Pixel::Unlit)
             .collect();
@@ -343,7 +343,7 @@ fn a_sample_of_truth_is_truth() {
     for name in ["cubes", "teapot-lamp"] {
         let scene = umbrage_scenes::by_argument(name).expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(60, 44));
+        let camera = scene.cameras[0].with_size(UVec2::new(60, 44));
         let light = &scene.lights[0];
         let trace = |block_side| {
             let options = TruthOptions {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use umbrage_core::{
     Aabb, Bvh, Geometry, Invalid, Light,
     light_sample::{
-        LightSampler, bitangent, kind, origin_offset, scrambled, segment, sobol_bits, tangent,
+        LightSampler, bitangent, kind, origin_offset, scramble_bits, segment, sobol_bits, tangent,
     },
     math::dot3,
 };
@@ -103,7 +103,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// Traces the visible fraction of the light from a point. `lift` multiplies the ray's offset.
-    pub(super) fn ask(&self, point: &ReceiverPoint, lift: f32, memory: &mut Memory) -> PointTruth {
+    pub(super) fn trace_point(
+        &self,
+        point: &ReceiverPoint,
+        lift: f32,
+        memory: &mut Memory,
+    ) -> PointTruth {
         let Start { o, far } = self.start(point, lift);
         let mut blocks = Vec::new();
         let mut samples = self.samples;
@@ -122,11 +127,11 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Returns whether a point is unlit, with the result of [`Tracer::ask`] but without rays.
+    /// Returns whether a point is unlit, with the result of [`Tracer::trace_point`] but without rays.
     pub(super) fn is_unlit(&self, point: &ReceiverPoint) -> bool {
         let Start { o, far } = self.start(point, 1.0);
         let is_above = |i: u32| {
-            let uv = scrambled(self.sequence[i as usize], point.seed);
+            let uv = scramble_bits(self.sequence[i as usize], point.seed);
             dot3(point.normal, segment(&self.light, o, uv, far)) > 0.0
         };
         // Only penumbrae use more samples, and some of those are above.
@@ -137,7 +142,7 @@ impl<'a> Tracer<'a> {
     fn start(&self, point: &ReceiverPoint, lift: f32) -> Start {
         let offset = lift * origin_offset(point.position, point.reach);
         let o = point.position + point.normal * offset;
-        let to_center = Aabb::around([o, self.center]).diagonal();
+        let to_center = Aabb::from_points([o, self.center]).diagonal();
         let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
         Start { o, far }
     }
@@ -162,7 +167,7 @@ impl<'a> Tracer<'a> {
             let before = count.seen;
             let end = (start + size).min(range.end);
             for i in start..end {
-                let uv = scrambled(self.sequence[i as usize], point.seed);
+                let uv = scramble_bits(self.sequence[i as usize], point.seed);
                 self.sample(uv, point, o, far, memory, &mut count);
             }
             blocks.push((count.seen - before) as f32 / (end - start) as f32);

@@ -9,8 +9,8 @@
 use super::{
     points::ReceiverPoint,
     polygon::{
-        Polygon, area, common, contains, counter_clockwise, cut, hull, minkowski_sum, spread,
-        without,
+        FlatPolygon, area, common, contains, counter_clockwise, cut, hull, minkowski_sum, spread,
+        subtract_polygon,
     },
 };
 use glam::{DVec2, DVec3, Vec3, Vec4};
@@ -87,7 +87,7 @@ fn linear(base: Vec4, dx: Vec4, dy: Vec4, x: f64, y: f64) -> DVec3 {
 }
 
 /// Plane of a visible triangle.
-struct Surface {
+struct NearSurface {
     /// The visible point.
     p: DVec3,
     /// Two unit vectors in the plane, and the unit normal towards the camera.
@@ -98,7 +98,7 @@ struct Surface {
     light_height: f64,
 }
 
-impl Surface {
+impl NearSurface {
     /// Returns coordinates in the plane, relative to the visible point.
     fn flat(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.axes[0]), v.dot(self.axes[1]))
@@ -115,7 +115,7 @@ impl Surface {
 
     /// Returns the shadow of the part of a triangle that is higher than `above` and lower than the
     /// light.
-    fn shadow(&self, corners: [DVec3; 3], above: f64) -> Polygon {
+    fn shadow(&self, corners: [DVec3; 3], above: f64) -> FlatPolygon {
         let mut part = cut(&corners, |q| self.height(q) - above);
         if self.light_height.is_finite() {
             part = cut(&part, |q| {
@@ -189,7 +189,7 @@ impl<'a> Vicinity<'a> {
     }
 
     /// Returns the lighting around the point that a pixel shows. `ids` is scratch memory.
-    pub(super) fn around(
+    pub(super) fn around_point(
         &self,
         point: &ReceiverPoint,
         pixel: [u32; 2],
@@ -246,13 +246,19 @@ impl<'a> Vicinity<'a> {
 
     /// Returns the lighting of a polygon, given the shadows of all casters that are higher than
     /// `above`.
-    fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
+    fn left(
+        &self,
+        surface: &NearSurface,
+        vicinity: &FlatPolygon,
+        ids: &[u32],
+        above: f64,
+    ) -> Around {
         let whole = area(vicinity);
         let min_area = MIN_AREA_SHARE * whole;
         // Collect the shadows, without alpha-tested holes.
         let shadow =
             |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
-        let mut shadows: Vec<Polygon> = Vec::with_capacity(ids.len());
+        let mut shadows: Vec<FlatPolygon> = Vec::with_capacity(ids.len());
         for id in ids {
             let shadow = shadow(id);
             if area(&shadow) <= min_area {
@@ -275,7 +281,7 @@ impl<'a> Vicinity<'a> {
             return Around::Both;
         }
         // Clip the shadows to the vicinity.
-        let mut parts: Vec<(f64, Polygon)> = Vec::new();
+        let mut parts: Vec<(f64, FlatPolygon)> = Vec::new();
         for shadow in &shadows {
             let part = common(vicinity, shadow);
             let size = area(&part);
@@ -293,7 +299,7 @@ impl<'a> Vicinity<'a> {
         parts.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let mut left = vec![vicinity.clone()];
         for (_, part) in &parts {
-            left = without(left, part, min_area);
+            left = subtract_polygon(left, part, min_area);
             if left.len() > MAX_PIECES {
                 return Around::Both;
             }
@@ -311,10 +317,10 @@ impl<'a> Vicinity<'a> {
     /// some of it. `shadow` is the caster's shadow on the plane.
     fn is_hole_over(
         &self,
-        surface: &Surface,
-        vicinity: &Polygon,
+        surface: &NearSurface,
+        vicinity: &FlatPolygon,
         id: u32,
-        shadow: &Polygon,
+        shadow: &FlatPolygon,
     ) -> Option<bool> {
         let Some(cut_outs) = self.geometry.cut_outs() else {
             return Some(false);
@@ -339,7 +345,7 @@ impl<'a> Vicinity<'a> {
 
     /// Returns the plane of a triangle at the point that a pixel shows. Returns `None` if the plane
     /// is seen edge-on or the light has an extent.
-    fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
+    fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<NearSurface> {
         let ray = self.ray(pixel, DVec2::ZERO);
         let edge_1 = corners[1] - corners[0];
         let edge_2 = corners[2] - corners[0];
@@ -357,7 +363,7 @@ impl<'a> Vicinity<'a> {
             ToLight::Position(position) => (position - p, (position - p).dot(normal)),
             ToLight::Everywhere => return None,
         };
-        p.is_finite().then_some(Surface {
+        p.is_finite().then_some(NearSurface {
             p,
             axes: [u, v, normal],
             to_light,
@@ -379,7 +385,12 @@ impl<'a> Vicinity<'a> {
     /// Returns the vicinity of a point as if its triangle were unbounded, for rays whose origins
     /// may move by `offset`, metres. Returns `None` if the plane's horizon is so close that any
     /// point of the triangle may be visible.
-    fn unclipped_vicinity(&self, s: &Surface, pixel: [u32; 2], offset: f64) -> Option<Polygon> {
+    fn unclipped_vicinity(
+        &self,
+        s: &NearSurface,
+        pixel: [u32; 2],
+        offset: f64,
+    ) -> Option<FlatPolygon> {
         // Intersect moved pixel rays with the plane.
         let mut seen = Vec::with_capacity(16);
         for k in 0..16 {
@@ -402,7 +413,7 @@ impl<'a> Vicinity<'a> {
     }
 
     /// Finds the casters whose shadows may be within `radius` of the visible point.
-    fn casters_near(&self, s: &Surface, radius: f64, ids: &mut Vec<u32>) {
+    fn casters_near(&self, s: &NearSurface, radius: f64, ids: &mut Vec<u32>) {
         let to_light = match self.light {
             ToLight::Direction(to_light) => {
                 to_light * (1.01 * ((s.p - self.center).length() + self.radius))
@@ -417,6 +428,6 @@ impl<'a> Vicinity<'a> {
         ids.clear();
         self.geometry
             .bvh()
-            .near(origin, to_light, radius as f32 + rounding, ids);
+            .triangles_near(origin, to_light, radius as f32 + rounding, ids);
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn crown(shape: &Crown) -> Mesh {
         let normal = (outwards + 0.8 * random.vector()).normalize_or(Vec3::Y);
         let up = (outwards + Vec3::Y + 0.5 * random.vector()).reject_from(normal);
         let up = up.normalize_or(normal.any_orthonormal_vector());
-        let half = 0.5 * shape.side * random.between(0.7, 1.2);
+        let half = 0.5 * shape.side * random.number_between(0.7, 1.2);
         let right = up.cross(normal);
         let first = out.positions.len() as u32;
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {

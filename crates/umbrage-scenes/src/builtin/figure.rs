@@ -3,7 +3,7 @@
 use super::SIZE;
 use crate::{
     looks::{checker, matte},
-    primitives::{block, grid, icosphere, lathe, on_circle, tiled, tube},
+    primitives::{block, grid, icosphere, lathe, on_circle, tile_mesh, tube},
     stage::Stage,
 };
 use umbrage_core::glam::{Vec2, Vec3};
@@ -14,7 +14,7 @@ pub(crate) fn figure() -> Scene {
     let inner = 7.0_f32.to_radians();
     let outer = 9.0_f32.to_radians();
     let direction = Vec3::new(0.2, 0.7, -0.2) - position;
-    let floor = tiled(grid([6.0, 6.0], [6, 6], |_, _| 0.0), Vec2::splat(6.0));
+    let floor = tile_mesh(grid([6.0, 6.0], [6, 6], |_, _| 0.0), Vec2::splat(6.0));
     let mut stage = Stage::new("figure").put(floor).look(checker());
     for (part, color) in body().into_iter().zip(CLOTHES) {
         stage = stage.put(part).look(matte(color));

@@ -2,14 +2,14 @@
 
 use crate::{
     looks::{checker, glossy},
-    primitives::{grid, lathe, on_circle, tiled, tube},
+    primitives::{grid, lathe, on_circle, tile_mesh, tube},
     stage::Stage,
 };
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
 pub(crate) fn teapot_lamp() -> Scene {
-    let floor = tiled(grid([12.0, 12.0], [4, 4], |_, _| 0.0), Vec2::splat(6.0));
+    let floor = tile_mesh(grid([12.0, 12.0], [4, 4], |_, _| 0.0), Vec2::splat(6.0));
     let stage = Stage::new("teapot-lamp").put(floor).look(checker());
     let glazed = |stage: Stage, mesh| stage.put(mesh).look(glossy([0.12, 0.34, 0.42]));
     let light = Light::Rect {

@@ -3,7 +3,7 @@
 use super::SIZE;
 use crate::{
     looks::wood,
-    primitives::{block, grid, tiled},
+    primitives::{block, grid, tile_mesh},
     stage::{Stage, sun},
 };
 use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
@@ -50,7 +50,7 @@ pub(crate) fn cubes_at(name: &str, scale: f32) -> Scene {
     });
     Stage::new(name)
         .put_many(
-            tiled(grid([25.0, 25.0], [1, 1], |_, _| 0.0), Vec2::splat(12.5)),
+            tile_mesh(grid([25.0, 25.0], [1, 1], |_, _| 0.0), Vec2::splat(12.5)),
             [floor_place(scale)],
         )
         .look(wood())

@@ -4,7 +4,7 @@
 use super::SIZE;
 use crate::{
     looks::{Bricks, wood},
-    primitives::{block, grid, pillar, room, tiled},
+    primitives::{block, grid, pillar, room, tile_mesh},
     stage::{Stage, bulb},
 };
 use umbrage_core::glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec4};
@@ -39,7 +39,7 @@ pub(crate) fn textbook_room() -> Scene {
         Affine3A::from_scale_rotation_translation(Vec3::splat(half), turn, at)
     });
     Stage::new("textbook-room")
-        .put(tiled(
+        .put(tile_mesh(
             room(Vec3::splat(-5.0), Vec3::splat(5.0)),
             Vec2::splat(2.0),
         ))
@@ -57,14 +57,14 @@ pub(crate) fn textbook_wall() -> Scene {
         tile: 1.5,
         depth: 0.04,
     };
-    let sheet = tiled(grid([3.0, 1.5], [1, 1], |_, _| 0.0), Vec2::new(4.0, 2.0));
+    let sheet = tile_mesh(grid([3.0, 1.5], [1, 1], |_, _| 0.0), Vec2::new(4.0, 2.0));
     let tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); sheet.positions.len()];
     let upright = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
     let place = Affine3A::from_mat3_translation(upright, Vec3::new(0.0, 1.5, 0.0));
     Stage::new("textbook-wall")
         .put_many(Mesh { tangents, ..sheet }, [place])
         .look(bricks.bumpy())
-        .put(tiled(
+        .put(tile_mesh(
             grid([3.0, 1.6], [1, 1], |_, _| 0.0),
             Vec2::new(3.0, 1.6),
         ))

@@ -61,7 +61,7 @@ pub(crate) fn texture_of(name: String, picture: &DynamicImage, meaning: Meaning)
 pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
     let source = files
         .open(path)
-        .map_err(|e| SceneError::unreadable(path, &e, files))?;
+        .map_err(|e| SceneError::unreadable_file(path, &e, files))?;
     decode_picture(source, ImageFormat::Png).map_err(|e| SceneError::Unreadable {
         file: path.display().to_string(),
         why: format!("can't be read as a PNG image: {e}"),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::primitives::{grid, mapped, octasphere, torus};
+use crate::primitives::{grid, map_mesh, octasphere, torus};
 use umbrage_core::glam::{Vec2, Vec3};
 
 fn bitangent(mesh: &Mesh, v: usize) -> Vec3 {
@@ -76,7 +76,7 @@ fn a_torus_has_its_analytic_frames() {
 
 #[test]
 fn frames_are_orthonormal_on_a_sphere_with_poles() {
-    let mesh = with_tangents(&mapped(&octasphere(1.0, 4))).unwrap();
+    let mesh = with_tangents(&map_mesh(&octasphere(1.0, 4))).unwrap();
     for (v, t) in mesh.tangents.iter().enumerate() {
         let t3 = t.truncate();
         // Mikkelsen's tangents are unit vectors perpendicular to the normal, up to rounding.

@@ -44,7 +44,7 @@ pub(super) fn read(
     let plane = |key| {
         table
             .get(key)
-            .map(|item| item.checked(invalid::positive))
+            .map(|item| item.read_checked_number(invalid::positive))
             .transpose()
     };
     let near_far = [plane("near")?, plane("far")?];
@@ -62,7 +62,7 @@ fn field_of_view(table: &Table<'_>) -> Result<f32, SceneError> {
     let Some(item) = table.get("fov_y_degrees") else {
         return Ok(FOV_Y_DEGREES);
     };
-    let degrees = item.checked(invalid::positive)?;
+    let degrees = item.read_checked_number(invalid::positive)?;
     item.require(
         degrees < 180.0,
         &format!("is {degrees}"),

@@ -2,7 +2,7 @@
 
 use super::{
     camera,
-    table::{Source, Table},
+    table::{Table, TextSource},
 };
 use crate::{FilesOnDisk, SceneError};
 use std::path::Path;
@@ -38,7 +38,7 @@ pub fn cameras(path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneErr
 }
 
 fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
-    let source = Source {
+    let source = TextSource {
         file: path.display().to_string(),
         text,
     };

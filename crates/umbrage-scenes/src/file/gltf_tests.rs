@@ -238,10 +238,10 @@ fn a_model_s_own_holes_may_be_hashed() {
         scene.expect_err("no holes").to_string()
     };
     let filter = "alpha_filter = \"hashed\"\n";
-    let beside = message(&leaves(), &format!("{filter}color = [1, 0, 0]\n"));
+    let adjacent = message(&leaves(), &format!("{filter}color = [1, 0, 0]\n"));
     assert!(
-        beside.contains("`object.alpha_filter`: has no effect without `alpha_map`"),
-        "{beside}"
+        adjacent.contains("`object.alpha_filter`: has no effect without `alpha_map`"),
+        "{adjacent}"
     );
     let whole = message(&TestModel::square(), filter);
     assert!(
@@ -342,7 +342,7 @@ fn sizes_and_places_are_those_of_the_whole_model() {
 }
 
 #[test]
-fn faults_of_a_model_are_told_with_both_places() {
+fn faults_of_a_model_are_reported_with_both_places() {
     let start = "a/scene.toml:5: `object.mesh`: a/models/model.glb: ";
     let mut broken = rooms();
     broken.json["meshes"][0]["primitives"][0]["indices"] = json!(9);

@@ -86,7 +86,9 @@ fn rect(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
 
 fn disc(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "normal", "radius"])?;
-    let radius = table.need("radius", "0.5")?.checked(invalid::positive)?;
+    let radius = table
+        .need("radius", "0.5")?
+        .read_checked_number(invalid::positive)?;
     Ok(Light::Disc {
         center: table.position("center", anchor)?,
         normal: table.direction("normal")?,
@@ -96,7 +98,7 @@ fn disc(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
 
 /// Reads degrees from 0 to less than `below`, and returns radians.
 fn angle(item: &Item<'_>, below: f32) -> Result<f32, SceneError> {
-    let degrees = item.checked(invalid::not_negative)?;
+    let degrees = item.read_checked_number(invalid::not_negative)?;
     item.require(
         degrees < below,
         &format!("is {degrees}"),

@@ -32,7 +32,7 @@ pub(super) const KEYS: [&str; 12] = [
 
 /// A material, and its requirements for the mesh.
 #[derive(Clone, Debug)]
-pub(super) struct Look<'a> {
+pub(super) struct LookTable<'a> {
     pub(super) material: Material,
     /// The first key that needs texture coordinates.
     pub(super) textured: Option<Item<'a>>,
@@ -45,7 +45,7 @@ pub(super) fn read<'a>(
     folder: &Path,
     files: &mut TextureFiles<'_>,
     scene: &mut Scene,
-) -> Result<Option<Look<'a>>, SceneError> {
+) -> Result<Option<LookTable<'a>>, SceneError> {
     if KEYS.iter().all(|key| table.get(key).is_none()) || filter_of_model(table)?.is_some() {
         return Ok(None);
     }
@@ -98,7 +98,7 @@ pub(super) fn read<'a>(
     let textured = ["texture", "normal_map", "height_map", "alpha_map"]
         .iter()
         .find_map(|key| table.get(key));
-    Ok(Some(Look { material, textured }))
+    Ok(Some(LookTable { material, textured }))
 }
 
 /// Returns the filter that an object sets for the alpha tests of its model, with its item. Returns

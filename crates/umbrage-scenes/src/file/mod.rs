@@ -19,7 +19,7 @@ use std::{
     io::{self, Read as _},
     path::Path,
 };
-use table::{Source, Table};
+use table::{Table, TextSource};
 use toml::de::DeTable;
 use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
 
@@ -43,11 +43,11 @@ fn text_of(path: &Path, files: &dyn Files) -> Result<String, SceneError> {
         }
         Ok(text)
     };
-    read().map_err(|e| SceneError::unreadable(path, &e, files))
+    read().map_err(|e| SceneError::unreadable_file(path, &e, files))
 }
 
 /// Returns the error of a text that is not TOML.
-fn syntax(source: &Source<'_>, e: &toml::de::Error) -> SceneError {
+fn syntax(source: &TextSource<'_>, e: &toml::de::Error) -> SceneError {
     source.fault(
         e.span().unwrap_or(0..0),
         None,
@@ -64,7 +64,7 @@ pub(crate) fn parse(
     folder: &Path,
     files: &dyn Files,
 ) -> Result<Scene, SceneError> {
-    let source = Source {
+    let source = TextSource {
         file: path.display().to_string(),
         text,
     };
@@ -123,7 +123,7 @@ fn add_camera(root: &Table<'_>, anchor: Anchor, scene: &mut Scene) -> Result<(),
     let geometry = Geometry::bake(scene).map_err(invalid)?;
     let camera = match root.table("camera")? {
         Some(table) => camera::read(&table, &geometry, anchor)?,
-        None => obj::framed(
+        None => obj::framing_camera(
             &geometry,
             Place {
                 file: root.source.file.clone(),

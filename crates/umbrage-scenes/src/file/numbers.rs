@@ -12,17 +12,17 @@ const TRIPLE: &str = "[x, y, z]";
 impl Item<'_> {
     /// Reads a finite number, integer or not.
     pub(super) fn number(&self) -> Result<f32, SceneError> {
-        let number = self.parsed(|i| i as f32)?;
+        let number = self.parse_number(|i| i as f32)?;
         self.check(invalid::finite("", &[number]))?;
         Ok(number)
     }
 
     /// Reads a number as 64 bits, integer or not.
     pub(super) fn wide_number(&self) -> Result<f64, SceneError> {
-        self.parsed(|i| i as f64)
+        self.parse_number(|i| i as f64)
     }
 
-    fn parsed<T: FromStr>(&self, from_whole: fn(i64) -> T) -> Result<T, SceneError> {
+    fn parse_number<T: FromStr>(&self, from_whole: fn(i64) -> T) -> Result<T, SceneError> {
         let parsed = match self.value {
             DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
                 .ok()
@@ -34,7 +34,7 @@ impl Item<'_> {
     }
 
     /// Reads a finite number that passes a check of core's.
-    pub(super) fn checked(
+    pub(super) fn read_checked_number(
         &self,
         check: fn(&str, f32) -> Result<(), Invalid>,
     ) -> Result<f32, SceneError> {
@@ -99,7 +99,7 @@ impl Table<'_> {
     /// world's origin.
     pub(super) fn anchor(&self) -> Result<Anchor, SceneError> {
         match self.get("anchor") {
-            Some(item) => item.check(Anchor::near(item.wide_vec3()?)),
+            Some(item) => item.check(Anchor::nearest_to(item.wide_vec3()?)),
             None => Ok(Anchor::ORIGIN),
         }
     }
@@ -110,8 +110,9 @@ impl Table<'_> {
 
     /// Reads metres or degrees, not negative; 0 if absent.
     pub(super) fn size_or_zero(&self, key: &str) -> Result<f32, SceneError> {
-        self.get(key)
-            .map_or(Ok(0.0), |item| item.checked(invalid::not_negative))
+        self.get(key).map_or(Ok(0.0), |item| {
+            item.read_checked_number(invalid::not_negative)
+        })
     }
 
     pub(super) fn flag_or_true(&self, key: &str) -> Result<bool, SceneError> {

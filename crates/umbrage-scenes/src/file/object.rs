@@ -1,7 +1,7 @@
 //! The table `[[object]]`.
 
 use super::{
-    look::{self, Look},
+    look::{self, LookTable},
     table::{Item, Table},
 };
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
     lone_model::SIZES,
     model_part::ModelPart,
     obj,
-    primitives::{block, grid, icosphere, mapped},
+    primitives::{block, grid, icosphere, map_mesh},
     scene_of_file::SceneOfFile,
 };
 use std::collections::{BTreeSet, HashMap};
@@ -51,7 +51,7 @@ pub(super) fn read_all(
         // Make the parts of the model, or reuse them.
         let (source, item) = shape_or_mesh(table, folder)?;
         let look = look::read(table, folder, &mut textures, scene)?;
-        let needs = Needs::of(look.as_ref());
+        let needs = Needs::of_look(look.as_ref());
         let key = (source, needs);
         if !known.contains_key(&key) {
             let parts = make(&key.0, &needs, &item, &mut textures, scene)?;
@@ -80,9 +80,9 @@ pub(super) fn read_all(
         let local = box_of_model(parts, scene);
         check_size(table, &item, world_from_model, &local, anchor)?;
         for part in parts {
-            let world_from_local = part.placed(world_from_model);
+            let world_from_local = part.placement_of(world_from_model);
             let material = match &filter {
-                Some((filter, _)) => filtered.of(part.material, *filter, scene),
+                Some((filter, _)) => filtered.from_object(part.material, *filter, scene),
                 None => own.or(part.material),
             };
             scene.instances.push(Instance {
@@ -110,7 +110,7 @@ struct FilteredMaterials {
 
 impl FilteredMaterials {
     /// Returns the material of a part with this alpha filter.
-    fn of(
+    fn from_object(
         &mut self,
         material: Option<usize>,
         filter: AlphaFilter,
@@ -141,7 +141,7 @@ fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
             .iter()
             .map(move |&position| place.transform_point3(position))
     };
-    Aabb::around(parts.iter().flat_map(positions))
+    Aabb::from_points(parts.iter().flat_map(positions))
 }
 
 /// Returns an error if 32-bit geometry is too coarse for an object's size or position. The error
@@ -205,7 +205,7 @@ enum Needs {
 }
 
 impl Needs {
-    fn of(look: Option<&Look<'_>>) -> Self {
+    fn of_look(look: Option<&LookTable<'_>>) -> Self {
         match look {
             None => Self::OwnLooks,
             Some(look) if look.material.normal_map.is_some() => Self::Tangents,
@@ -214,13 +214,13 @@ impl Needs {
         }
     }
 
-    fn textured(self) -> bool {
+    fn is_textured(self) -> bool {
         matches!(self, Self::Coordinates | Self::Tangents)
     }
 }
 
 fn check_coordinates(
-    look: Option<&Look<'_>>,
+    look: Option<&LookTable<'_>>,
     parts: &[ModelPart],
     scene: &Scene,
 ) -> Result<(), SceneError> {
@@ -240,16 +240,16 @@ fn check_coordinates(
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Source {
+enum MeshSource {
     Shape(String),
     Obj(PathBuf),
     Gltf(SceneOfFile),
 }
 
-impl Source {
+impl MeshSource {
     /// Returns the model at a path. `None` if the name is not that of a model.
     fn model(path: PathBuf) -> Option<Self> {
-        if let Some(wanted) = SceneOfFile::of(&path) {
+        if let Some(wanted) = SceneOfFile::of_path(&path) {
             return Some(Self::Gltf(wanted));
         }
         let ending = path.extension()?;
@@ -259,14 +259,17 @@ impl Source {
     }
 }
 
-fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'a>), SceneError> {
+fn shape_or_mesh<'a>(
+    table: &Table<'a>,
+    folder: &Path,
+) -> Result<(MeshSource, Item<'a>), SceneError> {
     match (table.get("shape"), table.get("mesh")) {
-        (Some(item), None) => Ok((Source::Shape(item.word(SHAPES)?.to_owned()), item)),
+        (Some(item), None) => Ok((MeshSource::Shape(item.word(SHAPES)?.to_owned()), item)),
         (None, Some(item)) => {
             let path = folder.join(item.text()?);
             let why = format!("is `{}`, not a .obj, .glb or .gltf file", path.display());
             let help = "name a model: Wavefront OBJ, or glTF 2.0";
-            let source = Source::model(path).ok_or_else(|| item.fault(&why, help))?;
+            let source = MeshSource::model(path).ok_or_else(|| item.fault(&why, help))?;
             Ok((source, item))
         }
         (Some(_), Some(item)) => Err(item.fault("conflicts with `shape`", "keep one of the two")),
@@ -278,7 +281,7 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
 }
 
 fn make(
-    source: &Source,
+    source: &MeshSource,
     needs: &Needs,
     item: &Item<'_>,
     textures: &mut TextureFiles<'_>,
@@ -290,15 +293,15 @@ fn make(
     };
     let has_looks = *needs == Needs::OwnLooks;
     let parts = match source {
-        Source::Shape(name) => {
+        MeshSource::Shape(name) => {
             scene.meshes.push(Mesh {
                 name: name.clone(),
-                ..shape(name, needs.textured())
+                ..shape(name, needs.is_textured())
             });
             vec![ModelPart::new(scene.meshes.len() - 1, None)]
         }
-        Source::Obj(path) => obj::add(path, textures, has_looks, scene).map_err(named)?,
-        Source::Gltf(wanted) => {
+        MeshSource::Obj(path) => obj::add(path, textures, has_looks, scene).map_err(named)?,
+        MeshSource::Gltf(wanted) => {
             gltf::add(wanted, textures.files, has_looks, scene).map_err(named)?
         }
     };
@@ -324,7 +327,7 @@ fn shape(name: &str, textured: bool) -> Mesh {
         "box" => block(Vec3::NEG_ONE, Vec3::ONE),
         _ => {
             let sphere = icosphere(Vec3::ZERO, 1.0, SPHERE_SPLITS);
-            if textured { mapped(&sphere) } else { sphere }
+            if textured { map_mesh(&sphere) } else { sphere }
         }
     }
 }

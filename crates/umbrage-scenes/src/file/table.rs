@@ -3,7 +3,7 @@
 use crate::{
     SceneError,
     error::Place,
-    nearest::{listed, nearest},
+    nearest::{list_words, nearest},
 };
 use std::ops::Range;
 use toml::Spanned;
@@ -12,12 +12,12 @@ use umbrage_core::Invalid;
 
 /// The file's name and text.
 #[derive(Clone, Debug)]
-pub(super) struct Source<'a> {
+pub(super) struct TextSource<'a> {
     pub(super) file: String,
     pub(super) text: &'a str,
 }
 
-impl Source<'_> {
+impl TextSource<'_> {
     /// Returns an error at a range of bytes.
     pub(super) fn fault(
         &self,
@@ -47,7 +47,7 @@ impl Source<'_> {
 /// A table, with its name for error messages.
 #[derive(Clone, Debug)]
 pub(super) struct Table<'a> {
-    pub(super) source: &'a Source<'a>,
+    pub(super) source: &'a TextSource<'a>,
     /// Name such as `light`. Empty for the file itself.
     name: &'static str,
     entries: &'a DeTable<'a>,
@@ -57,7 +57,7 @@ pub(super) struct Table<'a> {
 /// A key's value.
 #[derive(Clone, Debug)]
 pub(super) struct Item<'a> {
-    source: &'a Source<'a>,
+    source: &'a TextSource<'a>,
     /// Key with its table: `light.radius`.
     pub(super) key: String,
     pub(super) value: &'a DeValue<'a>,
@@ -65,7 +65,7 @@ pub(super) struct Item<'a> {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn root(source: &'a Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
+    pub(super) fn root(source: &'a TextSource<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
         Self {
             source,
             name: "",
@@ -87,8 +87,8 @@ impl<'a> Table<'a> {
         let name = key.get_ref();
         let near = nearest(name, known.iter().copied());
         let help = match near.is_empty() {
-            true => format!("use {}", listed(known)),
-            false => format!("did you mean {}?", listed(&near)),
+            true => format!("use {}", list_words(known)),
+            false => format!("did you mean {}?", list_words(&near)),
         };
         Err(self.source.fault(
             key.span(),
@@ -242,7 +242,10 @@ impl<'a> Item<'a> {
         if known.contains(&word) {
             return Ok(word);
         }
-        Err(self.fault(&format!("is \"{word}\""), &format!("use {}", listed(known))))
+        Err(self.fault(
+            &format!("is \"{word}\""),
+            &format!("use {}", list_words(known)),
+        ))
     }
 
     /// Reads the values of a list of `n`.

@@ -279,7 +279,7 @@ fn near_and_far_are_fitted_where_absent() {
 }
 
 /// Returns the line of an error and its text.
-fn refused(text: &str) -> (Option<usize>, String) {
+fn refusal_text(text: &str) -> (Option<usize>, String) {
     let error = read(text).unwrap_err();
     let text = error.to_string();
     match error {
@@ -497,7 +497,7 @@ fn faults_name_line_key_and_remedy() {
             .filter(|t| t.lines().next() != table.lines().next());
         let text = format!("name = \"x\"\n{table}{line}\n{}", rest.collect::<String>());
         let expected = 1 + table.lines().count() + line.lines().count();
-        let (at, message) = refused(&text);
+        let (at, message) = refusal_text(&text);
         assert_eq!(at, Some(expected), "{message}\nfor\n{text}");
         assert!(
             message.starts_with(&format!("scene.toml:{expected}: ")),
@@ -511,7 +511,7 @@ fn faults_name_line_key_and_remedy() {
 }
 
 #[test]
-fn faults_in_the_whole_are_told() {
+fn faults_in_the_whole_are_reported() {
     let cases = [
         ("nmae = \"x\"".to_owned(), "scene.toml:1: `nmae`: is not a known key here; did you mean `name`?"),
         ("name = 3".to_owned(), "scene.toml:1: `name`: is an integer, not text; put it in quotes"),
@@ -594,13 +594,13 @@ fn sizes_and_places_are_bounded() {
 /// Checks that each text is refused with a message that starts like this.
 fn check_all(cases: &[(String, &str)]) {
     for (text, start) in cases {
-        let (_, message) = refused(text);
+        let (_, message) = refusal_text(text);
         assert!(message.starts_with(start), "{message}\nnot\n{start}");
     }
 }
 
 #[test]
-fn faults_of_a_model_are_told_with_both_places() {
+fn faults_of_a_model_are_reported_with_both_places() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     let scene = format!("{LIGHT}[[object]]\nmesh = \"broken.obj\"\n");
@@ -638,7 +638,7 @@ fn damaged_files_are_read_or_refused_without_panic() {
     read(&text).unwrap();
     let mut refused = 0;
     let mut usable = 0;
-    for damaged in crate::damage::damaged(&text, 4000) {
+    for damaged in crate::damage::damaged_texts(&text, 4000) {
         match read(&String::from_utf8_lossy(&damaged)) {
             Ok(scene) => {
                 usable += 1;

@@ -1,7 +1,7 @@
 //! Numbers of accessors. The crate `gltf` reads them only after the checks here, since it panics on
 //! some files.
 
-use super::{broken, file_bytes::FileBytes, told};
+use super::{broken_element, element_name, file_bytes::FileBytes};
 use gltf::accessor::{Accessor, DataType, Dimensions, Item, Iter, sparse::Sparse};
 use umbrage_core::Invalid;
 
@@ -16,8 +16,8 @@ pub(super) struct AccessorNumbers<'a> {
 impl<'a> AccessorNumbers<'a> {
     /// Fetches and checks the bytes of an accessor, without reading elements.
     pub(super) fn open(accessor: Accessor<'a>, data: &mut FileBytes<'_>) -> Result<Self, Invalid> {
-        let name = told("accessor", accessor.index(), accessor.name());
-        check(&accessor, data).map_err(|e| e.within(&name))?;
+        let name = element_name("accessor", accessor.index(), accessor.name());
+        check(&accessor, data).map_err(|e| e.within_context(&name))?;
         Ok(Self { accessor, name })
     }
 
@@ -32,7 +32,7 @@ impl<'a> AccessorNumbers<'a> {
 
     /// Returns the error of an accessor that is unsuitable for its use.
     pub(super) fn fault(&self, why: impl Into<String>) -> Invalid {
-        broken(self.name.as_str(), why)
+        broken_element(self.name.as_str(), why)
     }
 
     /// Returns indices of vertices.
@@ -108,7 +108,7 @@ impl<'a> AccessorNumbers<'a> {
         these: Option<&'b [u32]>,
         data: &'b FileBytes<'_>,
     ) -> Box<dyn Iterator<Item = T> + 'b> {
-        let fetched = |buffer: gltf::Buffer<'_>| data.fetched(buffer.index());
+        let fetched = |buffer: gltf::Buffer<'_>| data.fetched_buffer(buffer.index());
         let all = match self.count() {
             0 => None,
             _ => Iter::<T>::new(self.accessor.clone(), fetched),
@@ -173,14 +173,14 @@ fn check_sparse(
     let count = sparse.count();
     if count > elements {
         let why = format!("replaces {count} of {elements} elements");
-        return Err(broken("sparse", why));
+        return Err(broken_element("sparse", why));
     }
     data.budget.read(count as u64)?;
     let (indices, values) = (sparse.indices(), sparse.values());
     let width = indices.index_type().size();
     let bytes = data
         .elements(&indices.view(), indices.offset(), width, count)
-        .map_err(|e| e.within("sparse indices"))?;
+        .map_err(|e| e.within_context("sparse indices"))?;
     let mut least = 0;
     for index in bytes.chunks(indices.view().stride().unwrap_or(width)) {
         let mut word = [0; 4];
@@ -194,9 +194,9 @@ fn check_sparse(
                 continue;
             }
         };
-        return Err(broken("sparse indices", why));
+        return Err(broken_element("sparse indices", why));
     }
     data.elements(&values.view(), values.offset(), size, count)
         .map(drop)
-        .map_err(|e| e.within("sparse values"))
+        .map_err(|e| e.within_context("sparse values"))
 }

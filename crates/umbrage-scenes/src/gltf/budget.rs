@@ -53,7 +53,7 @@ impl ReadBudget {
         self.elements = self.elements.saturating_add(elements);
         let most = ELEMENTS + ELEMENTS_A_BYTE * self.bytes;
         let what = "its vertices and indices";
-        within(what, self.elements, most, "elements", self.bytes)
+        check_limit(what, self.elements, most, "elements", self.bytes)
     }
 
     /// Counts triangles of an instance.
@@ -62,24 +62,30 @@ impl ReadBudget {
         let copies = (ELEMENTS + PLACED_A_BYTE * self.bytes).min(PLACED);
         // A triangle takes at least three bytes.
         let most = copies.max(self.bytes / 3);
-        within("its mesh", self.placed, most, "triangles", self.bytes)
+        check_limit("its mesh", self.placed, most, "triangles", self.bytes)
     }
 
     /// Counts texels of an image before they are decoded or compared.
     pub(super) fn decode(&mut self, texels: u64) -> Result<(), Invalid> {
         self.texels = self.texels.saturating_add(texels);
         let most = TEXELS + TEXELS_A_BYTE * self.bytes;
-        within("its pictures", self.texels, most, "texels", self.bytes)
+        check_limit("its pictures", self.texels, most, "texels", self.bytes)
     }
 }
 
-fn within(what: &str, asked: u64, most: u64, unit: &str, bytes: u64) -> Result<(), Invalid> {
-    if asked <= most {
+fn check_limit(
+    what: &str,
+    requested: u64,
+    most: u64,
+    unit: &str,
+    bytes: u64,
+) -> Result<(), Invalid> {
+    if requested <= most {
         return Ok(());
     }
     Err(Invalid::new(
         what,
-        format!("would make {asked} {unit} of {bytes} bytes"),
+        format!("would make {requested} {unit} of {bytes} bytes"),
         format!("use at most {most}, or split the model"),
     ))
 }

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use super::{nodes::PlacedNode, told};
+use super::{element_name, nodes::PlacedNode};
 use crate::lone_model::SIZE;
 use gltf::{
     Camera as FileCamera,
@@ -13,7 +13,8 @@ use umbrage_core::{Camera, Invalid, MAX_SIDE, invalid};
 /// Returns the camera of a node. Its image has the height of that of a model without a camera, and
 /// the camera's aspect ratio.
 pub(super) fn camera(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
-    read(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
+    read(camera, node)
+        .map_err(|e| e.within_context(element_name("camera", camera.index(), camera.name())))
 }
 
 fn read(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {

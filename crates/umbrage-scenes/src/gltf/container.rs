@@ -1,6 +1,6 @@
 //! The parts of a file: JSON alone, or the chunks of a `.glb` file.
 
-use super::broken;
+use super::broken_element;
 use umbrage_core::Invalid;
 
 /// The parts of a file.
@@ -17,7 +17,7 @@ pub(super) struct Container<'a> {
 /// header's length is too small.
 pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     if bytes.is_empty() {
-        return Err(damaged("is empty".to_owned()));
+        return Err(damaged_container("is empty".to_owned()));
     }
     if !bytes.starts_with(b"glTF") {
         // Some editors write a byte order mark.
@@ -53,7 +53,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
             _ => {}
         }
     }
-    let json = json.ok_or_else(|| broken("first chunk", "is not JSON"))?;
+    let json = json.ok_or_else(|| broken_element("first chunk", "is not JSON"))?;
     Ok(Container { json, binary })
 }
 
@@ -66,11 +66,11 @@ fn take_words<const N: usize>(what: &str, bytes: &mut &[u8]) -> Result<[u32; N],
 }
 
 fn cut_off(what: &str, needed: usize, there: usize) -> Invalid {
-    damaged(format!(
+    damaged_container(format!(
         "is cut off: {what} states {needed} bytes, and there are {there}"
     ))
 }
 
-fn damaged(why: String) -> Invalid {
+fn damaged_container(why: String) -> Invalid {
     Invalid::new("file", why, "copy or download it again")
 }

@@ -1,6 +1,6 @@
 //! The JSON of a file, after a check that all its indices are valid.
 
-use super::{broken, told};
+use super::{broken_element, element_name};
 use gltf::{
     Document, Scene,
     json::{
@@ -27,25 +27,25 @@ const LOOKS: &str = "KHR_materials_";
 pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
     let mut root: Root = match serde_json::from_slice(json) {
         Ok(root) => root,
-        Err(error) => return Err(unparsed(json, &error)),
+        Err(error) => return Err(unparsed_document(json, &error)),
     };
     check_version(&root)?;
     check_extensions(&root)?;
     strip(&mut root);
     check_indices(&root).map_err(|(path, why)| {
         let name = name_on(json, &path).map_or_else(String::new, |name| format!(" of `{name}`"));
-        broken(format!("`{path}`{name}"), why)
+        broken_element(format!("`{path}`{name}"), why)
     })?;
     Ok(Document::from_json_without_validation(root))
 }
 
 /// Returns the error of text that is not a document of version 2. Version 1 is named in the error,
 /// since its lists have another syntax.
-fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
+fn unparsed_document(json: &[u8], error: &serde_json::Error) -> Invalid {
     let document: Value = serde_json::from_slice(json).unwrap_or_default();
     match document["asset"]["version"].as_str() {
         Some(version) if !version.starts_with("2.") => other_version(version),
-        _ => broken("its JSON", format!("can't be read: {error}")),
+        _ => broken_element("its JSON", format!("can't be read: {error}")),
     }
 }
 
@@ -216,7 +216,7 @@ pub(super) fn scene<'a>(
         let there: Vec<String> = document
             .scenes()
             .take(20)
-            .map(|scene| told("scene", scene.index(), scene.name()))
+            .map(|scene| element_name("scene", scene.index(), scene.name()))
             .collect();
         Invalid::new(
             "file",

@@ -1,7 +1,7 @@
 //! Bytes of the `.glb` file itself, of data URIs, and of other files. They are fetched once each,
 //! at their first use.
 
-use super::{broken, budget::ReadBudget, told};
+use super::{broken_element, budget::ReadBudget, element_name};
 use crate::{Files, SceneError};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use gltf::{
@@ -64,7 +64,7 @@ impl<'a> FileBytes<'a> {
     }
 
     /// Returns the bytes of a buffer if they have been fetched.
-    pub(super) fn fetched(&self, buffer: usize) -> Option<&[u8]> {
+    pub(super) fn fetched_buffer(&self, buffer: usize) -> Option<&[u8]> {
         Some(self.fetched[buffer].as_ref()?.slice())
     }
 
@@ -79,7 +79,7 @@ impl<'a> FileBytes<'a> {
         let stride = view.stride().unwrap_or(size);
         if stride < size {
             let why = format!("is {stride}, less than an element's {size} bytes");
-            return Err(broken("the stride of its view", why));
+            return Err(broken_element("the stride of its view", why));
         }
         let bytes = self.view(view)?;
         let Some(before_last) = count.checked_sub(1) else {
@@ -92,22 +92,24 @@ impl<'a> FileBytes<'a> {
             return Ok(&bytes[start..end as usize]);
         }
         let why = format!("has {there} bytes, and element {before_last} would end at byte {end}");
-        Err(broken(view_name(view), why))
+        Err(broken_element(view_name(view), why))
     }
 
     /// Returns the bytes of a view.
     pub(super) fn view(&mut self, view: &View<'_>) -> Result<&[u8], Invalid> {
         let buffer = view.buffer();
-        let buffer_name = told("buffer", buffer.index(), buffer.name());
-        self.fetch_buffer(&buffer)
-            .map_err(|e| e.within(&buffer_name).within(view_name(view)))?;
-        let bytes = self.fetched(buffer.index()).unwrap_or(&[]);
+        let buffer_name = element_name("buffer", buffer.index(), buffer.name());
+        self.fetch_buffer(&buffer).map_err(|e| {
+            e.within_context(&buffer_name)
+                .within_context(view_name(view))
+        })?;
+        let bytes = self.fetched_buffer(buffer.index()).unwrap_or(&[]);
         // A buffer may be longer than it states: chunks of `.glb` files are padded.
         let there = bytes.len().min(buffer.length());
         let end = view.offset().saturating_add(view.length());
         if end > there {
             let why = format!("ends at byte {end} of {buffer_name}, which has {there}");
-            return Err(broken(view_name(view), why));
+            return Err(broken_element(view_name(view), why));
         }
         Ok(&bytes[view.offset()..end])
     }
@@ -122,13 +124,13 @@ impl<'a> FileBytes<'a> {
             (Source::Bin, Some(binary)) => Fetched::InFile(binary),
             (Source::Bin, None) => {
                 let why = "are missing: it has no URI, and is not a chunk of a .glb file";
-                return Err(broken("its bytes", why));
+                return Err(broken_element("its bytes", why));
             }
         };
         let there = bytes.slice().len();
         if there < buffer.length() {
             let why = format!("states {} bytes, and there are {there}", buffer.length());
-            return Err(broken("its length", why));
+            return Err(broken_element("its length", why));
         }
         self.fetched[buffer.index()] = Some(bytes);
         Ok(())
@@ -152,7 +154,7 @@ impl<'a> FileBytes<'a> {
         self.files
             .open(&path)
             .and_then(|source| source.take(most).read_to_end(&mut bytes))
-            .map_err(|e| missing(&path, &e, self.files))?;
+            .map_err(|e| missing_file(&path, &e, self.files))?;
         self.budget.add_bytes(bytes.len().saturating_sub(counted));
         let bytes = Rc::new(bytes);
         self.read.insert(path, (bytes.clone(), most));
@@ -176,13 +178,13 @@ impl<'a> FileBytes<'a> {
 }
 
 fn view_name(view: &View<'_>) -> String {
-    told("buffer view", view.index(), view.name())
+    element_name("buffer view", view.index(), view.name())
 }
 
 /// Returns the error of a file that is missing from `files`.
-fn missing(path: &Path, error: &io::Error, files: &dyn Files) -> Invalid {
+fn missing_file(path: &Path, error: &io::Error, files: &dyn Files) -> Invalid {
     let what = path.display().to_string();
-    match SceneError::unreadable(path, error, files) {
+    match SceneError::unreadable_file(path, error, files) {
         SceneError::Unreadable { why, help, .. } => Invalid::new(what, why, help),
         other => Invalid::new(what, other.to_string(), "check the path"),
     }
@@ -192,12 +194,12 @@ fn missing(path: &Path, error: &io::Error, files: &dyn Files) -> Invalid {
 fn decode(data: &str) -> Result<Vec<u8>, Invalid> {
     let (kind, text) = data
         .split_once(',')
-        .ok_or_else(|| broken("its data URI", "has no comma before the data"))?;
+        .ok_or_else(|| broken_element("its data URI", "has no comma before the data"))?;
     let text: Vec<u8> = percent_decode_str(text).collect();
     if !kind.ends_with(";base64") {
         return Ok(text);
     }
     STANDARD
         .decode(&text)
-        .map_err(|e| broken("its data URI", format!("is not base64: {e}")))
+        .map_err(|e| broken_element("its data URI", format!("is not base64: {e}")))
 }

@@ -1,6 +1,6 @@
 //! Lights of the extension `KHR_lights_punctual`, and their sizes.
 
-use super::{nodes::PlacedNode, told};
+use super::{element_name, nodes::PlacedNode};
 use gltf::{
     json::Extras,
     khr_lights_punctual::{Kind, Light as FileLight},
@@ -20,10 +20,11 @@ pub(super) fn light(
     light: &FileLight<'_>,
     node: &PlacedNode<'_>,
 ) -> Result<Option<Light>, Invalid> {
-    made(light, node).map_err(|e| e.within(told("light", light.index(), light.name())))
+    make_light(light, node)
+        .map_err(|e| e.within_context(element_name("light", light.index(), light.name())))
 }
 
-fn made(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, Invalid> {
+fn make_light(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, Invalid> {
     invalid::not_negative("intensity", file.intensity())?;
     for channel in file.color() {
         invalid::not_negative("color", channel)?;

@@ -1,6 +1,6 @@
 //! Materials: base colours, normal maps, and alpha tests.
 
-use super::{broken, file_bytes::FileBytes, picture::Pictures, told, wrap::Wraps};
+use super::{broken_element, element_name, file_bytes::FileBytes, picture::Pictures, wrap::Wraps};
 use crate::detail::{Meaning, USUAL_CUTOFF};
 use gltf::{
     Document, Material as FileMaterial, Primitive, Semantic,
@@ -76,7 +76,7 @@ impl<'a> Materials<'a> {
         }
         let look = self
             .read(&material, maps, data, scene)
-            .map_err(|e| e.within(told("material", index, material.name())))?;
+            .map_err(|e| e.within_context(element_name("material", index, material.name())))?;
         self.known.insert(key, look);
         Ok(look)
     }
@@ -113,10 +113,10 @@ impl<'a> Materials<'a> {
         // A texture that is not read restricts emission to a part of the surface.
         let emits_evenly = file.emissive_texture().is_none();
         scene.materials.push(Material {
-            diffuse: clamped(Vec3::new(red, green, blue)),
+            diffuse: clamp_color(Vec3::new(red, green, blue)),
             diffuse_texture: color,
             emissive: match emits_evenly {
-                true => clamped(Vec3::from_array(file.emissive_factor())),
+                true => clamp_color(Vec3::from_array(file.emissive_factor())),
                 false => Vec3::ZERO,
             },
             // Meshes have one set of coordinates here.
@@ -139,7 +139,7 @@ impl<'a> Materials<'a> {
 }
 
 /// Clamps a colour to 0 to 1.
-fn clamped(v: Vec3) -> Vec3 {
+fn clamp_color(v: Vec3) -> Vec3 {
     v.clamp(Vec3::ZERO, Vec3::ONE)
 }
 
@@ -220,7 +220,7 @@ impl Coordinates {
 
     /// Returns the coordinates for the texture lookup: scaled, turned counter-clockwise (v points
     /// down), then moved.
-    pub(super) fn at(&self, uv: [f32; 2]) -> Vec2 {
+    pub(super) fn transformed_uv(&self, uv: [f32; 2]) -> Vec2 {
         let uv = Vec2::from_array(uv);
         if !self.is_transformed {
             return uv;
@@ -266,7 +266,9 @@ fn normal_map(material: &FileMaterial<'_>) -> Result<Option<TextureMap>, Invalid
     let transform: Option<TextureTransform> = transform
         .map(|value| serde_json::from_value(value.clone()))
         .transpose()
-        .map_err(|e| broken("transform of the normal map", format!("can't be read: {e}")))?;
+        .map_err(|e| {
+            broken_element("transform of the normal map", format!("can't be read: {e}"))
+        })?;
     Ok(Some(TextureMap {
         picture: picture.index(),
         coordinates: Coordinates::new(map.tex_coord(), transform.as_ref()),

@@ -69,8 +69,9 @@ fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
     let document = document::parse(container::split(bytes)?.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let mut lights = Scene::default();
-    for node in nodes::placed(&document, chosen)? {
-        add_cameras_and_lights(&node, &mut lights).map_err(|e| e.within(node.told()))?;
+    for node in nodes::placed_nodes(&document, chosen)? {
+        add_cameras_and_lights(&node, &mut lights)
+            .map_err(|e| e.within_context(node.error_name()))?;
     }
     Ok(!lights.lights.is_empty())
 }
@@ -80,7 +81,7 @@ fn bytes_of(wanted: &SceneOfFile, files: &dyn Files) -> Result<Vec<u8>, SceneErr
     files
         .open(&wanted.file)
         .and_then(|mut source| source.read_to_end(&mut bytes))
-        .map_err(|e| SceneError::unreadable(&wanted.file, &e, files))?;
+        .map_err(|e| SceneError::unreadable_file(&wanted.file, &e, files))?;
     Ok(bytes)
 }
 
@@ -129,10 +130,10 @@ fn parts(
         meshes: FileMeshes::default(),
         parts: Vec::new(),
     };
-    for node in nodes::placed(&document, chosen)? {
+    for node in nodes::placed_nodes(&document, chosen)? {
         add_others(&node, scene)
             .and_then(|()| reader.add(&node, scene))
-            .map_err(|e| e.within(node.told()))?;
+            .map_err(|e| e.within_context(node.error_name()))?;
     }
     if reader.parts.is_empty() {
         return Err(Invalid::new(
@@ -187,13 +188,13 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
 }
 
 /// Returns the error of a damaged file, or one from a faulty program.
-fn broken(what: impl Into<String>, why: impl Into<String>) -> Invalid {
+fn broken_element(what: impl Into<String>, why: impl Into<String>) -> Invalid {
     let help = "export the model again; https://github.khronos.org/glTF-Validator lists all errors of a file";
     Invalid::new(what, why, help)
 }
 
 /// Returns the name of an element of a document for errors: ``node 3 `lamp` ``.
-fn told(kind: &str, index: usize, name: Option<&str>) -> String {
+fn element_name(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} {index} `{name}`"),
         _ => format!("{kind} {index}"),

@@ -1,6 +1,6 @@
 //! The tree of nodes, and their placements.
 
-use super::{broken, told};
+use super::{broken_element, element_name};
 use gltf::{Document, Node, Scene, scene::Transform};
 use std::collections::HashMap;
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
@@ -16,8 +16,8 @@ pub(super) struct PlacedNode<'a> {
 
 impl PlacedNode<'_> {
     /// Returns the node's name for errors.
-    pub(super) fn told(&self) -> String {
-        told("node", self.node.index(), self.node.name())
+    pub(super) fn error_name(&self) -> String {
+        element_name("node", self.node.index(), self.node.name())
     }
 
     /// Returns the placement of the node's mesh. `None` if the node hides it by a size of zero
@@ -62,7 +62,7 @@ impl PlacedNode<'_> {
 }
 
 /// Returns the nodes of a scene, each after its parent and in the order of the file.
-pub(super) fn placed<'a>(
+pub(super) fn placed_nodes<'a>(
     document: &'a Document,
     scene: Scene<'a>,
 ) -> Result<Vec<PlacedNode<'a>>, Invalid> {
@@ -79,8 +79,8 @@ pub(super) fn placed<'a>(
             return Err(reached_again(document, &parents, &node, parent));
         }
         parents.insert(index, parent);
-        let parent_from_node =
-            transform(&node).map_err(|e| e.within(told("node", index, node.name())))?;
+        let parent_from_node = transform(&node)
+            .map_err(|e| e.within_context(element_name("node", index, node.name())))?;
         let world_from_node = world_from_parent * parent_from_node;
         let first = open.len();
         let children = node.children();
@@ -105,7 +105,7 @@ fn reached_again(
     let name = |parent: Option<usize>| match parent {
         Some(parent) => {
             let name = document.nodes().nth(parent).and_then(|node| node.name());
-            told("node", parent, name)
+            element_name("node", parent, name)
         }
         None => "the scene".to_owned(),
     };
@@ -119,7 +119,7 @@ fn reached_again(
     } else {
         format!("has two parents: {} and {}", name(first), name(second))
     };
-    let what = told("node", node.index(), node.name());
+    let what = element_name("node", node.index(), node.name());
     Invalid::new(
         what,
         why,
@@ -134,7 +134,7 @@ fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
             finite("matrix", matrix.as_flattened())?;
             let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
             if matrix.row(3) != DVec4::W {
-                return Err(broken(
+                return Err(broken_element(
                     "matrix",
                     format!("ends in the row {}, not in [0, 0, 0, 1]", matrix.row(3)),
                 ));
@@ -151,7 +151,10 @@ fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
             finite("scale", &scale)?;
             let rotation = DQuat::from_array(rotation.map(f64::from));
             if rotation.length_squared() == 0.0 {
-                return Err(broken("rotation", "is zero, which is not a quaternion"));
+                return Err(broken_element(
+                    "rotation",
+                    "is zero, which is not a quaternion",
+                ));
             }
             Ok(DAffine3::from_scale_rotation_translation(
                 DVec3::from_array(scale.map(f64::from)),

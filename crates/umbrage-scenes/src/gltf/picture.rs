@@ -1,10 +1,10 @@
 //! Images: PNG and JPEG, from bytes in the file or next to it.
 
 use super::{
-    broken,
+    broken_element,
     budget::ReadBudget,
+    element_name,
     file_bytes::{Fetched, FileBytes},
-    told,
 };
 use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
 use gltf::{Document, json::image::Image};
@@ -40,10 +40,10 @@ impl<'a> Pictures<'a> {
             return Ok(*known);
         }
         let image = &self.document.as_json().images[index];
-        let name = told("image", index, image.name.as_deref());
+        let name = element_name("image", index, image.name.as_deref());
         let texture = self
             .read(image, &name, meaning, data)
-            .map_err(|e| e.within(&name))?;
+            .map_err(|e| e.within_context(&name))?;
         let place = texture.map(|texture| {
             textures.push(texture);
             textures.len() - 1
@@ -73,7 +73,7 @@ impl<'a> Pictures<'a> {
             }
             (None, None) => {
                 let why = "are missing: it has neither a URI nor a buffer view";
-                return Err(broken("its bytes", why));
+                return Err(broken_element("its bytes", why));
             }
         };
         decode(bytes.slice(), image, name, meaning, &mut data.budget)

@@ -2,10 +2,10 @@
 
 use super::{
     accessor::AccessorNumbers,
-    broken,
+    broken_element, element_name,
     file_bytes::FileBytes,
     material::{Materials, SurfaceLook},
-    told, wrap,
+    wrap,
 };
 use crate::{detail::with_tangents, model_part::ModelPart};
 use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
@@ -37,8 +37,8 @@ impl FileMeshes {
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
             let within = |e: Invalid| {
-                let mesh = told("mesh", index, mesh.name());
-                e.within(format!("{mesh}, primitive {}", primitive.index()))
+                let mesh = element_name("mesh", index, mesh.name());
+                e.within_context(format!("{mesh}, primitive {}", primitive.index()))
             };
             let part = part(&primitive, data, materials, scene).map_err(within)?;
             if let Some(part) = part {
@@ -80,10 +80,13 @@ fn part(
     if let Some(coordinates) = coordinates {
         let set = Semantic::TexCoords(coordinates.set);
         let uvs: Vec<[f32; 2]> = shape.attribute(primitive, &set, data)?;
-        mesh.uvs = uvs.into_iter().map(|uv| coordinates.at(uv)).collect();
+        mesh.uvs = uvs
+            .into_iter()
+            .map(|uv| coordinates.transformed_uv(uv))
+            .collect();
         if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
             let why = "exceeds the range of 32-bit floats";
-            return Err(broken("texture transform", why));
+            return Err(broken_element("texture transform", why));
         }
         if let Some(alpha) = material_of_scene.and_then(|m| m.alpha) {
             let texture = &scene.textures[alpha.texture];
@@ -231,7 +234,7 @@ fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, Invalid> {
             let (triangles, rest) = list.as_chunks::<3>();
             if !rest.is_empty() {
                 let why = format!("have {} corners, which is not a multiple of 3", list.len());
-                return Err(broken("its triangles", why));
+                return Err(broken_element("its triangles", why));
             }
             Ok(triangles.to_vec())
         }

@@ -32,7 +32,7 @@ pub(super) fn check(
     let size = texture.size;
     let columns = texels(low.x, high.x, size.x, wraps[0]);
     let rows = texels(low.y, high.y, size.y, wraps[1]);
-    let is_found = |[found, asked]: &[i64; 2]| found == asked;
+    let is_found = |[found, requested]: &[i64; 2]| found == requested;
     if columns.iter().all(is_found) && rows.iter().all(is_found) {
         return Ok(());
     }
@@ -42,10 +42,10 @@ pub(super) fn check(
         let texel = texture.texels[(y * i64::from(size.x) + x) as usize];
         texel[3] < alpha.cutoff
     };
-    let is_alike = |&[row, asked_row]: &[i64; 2]| {
+    let is_alike = |&[row, requested_row]: &[i64; 2]| {
         columns
             .iter()
-            .all(|&[column, asked]| is_hole(column, row) == is_hole(asked, asked_row))
+            .all(|&[column, requested]| is_hole(column, row) == is_hole(requested, requested_row))
     };
     if rows.iter().all(is_alike) {
         return Ok(());
@@ -66,7 +66,7 @@ fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64;
     let end = (f64::from(high) * count_real - ROUNDING).ceil() as i64;
     let last = end.saturating_sub(1).max(first);
     let count = i64::from(count);
-    let asked = |i: i64| match wrap {
+    let requested = |i: i64| match wrap {
         WrappingMode::Repeat => i.rem_euclid(count),
         WrappingMode::ClampToEdge => i.clamp(0, count - 1),
         WrappingMode::MirroredRepeat => {
@@ -83,5 +83,5 @@ fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64;
         0..=count - 1,
     ];
     let all = parts.into_iter().flatten().filter(shown);
-    all.map(|i| [i.rem_euclid(count), asked(i)]).collect()
+    all.map(|i| [i.rem_euclid(count), requested(i)]).collect()
 }

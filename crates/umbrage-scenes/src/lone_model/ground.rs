@@ -28,7 +28,7 @@ pub(super) struct Ground {
 
 impl Ground {
     /// Detects the ground of a model.
-    pub(super) fn of(geometry: &Geometry) -> Self {
+    pub(super) fn of_geometry(geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let extent = bounds.extent();
         // Measure the footprint from above. Models without one, such as a wall, have no ground.

@@ -45,7 +45,7 @@ pub(crate) fn complete(
         fault,
     };
     check_size(geometry, place)?;
-    let ground = ground::Ground::of(geometry);
+    let ground = ground::Ground::of_geometry(geometry);
     let inside = interior::shot(geometry, &ground, SIZE);
     let outside = || of_model(geometry, &ground);
     let shot = inside
@@ -88,7 +88,7 @@ pub(crate) fn add_missing(
     match (scene.cameras.first(), scene.lights.is_empty()) {
         (None, true) => complete(scene, geometry, place)?,
         (None, false) => {
-            let ground = ground::Ground::of(geometry);
+            let ground = ground::Ground::of_geometry(geometry);
             let shot = interior::shot(geometry, &ground, SIZE)
                 .or_else(|| of_model(geometry, &ground))
                 .ok_or_else(|| too(geometry, place))?;
@@ -101,7 +101,7 @@ pub(crate) fn add_missing(
                 })?);
         }
         (Some(camera), true) => {
-            let shot = Shot::of(camera);
+            let shot = Shot::of_camera(camera);
             let usual = sun::from_left(&shot);
             scene
                 .lights

@@ -70,7 +70,7 @@ pub(super) fn score(geometry: &Geometry, points: &[Vec3], light: Vec3) -> f32 {
     let to_sun = -light.normalize() * geometry.bounds().diagonal();
     let lit = points
         .iter()
-        .filter(|p| !geometry.bvh().occluded(**p, to_sun, u32::MAX))
+        .filter(|p| !geometry.bvh().is_occluded(**p, to_sun, u32::MAX))
         .count();
     let share = lit as f32 / points.len().max(1) as f32;
     share * (1.0 - share)

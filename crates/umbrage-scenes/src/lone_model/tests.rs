@@ -28,7 +28,7 @@ fn first_picture(meshes: Vec<Mesh>) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-fn scaled(mut mesh: Mesh, scale: f32, offset: f32) -> Mesh {
+fn scale_mesh(mut mesh: Mesh, scale: f32, offset: f32) -> Mesh {
     for p in &mut mesh.positions {
         *p = *p * scale + offset;
     }
@@ -61,7 +61,7 @@ fn in_picture(scene: &Scene, points: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
 fn a_solid_of_any_size_stands_on_a_floor_with_its_shadow_in_view() {
     for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e4, 5e3), (1.0, 500.0)] {
         for mesh in [block(Vec3::ZERO, Vec3::ONE), icosphere(Vec3::ONE, 1.0, 3)] {
-            let mesh = scaled(mesh, scale, offset);
+            let mesh = scale_mesh(mesh, scale, offset);
             let lowest = mesh
                 .positions
                 .iter()
@@ -140,7 +140,7 @@ fn is_inside(scene: &Scene, bounds: umbrage_core::Aabb) -> bool {
 fn rooms_are_seen_from_inside_open_ones_through_their_opening_and_bowls_from_outside() {
     let size = Vec3::new(8.0, 3.0, 5.0);
     let closed = turned_inside_out(block(Vec3::ZERO, size));
-    let bounds = umbrage_core::Aabb::around(closed.positions.iter().copied());
+    let bounds = umbrage_core::Aabb::from_points(closed.positions.iter().copied());
     let room = first_picture(vec![closed.clone()]).expect("of a good size");
     assert!(is_inside(&room, bounds) && !has_floor(&room));
     let mut open = closed.clone();
@@ -186,7 +186,7 @@ fn the_sun_shines_where_it_is_seen() {
 #[test]
 fn what_32_bit_floats_cannot_hold_is_refused() {
     for scale in [1e-8, 1e10] {
-        let mesh = scaled(block(Vec3::ZERO, Vec3::ONE), scale, 0.0);
+        let mesh = scale_mesh(block(Vec3::ZERO, Vec3::ONE), scale, 0.0);
         let error = first_picture(vec![mesh]).expect_err("refused").to_string();
         assert!(error.contains("m across; scale it"), "{error}");
     }

@@ -1,6 +1,6 @@
 //! A brick wall: colour, relief, and the normals of the relief.
 
-use super::{Look, texture, textured};
+use super::{Look, texture, textured_look};
 use crate::builtin::noise::uniform;
 use umbrage_core::glam::{IVec3, Vec2, Vec3};
 use umbrage_core::{Displacement, Material, Texture};
@@ -24,7 +24,7 @@ pub(crate) struct Bricks {
 impl Bricks {
     /// Returns a look with colour alone.
     pub(crate) fn flat(self) -> Look {
-        textured(texture("bricks", SIDE, color))
+        textured_look(texture("bricks", SIDE, color))
     }
 
     /// Returns a look with colour and normals: relief without an effect on shadows.
@@ -42,7 +42,7 @@ impl Bricks {
 
     /// Returns a look with colour and relief. The wall's plane is half way between joints and
     /// faces.
-    pub(crate) fn carved(self, subdivisions: u32) -> Look {
+    pub(crate) fn carve_surface(self, subdivisions: u32) -> Look {
         let look = self.flat();
         let relief = Displacement {
             texture: 1,

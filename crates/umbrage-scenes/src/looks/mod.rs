@@ -60,7 +60,7 @@ pub(crate) fn glossy(color: [f32; 3]) -> Look {
 }
 
 /// Returns a look with the texture's colours.
-fn textured(texture: Texture) -> Look {
+fn textured_look(texture: Texture) -> Look {
     let look = matte([1.0; 3]);
     Look {
         material: Material {

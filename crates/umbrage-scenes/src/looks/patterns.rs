@@ -1,6 +1,6 @@
 //! Flat patterns.
 
-use super::{Look, texture, textured};
+use super::{Look, texture, textured_look};
 use crate::builtin::noise::{fractal, uniform};
 use umbrage_core::glam::{IVec3, Vec2, Vec3};
 
@@ -9,7 +9,7 @@ const PLANKS: f32 = 4.0;
 
 /// Two greys, two by two squares.
 pub(crate) fn checker() -> Look {
-    textured(texture("checker", 16, |uv| {
+    textured_look(texture("checker", 16, |uv| {
         Vec3::splat(if (uv.x < 0.5) == (uv.y < 0.5) {
             0.55
         } else {
@@ -20,7 +20,7 @@ pub(crate) fn checker() -> Look {
 
 /// Four planks along u, each with its grain.
 pub(crate) fn wood() -> Look {
-    textured(texture("wood", SIDE, plank))
+    textured_look(texture("wood", SIDE, plank))
 }
 
 fn plank(uv: Vec2) -> Vec3 {

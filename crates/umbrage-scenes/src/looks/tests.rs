@@ -18,7 +18,7 @@ fn looks_are_valid_and_within_range() {
         wood(),
         WALL.flat(),
         WALL.bumpy(),
-        WALL.carved(3),
+        WALL.carve_surface(3),
     ] {
         look.material.validate(look.textures.len()).unwrap();
         for texture in &look.textures {
@@ -68,7 +68,7 @@ fn normals_lean_as_the_relief_does() {
 
 #[test]
 fn the_wall_repeats_without_a_seam() {
-    let textures = WALL.carved(3).textures;
+    let textures = WALL.carve_surface(3).textures;
     let heights = &textures[1];
     let last = heights.size.x - 1;
     for i in 0..=last {

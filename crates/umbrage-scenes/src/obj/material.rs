@@ -42,7 +42,7 @@ pub(super) fn load(path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneEr
             false => Err(std::io::Error::other("is over 16 MiB long")),
         }
     };
-    let bytes = read().map_err(|e| SceneError::unreadable(path, &e, files))?;
+    let bytes = read().map_err(|e| SceneError::unreadable_file(path, &e, files))?;
     parse(&String::from_utf8_lossy(&bytes), path)
 }
 

@@ -161,7 +161,7 @@ fn powers_are_rounded_to_powers_of_two() {
 fn damaged_files_are_read_or_refused_without_panic() {
     let mut refused = 0;
     let mut usable = 0;
-    for damaged in crate::damage::damaged(LOOKS, 2000) {
+    for damaged in crate::damage::damaged_texts(LOOKS, 2000) {
         match parse(&String::from_utf8_lossy(&damaged), Path::new("a.mtl")) {
             Ok(_) => usable += 1,
             Err(_) => refused += 1,

@@ -44,7 +44,7 @@ pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneE
 }
 
 /// Returns a camera that sees all of the geometry.
-pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneError> {
+pub(crate) fn framing_camera(geometry: &Geometry, place: Place) -> Result<Camera, SceneError> {
     lone_model::check_size(geometry, &place)?;
     match frame(
         geometry,
@@ -78,7 +78,7 @@ pub(crate) fn add(
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
     let files = textures.files;
-    let unreadable = |e: &std::io::Error| SceneError::unreadable(path, e, files);
+    let unreadable = |e: &std::io::Error| SceneError::unreadable_file(path, e, files);
     let source = files.open(path).map_err(|e| unreadable(&e))?;
     let model = parse(path, source, &unreadable)?;
     parts::add(model, path, has_looks.then_some(textures), scene)

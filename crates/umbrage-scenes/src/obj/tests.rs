@@ -4,17 +4,18 @@ use std::io::{BufReader, Cursor};
 use umbrage_core::Light;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
-    parsed(Cursor::new(text.as_ref().to_vec()))
+    parse_mesh(Cursor::new(text.as_ref().to_vec()))
 }
 
-fn parsed(source: impl BufRead) -> Result<Mesh, SceneError> {
+fn parse_mesh(source: impl BufRead) -> Result<Mesh, SceneError> {
     let path = Path::new("model.obj");
-    let unreadable = |error: &std::io::Error| SceneError::unreadable(path, error, &FilesOnDisk);
+    let unreadable =
+        |error: &std::io::Error| SceneError::unreadable_file(path, error, &FilesOnDisk);
     parse(path, source, &unreadable).map(|model| model.mesh)
 }
 
 /// Returns the error's line and text.
-fn refused(text: impl AsRef<[u8]>) -> (Option<usize>, String) {
+fn refusal_text(text: impl AsRef<[u8]>) -> (Option<usize>, String) {
     let error = read(text).unwrap_err();
     let text = error.to_string();
     match error {
@@ -169,7 +170,7 @@ fn faults_are_refused_with_their_line() {
         ("# a\0b\n", 4, "is not text"),
     ];
     for (text, line, why) in bad {
-        let (at, message) = refused(format!("{TRIANGLE}{text}f 1 2 3\n"));
+        let (at, message) = refusal_text(format!("{TRIANGLE}{text}f 1 2 3\n"));
         assert_eq!(at, Some(line), "{text}: {message}");
         assert!(message.contains(why), "{text}: {message}");
         assert!(
@@ -189,7 +190,7 @@ fn files_without_faces_are_refused() {
         "v 0 0 0\nl 1 1",
         "\u{feff}",
     ] {
-        let (line, message) = refused(text);
+        let (line, message) = refusal_text(text);
         assert_eq!(
             (line, message.contains("has no face")),
             (None, true),
@@ -204,22 +205,22 @@ fn what_is_no_obj_is_refused() {
         .encode_utf16()
         .flat_map(u16::to_le_bytes)
         .collect();
-    assert!(refused(utf_16).1.contains("is not text"));
+    assert!(refusal_text(utf_16).1.contains("is not text"));
     let endless = vec![b'v'; 17 << 20];
-    assert!(refused(endless).1.contains("is over 16 MiB long"));
+    assert!(refusal_text(endless).1.contains("is over 16 MiB long"));
     let wide = format!("{TRIANGLE}f{}", " 1".repeat(5000));
-    assert_eq!(refused(wide).0, Some(4));
+    assert_eq!(refusal_text(wide).0, Some(4));
 }
 
 #[test]
-fn a_source_that_fails_is_told_apart_from_bad_text() {
+fn a_source_that_fails_is_distinguished_from_bad_text() {
     struct Broken;
     impl std::io::Read for Broken {
         fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
             Err(std::io::Error::other("the disk is gone"))
         }
     }
-    let error = parsed(BufReader::new(Broken)).unwrap_err();
+    let error = parse_mesh(BufReader::new(Broken)).unwrap_err();
     assert!(error.to_string().contains("the disk is gone"), "{error}");
 }
 
@@ -366,7 +367,7 @@ fn damaged_files_are_read_or_refused_without_panic() {
     );
     let mut refused = 0;
     let mut usable = 0;
-    for damaged in crate::damage::damaged(&text, 4000) {
+    for damaged in crate::damage::damaged_texts(&text, 4000) {
         match read(damaged) {
             Ok(mesh) => {
                 usable += 1;

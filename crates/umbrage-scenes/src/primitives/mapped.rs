@@ -11,14 +11,14 @@ const POLE: f64 = 1e-9;
 /// Returns a mesh around the origin with longitude and latitude as texture coordinates. Seen from
 /// outside, u grows to the right, from -z through -x; v starts at the top. Vertices are doubled at
 /// the seam and at the poles; triangles across the seam exceed u = 1.
-pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
+pub(crate) fn map_mesh(mesh: &Mesh) -> Mesh {
     let mut out = Mesh {
         name: mesh.name.clone(),
         ..Mesh::default()
     };
     let mut known = HashMap::new();
     for t in &mesh.triangles {
-        let uvs = unwrapped(t.map(|v| mesh.positions[v as usize].as_dvec3()));
+        let uvs = unwrap_triangle(t.map(|v| mesh.positions[v as usize].as_dvec3()));
         let corners = [0, 1, 2].map(|i| {
             let v: u32 = t[i];
             let uv: Vec2 = uvs[i];
@@ -37,7 +37,7 @@ pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
 }
 
 /// Returns a triangle's coordinates without a jump.
-fn unwrapped(corners: [DVec3; 3]) -> [Vec2; 3] {
+fn unwrap_triangle(corners: [DVec3; 3]) -> [Vec2; 3] {
     let mut longitudes = corners.map(longitude);
     let most = longitudes.iter().flatten().copied().fold(0.0, f64::max);
     longitudes

@@ -10,9 +10,9 @@ mod torus;
 mod tube;
 
 pub(crate) use lathe::{lathe, pillar};
-pub(crate) use mapped::mapped;
+pub(crate) use mapped::map_mesh;
 pub(crate) use prism::prism;
-pub(crate) use solids::{block, grid, quad, room, slabs_around, tiled};
+pub(crate) use solids::{block, grid, quad, room, slabs_around, tile_mesh};
 pub(crate) use sphere::{icosphere, octasphere};
 pub(crate) use torus::torus;
 pub(crate) use tube::tube;

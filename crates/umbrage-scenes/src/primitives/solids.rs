@@ -51,7 +51,7 @@ pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
 }
 
 /// Returns the mesh with its texture repeated `times` along u and v.
-pub(crate) fn tiled(mesh: Mesh, times: Vec2) -> Mesh {
+pub(crate) fn tile_mesh(mesh: Mesh, times: Vec2) -> Mesh {
     Mesh {
         uvs: mesh.uvs.iter().map(|uv| *uv * times).collect(),
         ..mesh

@@ -63,8 +63,8 @@ fn solids() -> Vec<(Mesh, f64)> {
         (tube(&arc, 24), 5.0),
         (prism(&step, 1.0, -1.0), 6.0),
         (octasphere(1.0, 5), 4.19),
-        (mapped(&octasphere(1.0, 5)), 4.19),
-        (mapped(&icosphere(Vec3::ZERO, 1.0, 4)), 4.19),
+        (map_mesh(&octasphere(1.0, 5)), 4.19),
+        (map_mesh(&icosphere(Vec3::ZERO, 1.0, 4)), 4.19),
         (torus(2.0, 0.5, [64, 32]), 9.87),
     ]
 }
@@ -153,8 +153,8 @@ fn a_sphere_keeps_its_vertices_on_its_surface() {
 #[test]
 fn spheres_are_mapped_without_jumps() {
     for (mesh, beyond) in [
-        (mapped(&octasphere(1.0, 4)), 1.0),
-        (mapped(&icosphere(Vec3::ZERO, 1.0, 4)), 1.1),
+        (map_mesh(&octasphere(1.0, 4)), 1.0),
+        (map_mesh(&icosphere(Vec3::ZERO, 1.0, 4)), 1.1),
     ] {
         assert!(
             mesh.uvs

@@ -18,7 +18,7 @@ struct State {
 impl DeviceErrors {
     /// Registers as listener of a device. Without a listener, wgpu panics on errors outside of
     /// scopes.
-    pub(crate) fn of(device: &Device) -> Self {
+    pub(crate) fn of_device(device: &Device) -> Self {
         let errors = Self::default();
         let listener = errors.clone();
         device.set_device_lost_callback(move |reason, message| {

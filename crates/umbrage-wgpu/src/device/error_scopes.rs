@@ -72,14 +72,14 @@ fn worst(
 /// Result of closed scopes, once it is available. Browsers have one thread, to which the futures
 /// are bound.
 #[cfg(not(target_arch = "wasm32"))]
-type Caught = dyn Future<Output = Result<(), BackendError>> + Send;
+type CaughtErrors = dyn Future<Output = Result<(), BackendError>> + Send;
 #[cfg(target_arch = "wasm32")]
-type Caught = dyn Future<Output = Result<(), BackendError>>;
+type CaughtErrors = dyn Future<Output = Result<(), BackendError>>;
 
 /// Closed scopes whose errors may not have arrived yet.
 pub(crate) struct ClosedScopes {
     /// Behind a lock that never blocks, so that the struct is `Sync`.
-    pending: Mutex<Pin<Box<Caught>>>,
+    pending: Mutex<Pin<Box<CaughtErrors>>>,
 }
 
 impl std::fmt::Debug for ClosedScopes {

@@ -83,8 +83,8 @@ fn snapping_of_image(depths: &[f32]) -> Snapping {
     for (strip, &rows) in rows.iter().enumerate() {
         let drawn = f64::from(depths[strip * STRIP + 2]);
         let snapped_edge = (upper_end(rows) / step).round() * step;
-        unsnapped_error += (depth_beside(edge_start(strip)) - drawn).powi(2);
-        snapped_error += (depth_beside(snapped_edge) - drawn).powi(2);
+        unsnapped_error += (neighbouring_depth(edge_start(strip)) - drawn).powi(2);
+        snapped_error += (neighbouring_depth(snapped_edge) - drawn).powi(2);
     }
     let planes = if snapped_error < unsnapped_error {
         DepthPlanes::Snapped
@@ -121,7 +121,7 @@ fn upper_end(rows: usize) -> f64 {
 /// Returns the depth of a triangle's plane at the first row's pixel left of the column. `start` is
 /// the start of the triangle's right edge, pixels right of the grid point. Coordinates are relative
 /// to the column's centres and the image's upper edge.
-fn depth_beside(start: f64) -> f64 {
+fn neighbouring_depth(start: f64) -> f64 {
     // Upper and lower end of the right edge, which have the same depth, and the left corner.
     let upper = DVec2::new(start - 0.25, 0.0);
     let lower = DVec2::new(0.125, ROWS as f64);
@@ -150,7 +150,7 @@ mod tests {
         for strip in 0..STRIPS {
             let start = edge(edge_start(strip)) - 0.25;
             let plane_start = plane(edge_start(strip));
-            depths[strip * STRIP + 2] = depth_beside(plane_start) as f32;
+            depths[strip * STRIP + 2] = neighbouring_depth(plane_start) as f32;
             for row in 0..ROWS {
                 let down = (row as f64 + 0.5) / ROWS as f64;
                 let left = -3.0 + 3.125 * down;

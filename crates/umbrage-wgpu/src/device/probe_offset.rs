@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_are_told_from_depths() {
+    fn units_are_separated_from_depths() {
         // Values of Mesa, SwiftShader (1.01 steps), hardware, and a device that ignores offsets.
         assert_eq!(unit_of(0.5), OffsetUnit::TwoSteps);
         assert_eq!(unit_of(0.25 + 1.01 * 0.125), OffsetUnit::OneStep);

@@ -34,7 +34,7 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
         .into());
     }
     if recipe.receive.kernel.compares() && !flags.contains(DownlevelFlags::COMPARISON_SAMPLERS) {
-        return Err(missing(adapter, "has no comparison samplers"));
+        return Err(missing_requirement(adapter, "has no comparison samplers"));
     }
     Ok(())
 }
@@ -73,7 +73,7 @@ pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     if flags.contains(DownlevelFlags::VERTEX_STORAGE) {
         return Ok(());
     }
-    Err(missing(
+    Err(missing_requirement(
         adapter,
         "cannot read storage buffers in vertex shaders",
     ))
@@ -84,13 +84,13 @@ fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), Backen
     if usages.contains(TextureUsages::RENDER_ATTACHMENT) {
         return Ok(());
     }
-    Err(missing(
+    Err(missing_requirement(
         adapter,
         &format!("cannot draw into {format:?} images"),
     ))
 }
 
-fn missing(adapter: &Adapter, why: &str) -> BackendError {
+fn missing_requirement(adapter: &Adapter, why: &str) -> BackendError {
     let info = adapter.get_info();
     let what = format!("graphics adapter {} ({})", info.name, info.backend);
     let help = "choose another adapter (WGPU_ADAPTER_NAME) or graphics API (WGPU_BACKEND), or the CPU backend";

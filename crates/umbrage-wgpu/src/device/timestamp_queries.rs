@@ -67,7 +67,7 @@ impl TimestampQueries {
             if !stages.0[stage as usize] {
                 return None;
             }
-            let nanoseconds = QueryPairs::elapsed(&bytes, stage)? as f64 * self.nanoseconds;
+            let nanoseconds = QueryPairs::elapsed_ticks(&bytes, stage)? as f64 * self.nanoseconds;
             Some(Duration::from_nanos(nanoseconds as u64))
         };
         Ok(Timings {

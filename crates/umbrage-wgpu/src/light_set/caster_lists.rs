@@ -207,7 +207,7 @@ fn wants_lists(light: &HeldLight) -> bool {
 
 /// Returns the lists of a light's current plan.
 fn shown_lists(light: &HeldLight) -> Option<&DeviceLists> {
-    light.state.shown()?.lists.as_ref()
+    light.state.shown_plan()?.lists.as_ref()
 }
 
 impl CasterLists {
@@ -258,7 +258,7 @@ impl CasterLists {
                     bytes >> 20,
                     most >> 20
                 );
-                light.state = LightState::Refused(RecipeError::unsupported(why));
+                light.state = LightState::Refused(RecipeError::unsupported_because(why));
                 tables.free(id);
                 self.lights.remove(id);
                 changed = true;

@@ -5,7 +5,7 @@
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
-    light_set::{buffers::Uploaded, culling::Boxes},
+    light_set::{buffers::Uploaded, culling::CullingBoxes},
     resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
     wgsl::stages::HoleRule,
 };
@@ -79,7 +79,7 @@ pub(crate) struct MeshSlots {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct CasterPlace {
     mesh: MeshId,
     /// Index among the mesh's casters.
     index: u32,
@@ -94,9 +94,9 @@ type Columns = [f32; 12];
 #[derive(Debug, Default)]
 pub(crate) struct Casters {
     meshes: SlotMap<MeshId, MeshSlots>,
-    places: SlotMap<CasterId, Place>,
+    places: SlotMap<CasterId, CasterPlace>,
     /// Box of the caster in each slot. Slots without a caster have an empty box.
-    boxes: Boxes,
+    boxes: CullingBoxes,
     /// Placement in each slot.
     columns: Vec<Columns>,
     /// The placements on the device.
@@ -180,7 +180,8 @@ impl Casters {
         limits: &Limits,
     ) -> Result<MeshId, Invalid> {
         let name = || format!("mesh `{}`", mesh.label);
-        mesh.validate(limits).map_err(|e| e.within(name()))?;
+        mesh.validate(limits)
+            .map_err(|e| e.within_context(name()))?;
         let draw = MeshDraw {
             label: mesh.label.to_owned(),
             vertices: mesh.vertices.clone(),
@@ -257,7 +258,7 @@ impl Casters {
         if index == mesh.block.end - mesh.block.start {
             self.grow(mesh_id);
         }
-        let id = self.places.insert(Place {
+        let id = self.places.insert(CasterPlace {
             mesh: mesh_id,
             index,
             moved_in: 0,
@@ -381,7 +382,7 @@ impl Casters {
     }
 
     /// Returns the changes since [`forget_changes`](Self::forget_changes).
-    pub(crate) fn changed(&self) -> &[Aabb] {
+    pub(crate) fn changed_boxes(&self) -> &[Aabb] {
         &self.changed
     }
 
@@ -391,7 +392,7 @@ impl Casters {
     }
 
     /// Returns, for each slot, whether the caster moved recently.
-    pub(crate) fn moving(&self) -> &[bool] {
+    pub(crate) fn moving_flags(&self) -> &[bool] {
         &self.moving
     }
 
@@ -457,7 +458,7 @@ impl Casters {
         self.instances = None;
     }
 
-    pub(crate) fn boxes(&self) -> &Boxes {
+    pub(crate) fn boxes(&self) -> &CullingBoxes {
         &self.boxes
     }
 
@@ -514,7 +515,7 @@ impl MeshSlots {
 ///
 /// Errors if a number of the placement or of the box is not finite.
 fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, Invalid> {
-    let within = |e: Invalid| e.within(format!("caster of mesh `{}`", mesh.label));
+    let within = |e: Invalid| e.within_context(format!("caster of mesh `{}`", mesh.label));
     invalid::finite("world from local", &world_from_local.to_cols_array()).map_err(within)?;
     // Transform the half extents by the matrix's absolute values (Arvo 1990, "Transforming
     // axis-aligned bounding boxes").

@@ -15,7 +15,7 @@ const GREATEST_GAP: u32 = 8;
 
 /// Boxes in arrays, with one entry per slot.
 #[derive(Debug, Default)]
-pub(crate) struct Boxes {
+pub(crate) struct CullingBoxes {
     centre: [Vec<f32>; 3],
     /// Half extents; [`NOTHING`] for empty boxes.
     half: [Vec<f32>; 3],
@@ -49,7 +49,7 @@ pub(crate) struct Volume {
     planes: [Vec4; 6],
 }
 
-impl Boxes {
+impl CullingBoxes {
     pub(crate) fn resize(&mut self, slots: u32) {
         for values in &mut self.centre {
             values.resize(slots as usize, 0.0);
@@ -176,7 +176,7 @@ impl Volume {
     }
 
     /// Tests, for each slot, whether its box may be visible in the layer.
-    pub(crate) fn find(&self, boxes: &Boxes, shown: &mut ShownSlots) {
+    pub(crate) fn find(&self, boxes: &CullingBoxes, shown: &mut ShownSlots) {
         let slots = boxes.centre[0].len();
         shown.0.clear();
         shown.0.resize(slots, 0);
@@ -191,7 +191,7 @@ impl Volume {
 /// Tests all boxes against the planes of a volume.
 struct FindShown<'a> {
     planes: &'a [Vec4; 6],
-    boxes: &'a Boxes,
+    boxes: &'a CullingBoxes,
     out: &'a mut [u32],
 }
 
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn runs_are_the_boxes_that_may_show() {
-        let mut boxes = Boxes::default();
+        let mut boxes = CullingBoxes::default();
         boxes.resize(100);
         for slot in 0..100_u32 {
             // Every third slot is empty.

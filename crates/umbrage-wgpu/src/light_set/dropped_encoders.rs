@@ -36,9 +36,9 @@ impl Drop for Watch {
 }
 
 impl DroppedEncoders {
-    pub(crate) fn of(device: &Device) -> Self {
+    pub(crate) fn of_device(device: &Device) -> Self {
         Self {
-            submissions: Submissions::of(device),
+            submissions: Submissions::of_device(device),
             dropped: Arc::default(),
         }
     }

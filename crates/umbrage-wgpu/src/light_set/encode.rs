@@ -4,7 +4,7 @@ use crate::{
     light_set::{
         LightSet, masks,
         options::LightId,
-        shader::unprepared,
+        shader::unprepared_error,
         timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
     },
     targets::CastTarget,
@@ -64,7 +64,7 @@ impl LightSet {
         timer: Option<PassTimer<'_, '_>>,
     ) -> Result<(), BackendError> {
         if self.shader.bind_group().is_none() {
-            return Err(unprepared());
+            return Err(unprepared_error());
         }
         if self.passes.count() == 0 && self.lists.stale_count() == 0 {
             return Ok(());
@@ -134,7 +134,7 @@ impl LightSet {
     pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
         self.masks
             .encode(encoder, &self.shader, None)
-            .ok_or_else(masks::unprepared)
+            .ok_or_else(masks::unprepared_error)
     }
 
     /// Records the passes like [`encode_masks`](Self::encode_masks), each between two timestamps.
@@ -151,6 +151,6 @@ impl LightSet {
         let timer = PassTimer::new(stamps, passes);
         self.masks
             .encode(encoder, &self.shader, Some(timer))
-            .ok_or_else(masks::unprepared)
+            .ok_or_else(masks::unprepared_error)
     }
 }

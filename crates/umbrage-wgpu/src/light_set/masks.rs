@@ -132,7 +132,7 @@ pub(crate) struct MaskStage {
 struct SeenTextures([Option<TextureView>; 3]);
 
 impl SeenTextures {
-    fn of(receivers: &MaskReceivers<'_>) -> Self {
+    fn of_receivers(receivers: &MaskReceivers<'_>) -> Self {
         Self(views(receivers).map(Option::<&TextureView>::cloned))
     }
 
@@ -196,7 +196,7 @@ impl MaskStage {
     pub(crate) fn is_made_for(&self, shader: &SetShader, inputs: &MaskInputs<'_>) -> bool {
         self.fits(inputs)
             && self.pipeline.is_some()
-            && self.made_for == Some(MaskKey::of(shader, inputs))
+            && self.made_for == Some(MaskKey::of_inputs(shader, inputs))
             && self
                 .seen
                 .as_ref()
@@ -217,21 +217,21 @@ impl MaskStage {
         self.lights.clear();
         self.lights.extend(lights);
         if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
-            self.write_camera(factory, &DepthCamera::of(depth)?);
+            self.write_camera(factory, &DepthCamera::of_source(depth)?);
         }
         if self.is_made_for(shader, inputs) {
             return Ok(());
         }
         // Replace texture and bindings.
         self.fit_texture(factory, inputs);
-        let key = MaskKey::of(shader, inputs);
+        let key = MaskKey::of_inputs(shader, inputs);
         let layout = self.bind(factory, pipelines, &inputs.receivers);
-        self.seen = Some(SeenTextures::of(&inputs.receivers));
+        self.seen = Some(SeenTextures::of_receivers(&inputs.receivers));
         if self.made_for == Some(key) && self.pipeline.is_some() {
             return Ok(());
         }
         // Build the pipeline.
-        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared)?;
+        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared_error)?;
         let own_group = own_group(shader.group());
         let mut groups = [None, None, None, None];
         let mut count = 0;
@@ -361,7 +361,7 @@ impl MaskStage {
 }
 
 impl MaskKey {
-    fn of(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
+    fn of_inputs(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
         Self {
             revision: shader.revision(),
             receivers: inputs.receivers.source(),
@@ -408,7 +408,7 @@ fn own_group(set_group: u32) -> u32 {
 }
 
 /// Returns the error of masks that are not prepared.
-pub(crate) fn unprepared() -> BackendError {
+pub(crate) fn unprepared_error() -> BackendError {
     let help = "call `prepare_masks` first, and check its error";
     Invalid::new("masks", "have nothing prepared", help).into()
 }

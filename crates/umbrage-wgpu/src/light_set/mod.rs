@@ -190,7 +190,7 @@ impl LightSet {
             report: SetReport::default(),
             meter: PriceMeter::new(device),
             errors: LaterErrors::default(),
-            dropped_encoders: DroppedEncoders::of(device),
+            dropped_encoders: DroppedEncoders::of_device(device),
             counters: Counters::default(),
             pipelines: Pipelines::default(),
             tables: Tables::default(),
@@ -303,7 +303,9 @@ impl LightSet {
     /// # Errors
     /// Errors if a number is not finite.
     pub fn touch(&mut self, bounds: &Aabb) -> Result<(), Invalid> {
-        bounds.validate().map_err(|e| e.within("changed part"))?;
+        bounds
+            .validate()
+            .map_err(|e| e.within_context("changed part"))?;
         self.casters.touch(bounds);
         Ok(())
     }
@@ -389,10 +391,10 @@ impl LightSet {
     }
 
     /// Returns the lights without shadows as of the last [`prepare`](Self::prepare), with reasons.
-    pub fn unserved(&self) -> impl Iterator<Item = (LightId, Unserved)> + '_ {
+    pub fn unserved_lights(&self) -> impl Iterator<Item = (LightId, Unserved)> + '_ {
         self.lights
             .iter()
-            .filter_map(|(id, light)| Some((id, light.state.unserved()?)))
+            .filter_map(|(id, light)| Some((id, light.state.unserved_reason()?)))
     }
 
     /// Returns the statistics of the last [`prepare`](Self::prepare).
@@ -403,7 +405,7 @@ impl LightSet {
     /// Returns the box for which lights are planned: a box around all casters whose sides are on a
     /// coarse grid. It doesn't change when casters move a little, and neither do maps fitted to it.
     pub fn casters_box(&self) -> Aabb {
-        steady_box::around(&self.casters.bounds())
+        steady_box::steady_box_around(&self.casters.bounds())
     }
 
     /// Returns the number of casters; a part of the alpha-tested ones counts as one.
@@ -435,7 +437,9 @@ impl LightSet {
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        self.shader.bind_group().ok_or_else(shader::unprepared)
+        self.shader
+            .bind_group()
+            .ok_or_else(shader::unprepared_error)
     }
 
     /// Returns an error of the graphics API since the last call, for

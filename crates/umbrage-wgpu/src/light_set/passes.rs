@@ -135,7 +135,7 @@ impl PassList {
         cast: &LightCast,
         name: PassName,
     ) {
-        let moving = sources.casters.moving();
+        let moving = sources.casters.moving_flags();
         let wanted = match name.part {
             PassCasters::All => Wanted::All,
             PassCasters::Still => Wanted::Still(moving),
@@ -285,6 +285,6 @@ fn has_still_layer(
         return false;
     }
     *bytes_left -= bytes;
-    cast.still = Some(StillLayer::like(factory, &cast.target));
+    cast.still = Some(StillLayer::like_target(factory, &cast.target));
     true
 }

@@ -47,7 +47,7 @@ impl LightPlan {
     ///
     /// Errors if the technique doesn't support the light, or with `Unsupported` if the set can't
     /// execute its recipe.
-    pub(crate) fn of(
+    pub(crate) fn of_light(
         technique: &dyn ShadowTechnique,
         view: &View<'_>,
         limits: PlanLimits<'_>,
@@ -57,7 +57,7 @@ impl LightPlan {
         {
             let made = made?;
             if let Some(why) = limits.unlisted {
-                return Err(RecipeError::unsupported(why));
+                return Err(RecipeError::unsupported_because(why));
             }
             made.recipe.validate(limits.recipes)?;
             return Ok(Self {
@@ -90,7 +90,7 @@ impl LightPlan {
                 "its kernel reads {images} images and {tables} tables, and in a light set it may read {MAX_IMAGES} images with fewer than \
                  {MAX_TABLES} tables, or {MAX_TABLES} tables and {MAX_IMAGES_WITH_ALL_TABLES} image"
             );
-            return Err(RecipeError::unsupported(why));
+            return Err(RecipeError::unsupported_because(why));
         }
         // Describe the kernel.
         let block = kernel.uniforms();
@@ -149,7 +149,7 @@ fn check_casts(recipe: &Recipe) -> Result<(), RecipeError> {
         let draws_casters = matches!(cast.source, Source::Casters | Source::SomeCasters(_));
         let keeps_depth = !matches!(cast.mode, CastMode::StencilDepthFail { .. });
         if !draws_casters || !keeps_depth {
-            return Err(RecipeError::unsupported(
+            return Err(RecipeError::unsupported_because(
                 "it draws from the camera, which a light set doesn't support: use `ShadowRenderer`",
             ));
         }

@@ -44,7 +44,7 @@ pub(crate) struct LayerPool {
 }
 
 impl LayerClass {
-    pub(crate) fn of(image: &ImageDesc) -> Self {
+    pub(crate) fn of_image(image: &ImageDesc) -> Self {
         Self {
             size: image.size,
             format: image.format,
@@ -56,7 +56,7 @@ impl LayerPool {
     /// Allocates as many consecutive layers as an image has; `None` if a texture of this class
     /// would need more than `most`.
     pub(crate) fn take(&mut self, image: &ImageDesc, most: u32) -> Option<LayerRange> {
-        let class = LayerClass::of(image);
+        let class = LayerClass::of_image(image);
         let known = self.classes.iter().position(|c| c.class == class);
         let index = known.unwrap_or_else(|| {
             self.classes.push(ClassTexture {

@@ -43,7 +43,7 @@ impl LightSet {
             recipes: &self.limits,
             unlisted: unlisted.as_deref(),
         };
-        LightPlan::of(technique, &view, limits)?;
+        LightPlan::of_light(technique, &view, limits)?;
         Ok(())
     }
 
@@ -108,7 +108,7 @@ impl LightSet {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         let lights = inputs.lights.iter().map(|&id| {
             let light = &self.lights[id];
-            (id, light.state.shown().map(|_| light.index))
+            (id, light.state.shown_plan().map(|_| light.index))
         });
         let result = self.masks.prepare(
             &mut factory,
@@ -160,7 +160,7 @@ impl LightSet {
             light.has_changed = false;
             self.report.planned += 1;
             let view = frame.view_of(&settings.light, now.casters);
-            match LightPlan::of(&*settings.technique, &view, limits) {
+            match LightPlan::of_light(&*settings.technique, &view, limits) {
                 Ok(plan) => {
                     self.layers_changed |= light.state.take_plan(plan) == Difference::Images;
                 }
@@ -217,9 +217,9 @@ impl LightSet {
         for light in self.lights.values_mut() {
             light
                 .maps
-                .mark_stale(casters.changed(), casters.still_changed());
+                .mark_stale(casters.changed_boxes(), casters.still_changed());
         }
-        if !casters.changed().is_empty() || casters.has_grown() {
+        if !casters.changed_boxes().is_empty() || casters.has_grown() {
             self.lists.mark_stale();
         }
     }
@@ -229,7 +229,7 @@ impl LightSet {
         let lights = &mut self.lights;
         let chosen = &mut self.passes.lights;
         for (id, light) in &*lights {
-            let is_shown = light.state.shown().is_some();
+            let is_shown = light.state.shown_plan().is_some();
             if light.state.has_next() || is_shown && light.waiting_layers() > 0 {
                 chosen.push(id);
             }
@@ -293,7 +293,7 @@ impl LightSet {
         for (id, light) in &mut self.lights {
             let mut ranges = light.maps.ranges.iter();
             let has_lost = ranges.any(|range| lost.contains(&range.class));
-            if has_lost && light.state.shown().is_some() {
+            if has_lost && light.state.shown_plan().is_some() {
                 // Ignore the budget: shaders would read an empty texture.
                 light.state.lose_content();
                 if !self.passes.lights.contains(&id) {
@@ -313,7 +313,7 @@ impl LightSet {
                 continue;
             };
             self.shader.change();
-            let (Some(plan), maps) = (light.state.shown(), &mut light.maps) else {
+            let (Some(plan), maps) = (light.state.shown_plan(), &mut light.maps) else {
                 continue;
             };
             if difference == Difference::Images {
@@ -433,7 +433,7 @@ fn has_layers_for_plan(light: &HeldLight, pool: &LayerPool) -> bool {
     let images = &plan.recipe.images;
     let ranges = &light.maps.ranges;
     let fits = images.iter().zip(ranges).all(|(image, range)| {
-        pool.class(range.class) == LayerClass::of(image)
+        pool.class(range.class) == LayerClass::of_image(image)
             && range.layers.len() == image.layers as usize
     });
     images.len() == ranges.len() && fits

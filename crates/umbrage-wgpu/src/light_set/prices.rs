@@ -112,7 +112,8 @@ impl PriceMeter {
         let period = *queries
             .period
             .get_or_insert_with(|| 1e-9 * f64::from(queue.get_timestamp_period()));
-        let elapsed = |bytes: &[u8]| [DRAW, COPY].map(|pair| QueryPairs::elapsed(bytes, pair));
+        let elapsed =
+            |bytes: &[u8]| [DRAW, COPY].map(|pair| QueryPairs::elapsed_ticks(bytes, pair));
         let Some(ticks) = queries.read.take(elapsed) else {
             return;
         };

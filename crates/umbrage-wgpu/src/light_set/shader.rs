@@ -191,7 +191,7 @@ impl SetShader {
     /// Ensures that kinds and bindings for all shown lights are registered.
     fn register_all(&mut self, lights: &mut SlotMap<LightId, HeldLight>) {
         let is_registered = |light: &HeldLight| {
-            let plan = light.state.shown();
+            let plan = light.state.shown_plan();
             plan.is_none_or(|plan| self.has_registered(plan, light))
         };
         if lights.values().all(is_registered) {
@@ -205,7 +205,7 @@ impl SetShader {
         self.records.clear();
         self.is_outdated = true;
         for light in lights.values_mut() {
-            if let Some(plan) = light.state.shown()
+            if let Some(plan) = light.state.shown_plan()
                 && let Err(error) = self.register(plan, light)
             {
                 light.state = LightState::Refused(error);
@@ -253,7 +253,7 @@ impl SetShader {
     fn add_kind(&mut self, plan: &LightPlan) -> Result<usize, RecipeError> {
         if self.kinds.len() == MAX_KINDS {
             let why = format!("the lights of the set have {MAX_KINDS} other kinds of kernels");
-            return Err(RecipeError::unsupported(why));
+            return Err(RecipeError::unsupported_because(why));
         }
         let stride = plan.kind.uniforms.map_or(0, |(_, size)| size);
         self.kinds.push(plan.kind.clone());
@@ -269,7 +269,7 @@ impl SetShader {
                 "the lights of the set have maps of {} other sizes and formats, which is the limit of shaders on this device",
                 self.most_maps
             );
-            return Err(RecipeError::unsupported(why));
+            return Err(RecipeError::unsupported_because(why));
         }
         self.maps.push(binding);
         Ok(self.maps.len() - 1)
@@ -279,7 +279,7 @@ impl SetShader {
     fn set_records(&mut self, lights: &SlotMap<LightId, HeldLight>) {
         let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
         for (id, light) in lights {
-            let Some(plan) = light.state.shown() else {
+            let Some(plan) = light.state.shown_plan() else {
                 continue;
             };
             // The kind was registered.
@@ -357,7 +357,7 @@ impl SetShader {
         let mut counted: Vec<Arc<[[u32; 4]]>> = Vec::new();
         for id in order {
             let light = &mut lights[id];
-            let Some(plan) = light.state.shown() else {
+            let Some(plan) = light.state.shown_plan() else {
                 continue;
             };
             if plan.lists.is_some() {
@@ -381,7 +381,7 @@ impl SetShader {
                     with_own >> 10,
                     most >> 10
                 );
-                light.state = LightState::Refused(RecipeError::unsupported(why));
+                light.state = LightState::Refused(RecipeError::unsupported_because(why));
                 self.forget(id);
             }
         }
@@ -389,7 +389,7 @@ impl SetShader {
 
     /// Drops the tables that no shown light uses.
     fn retain_tables(&mut self, lights: &SlotMap<LightId, HeldLight>) {
-        let plans = || lights.values().filter_map(|light| light.state.shown());
+        let plans = || lights.values().filter_map(|light| light.state.shown_plan());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| {
                 let receive = &plan.recipe.receive;
@@ -398,7 +398,7 @@ impl SetShader {
             })
         };
         let is_listed = |id: LightId| {
-            let shown = lights.get(id).and_then(|light| light.state.shown());
+            let shown = lights.get(id).and_then(|light| light.state.shown_plan());
             shown.is_some_and(|plan| plan.lists.is_some())
         };
         self.tables.retain(is_used, is_listed);
@@ -465,7 +465,7 @@ fn map_binding(plan: &LightPlan, light: &HeldLight, i: usize, image: usize) -> M
 }
 
 /// Returns the error of a set that is not prepared.
-pub(crate) fn unprepared() -> BackendError {
+pub(crate) fn unprepared_error() -> BackendError {
     let help = "call `prepare` first, and check its error";
     Invalid::new("light set", "has nothing prepared", help).into()
 }

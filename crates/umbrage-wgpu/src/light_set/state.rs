@@ -48,7 +48,7 @@ impl LightState {
     }
 
     /// Returns the plan used by shaders.
-    pub(crate) fn shown(&self) -> Option<&LightPlan> {
+    pub(crate) fn shown_plan(&self) -> Option<&LightPlan> {
         match self {
             Self::Shown { plan, .. } => Some(plan),
             _ => None,
@@ -61,7 +61,7 @@ impl LightState {
     }
 
     /// Returns the reason why the light is lit everywhere, if it is.
-    pub(crate) fn unserved(&self) -> Option<Unserved> {
+    pub(crate) fn unserved_reason(&self) -> Option<Unserved> {
         match self {
             Self::Refused(error) => Some(Unserved::Refused(error.clone())),
             Self::OverBudget(_) => Some(Unserved::OverBudget),
@@ -208,7 +208,7 @@ impl HeldLight {
     /// Returns whether shaders read a layer that was never drawn: its frame was prepared, but not
     /// recorded or submitted.
     pub(crate) fn is_undrawn(&self) -> bool {
-        self.state.shown().is_some() && self.maps.casts.iter().any(|cast| !cast.is_drawn)
+        self.state.shown_plan().is_some() && self.maps.casts.iter().any(|cast| !cast.is_drawn)
     }
 
     /// Returns the number of layers to be drawn: all layers of a plan that is not shown, otherwise

@@ -9,7 +9,7 @@ const STEP: f32 = 1.0 / 16.0;
 
 /// Returns a box around `bounds` whose sides are on a grid. It only depends on `bounds`, so two
 /// sets with the same casters have the same box. The step of the grid is a power of two.
-pub(crate) fn around(bounds: &Aabb) -> Aabb {
+pub(crate) fn steady_box_around(bounds: &Aabb) -> Aabb {
     if bounds.is_empty() {
         return Aabb::EMPTY;
     }
@@ -40,13 +40,13 @@ mod tests {
             min: Vec3::new(x, 0.1, -3.0),
             max: Vec3::new(x + 10.0, 2.2, 5.0),
         };
-        let held = around(&at(0.1));
+        let held = steady_box_around(&at(0.1));
         for x in [0.1, 0.15, 0.2, 0.3, 0.4] {
-            assert_eq!(around(&at(x)), held, "{x}");
+            assert_eq!(steady_box_around(&at(x)), held, "{x}");
         }
         for x in [-1e5, -3.3, 0.0, 0.7, 12_345.678, 1e6] {
             let inner = at(x);
-            let outer = around(&inner);
+            let outer = steady_box_around(&inner);
             assert!(outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all());
             let added = outer.extent() - inner.extent();
             assert!(
@@ -54,6 +54,6 @@ mod tests {
                 "{x}: {added}"
             );
         }
-        assert_eq!(around(&Aabb::EMPTY), Aabb::EMPTY);
+        assert_eq!(steady_box_around(&Aabb::EMPTY), Aabb::EMPTY);
     }
 }

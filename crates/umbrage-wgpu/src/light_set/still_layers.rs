@@ -37,7 +37,7 @@ pub(crate) fn is_wanted(
     shown: &ShownSlots,
 ) -> bool {
     let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
-    let moving = Wanted::Moving(casters.moving());
+    let moving = Wanted::Moving(casters.moving_flags());
     if option == StillLayers::Never || triangles(casters, shown, moving) == 0 {
         return false;
     }
@@ -45,7 +45,7 @@ pub(crate) fn is_wanted(
         return true;
     }
     // The still casters are drawn once into their own layer, and then copied.
-    let still = Wanted::Still(casters.moving());
+    let still = Wanted::Still(casters.moving_flags());
     let saved = triangles(casters, shown, still) as f64 * prices.texels_a_triangle();
     let patience = if cast.still.is_some() { PATIENCE } else { 1.0 };
     saved * patience > texels as f64
@@ -61,7 +61,7 @@ fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
 
 impl StillLayer {
     /// Returns an empty layer with the properties of a cast's.
-    pub(crate) fn like(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
+    pub(crate) fn like_target(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
         let label = "umbrage still casters";
         let format = texture_format(target.format());
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;

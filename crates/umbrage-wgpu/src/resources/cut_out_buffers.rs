@@ -71,7 +71,7 @@ impl CutOutBuffers {
         for run in runs {
             for start in run.clone().step_by(PART as usize) {
                 let part = start..(start + PART).min(run.end);
-                let bounds = Aabb::around(geometry.vertices_of(part.clone()));
+                let bounds = Aabb::from_points(geometry.vertices_of(part.clone()));
                 parts.push((part, bounds));
             }
         }

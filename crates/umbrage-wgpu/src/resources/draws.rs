@@ -65,25 +65,24 @@ impl DrawList {
         let mut ranges = Vec::with_capacity(casts.len());
         for cast in casts {
             let first = draws.len();
-            let range =
-                match &cast.source {
-                    Source::Casters => casters.clone(),
-                    Source::Everything => everything.clone(),
-                    Source::SomeCasters(runs) => {
-                        draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
-                        draws.extend(holes.and_then(|holes| {
-                            Draw::with_holes(holes, &within(runs, &holes.casters))
-                        }));
-                        first..draws.len()
+            let range = match &cast.source {
+                Source::Casters => casters.clone(),
+                Source::Everything => everything.clone(),
+                Source::SomeCasters(runs) => {
+                    draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
+                    draws.extend(holes.and_then(|holes| {
+                        Draw::with_holes(holes, &runs_within(runs, &holes.casters))
+                    }));
+                    first..draws.len()
+                }
+                Source::Faces(drawn) => {
+                    let buffer = faces.get(factory, drawn);
+                    if !drawn.triangles.is_empty() {
+                        draws.push(Draw::faces(buffer, drawn.triangles.len()));
                     }
-                    Source::Faces(drawn) => {
-                        let buffer = faces.get(factory, drawn);
-                        if !drawn.triangles.is_empty() {
-                            draws.push(Draw::faces(buffer, drawn.triangles.len()));
-                        }
-                        first..draws.len()
-                    }
-                };
+                    first..draws.len()
+                }
+            };
             ranges.push(range);
         }
         Self {
@@ -192,7 +191,7 @@ impl Draw {
 }
 
 /// Returns the parts of runs within a range.
-fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
+fn runs_within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
     let clipped = |run: &Range<u32>| run.start.max(range.start)..run.end.min(range.end);
     runs.iter()
         .map(clipped)
@@ -217,7 +216,7 @@ fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Ran
 
 #[cfg(test)]
 mod tests {
-    use super::{ranges_of, within};
+    use super::{ranges_of, runs_within};
 
     #[test]
     fn runs_become_ranges_of_indices() {
@@ -230,6 +229,6 @@ mod tests {
     #[test]
     fn runs_beyond_a_range_are_none() {
         let runs = [0..4, 10..12, 19..30, 30..40];
-        assert_eq!(within(&runs, &(2..20)), [2..4, 10..12, 19..20]);
+        assert_eq!(runs_within(&runs, &(2..20)), [2..4, 10..12, 19..20]);
     }
 }

@@ -62,7 +62,7 @@ enum Peel {
 }
 
 impl Peel {
-    fn of(target: &CastTarget) -> Self {
+    fn of_target(target: &CastTarget) -> Self {
         match (&target.behind, target.format()) {
             (None, _) => Self::Nothing,
             (Some(_), Format::Depth16) => Self::Depth16,
@@ -108,7 +108,7 @@ impl Pipelines {
             depth: target.state(),
             layout,
             vertex,
-            peel: Peel::of(target),
+            peel: Peel::of_target(target),
         };
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
@@ -196,7 +196,7 @@ fn cast_groups(
 
 pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
     #[cfg(feature = "testing")]
-    let text = &*crate::driver_model::rewritten(text);
+    let text = &*crate::driver_model::rewrite_text(text);
     let source = ShaderSource::Wgsl(text.into());
     device.create_shader_module(ShaderModuleDescriptor {
         label: Some(label),

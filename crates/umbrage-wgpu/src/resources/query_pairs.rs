@@ -37,7 +37,7 @@ impl QueryPairs {
     }
 
     /// Returns the ticks between the two timestamps of a pair, given the contents of the buffer.
-    pub(crate) fn elapsed(bytes: &[u8], pair: u32) -> Option<u64> {
+    pub(crate) fn elapsed_ticks(bytes: &[u8], pair: u32) -> Option<u64> {
         let begin = pair as usize * QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
         let tick = |at: usize| Some(u64::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
         tick(begin + size_of::<u64>())?.checked_sub(tick(begin)?)

@@ -34,7 +34,7 @@ impl Pending {
 }
 
 impl Submissions {
-    pub(crate) fn of(device: &Device) -> Self {
+    pub(crate) fn of_device(device: &Device) -> Self {
         Self {
             device: device.clone(),
             spare: Arc::default(),
@@ -48,7 +48,7 @@ impl Submissions {
 
     /// Returns the number of buffers created.
     #[cfg(feature = "testing")]
-    pub(crate) fn made(&self) -> u32 {
+    pub(crate) fn made_count(&self) -> u32 {
         self.made.load(Ordering::Relaxed)
     }
 
@@ -72,7 +72,7 @@ impl Submissions {
             call();
             if result.is_ok() {
                 mapped.unmap();
-                locked(&spare).push(mapped);
+                lock_spare(&spare).push(mapped);
             }
         });
     }
@@ -85,7 +85,7 @@ impl Submissions {
     }
 
     fn buffer(&self) -> Buffer {
-        if let Some(buffer) = locked(&self.spare).pop() {
+        if let Some(buffer) = lock_spare(&self.spare).pop() {
             return buffer;
         }
         self.made.fetch_add(1, Ordering::Relaxed);
@@ -102,6 +102,6 @@ impl Submissions {
 }
 
 /// Locks the list. Ignores poisoning: a panic in another thread leaves a list of complete buffers.
-fn locked(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
+fn lock_spare(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -47,7 +47,7 @@ impl KernelInterface {
         let image = |&id: &usize| {
             let desc: Option<&ImageDesc> = recipe.images.get(id);
             InputImage {
-                kind: InputKind::of(desc.map(|desc| desc.format), compares),
+                kind: InputKind::of_format(desc.map(|desc| desc.format), compares),
                 layered: desc.is_some_and(|desc| desc.layers > 1),
             }
         };
@@ -66,7 +66,7 @@ impl KernelInterface {
 }
 
 impl InputKind {
-    fn of(format: Option<Format>, compares: bool) -> Self {
+    fn of_format(format: Option<Format>, compares: bool) -> Self {
         match format {
             Some(Format::Stencil8) => Self::Counts,
             Some(Format::Rg16 | Format::Rgba16) => Self::Words,

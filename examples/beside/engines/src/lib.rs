@@ -38,7 +38,7 @@ pub trait Rival: Sized {
     ///
     /// # Errors
     /// Returns an error if the renderer does.
-    fn lit(&mut self) -> Result<Vec<f32>>;
+    fn lit_fractions(&mut self) -> Result<Vec<f32>>;
 
     /// Returns the settings with their names in the table.
     fn settings(judged: &JudgedScene) -> Vec<(String, Self::Setting)>;
@@ -97,7 +97,7 @@ pub fn run<R: Rival>() -> Result<()> {
     for name in &arguments.scenes {
         let judged = JudgedScene::by_argument(name, None, &options)?;
         let mut rival = R::start(&judged)?;
-        let lit = rival.lit()?;
+        let lit = rival.lit_fractions()?;
         for (label, setting) in R::settings(&judged) {
             let is_wanted = arguments.only.iter().any(|text| label.contains(text));
             if !arguments.only.is_empty() && !is_wanted {

@@ -70,7 +70,7 @@ impl Movement {
                 let mut moved = recipe.clone();
                 for cast in &mut moved.casts {
                     let size = recipe.images[cast.image].size;
-                    cast.space = cast.space.nudged(half * Vec2::new(x, y), depth, size);
+                    cast.space = cast.space.nudge_by(half * Vec2::new(x, y), depth, size);
                 }
                 cpu.render(&view, &moved)?
             }

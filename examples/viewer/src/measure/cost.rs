@@ -14,7 +14,7 @@ use umbrage::{
 
 /// Returns the prices of wgpu devices.
 pub(crate) fn prices() -> CostModel {
-    CostModel::of("wgpu")
+    CostModel::for_backend("wgpu")
 }
 
 /// The cost of settings.
@@ -33,7 +33,7 @@ impl Cost {
     ///
     /// # Errors
     /// Returns an error if the technique refuses the light.
-    pub(crate) fn of(
+    pub(crate) fn of_settings(
         preset: &TechniquePreset,
         subject: &Subject,
         receivers: &Receivers,
@@ -41,7 +41,7 @@ impl Cost {
         let view = subject.view();
         let recipe = preset.recipe(&view)?;
         let view_of_receivers = view.with_receivers(receivers);
-        let work = Work::of(&view_of_receivers, &recipe, &Catalogue::built_in());
+        let work = Work::of_recipe(&view_of_receivers, &recipe, &Catalogue::built_in());
         let prices = prices();
         let lookup_ms = prices.lookup_milliseconds(&work);
         Ok(Self {

@@ -229,7 +229,7 @@ impl ViewFigures {
             side.error = mask.map(|mask| mask_error(truth, mask));
             let preset = settings.sides[i].preset_for(&subject.light);
             if side.cost.is_none() && mask.is_some() {
-                match Cost::of(&preset, subject, &truth.receivers) {
+                match Cost::of_settings(&preset, subject, &truth.receivers) {
                     Ok(cost) => side.cost = Some(cost),
                     Err(error) => side.refusal = Some(format!("{error:#}")),
                 }

@@ -14,7 +14,7 @@ use umbrage::{
         catalogue::Catalogue,
         footprint::{MapPlace, MapPlaces},
     },
-    techniques::{AskedCell, Exact},
+    techniques::{Exact, QueriedCell},
 };
 
 /// Colours of layers, sRGB: the palette of Okabe and Ito 2008, "Color universal design", which most
@@ -141,7 +141,7 @@ fn map_places(
         return Ok(None);
     };
     let texel = |i: usize| {
-        let place = receivers.receives[i].then(|| places.at(receivers.position(i)));
+        let place = receivers.receives[i].then(|| places.place_at(receivers.position(i)));
         place.flatten().map_or(TRANSPARENT, |place| match kind {
             Picture::Texels => texel_color(&place),
             _ => layer_color(&place),
@@ -174,7 +174,7 @@ fn lists(
         return Ok(None);
     }
     let view = subject.view().with_receivers(receivers);
-    let cells = Exact::default().asked_cells(&view)?;
+    let cells = Exact::default().queried_cells(&view)?;
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
@@ -222,7 +222,7 @@ pub(crate) const LIST_LENGTHS: [u32; 2] = [7, 63];
 
 /// Returns a colour from blue (none) over white to red, as in the panel's legend, or green if one
 /// caster covers the whole cell.
-fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
+fn length_color(cell: &Option<QueriedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
         return TRANSPARENT;
     };
@@ -262,7 +262,7 @@ mod tests {
         );
         assert!(is_white(heat_color(middle)), "{:?}", heat_color(middle));
         let of_length = |length| {
-            length_color(&Some(AskedCell {
+            length_color(&Some(QueriedCell {
                 number: 0,
                 length,
                 is_covered: false,
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!((of_length(0), of_length(most)), (blue, red));
         assert_eq!(of_length(most + 1), red);
         assert!(is_white(of_length(middle)), "{:?}", of_length(middle));
-        let covered = AskedCell {
+        let covered = QueriedCell {
             number: 0,
             length: 1,
             is_covered: true,
@@ -288,7 +288,7 @@ mod tests {
         let entry = umbrage::scenes::find("cubes");
         let scene = (entry.expect("built in").build)();
         let geometry = Geometry::bake(&scene).expect("valid");
-        let camera = scene.cameras[0].resized(UVec2::new(64, 48));
+        let camera = scene.cameras[0].with_size(UVec2::new(64, 48));
         let receivers = Cpu::new().receivers(&camera, &geometry).expect("seen");
         let view = View::new(&camera, &scene.lights[0], &geometry);
         let median = |name: &str| {

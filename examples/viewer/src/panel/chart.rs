@@ -105,7 +105,7 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
         .y_axis_label("RMSE")
         .x_axis_formatter(powers)
         .y_axis_formatter(powers)
-        .x_grid_spacer(|input| within(decades(-3..=4), input.bounds))
+        .x_grid_spacer(|input| marks_within(decades(-3..=4), input.bounds))
         .y_grid_spacer(|_| decades(-4..=0))
         .allow_scroll(false)
         .allow_drag(false)
@@ -136,7 +136,7 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
                 };
                 let at = point(cost.milliseconds(motion), error.rmse);
                 plot.points(marker(name, at, MarkerShape::Circle, 6.0, COLORS[i]));
-                if let Some(measured) = measured(viewer, i, &cost) {
+                if let Some(measured) = measured_cost(viewer, i, &cost) {
                     let at = point(measured, error.rmse);
                     plot.points(marker(name, at, MarkerShape::Cross, 6.0, COLORS[i]));
                 }
@@ -147,7 +147,7 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
 /// Returns the device time of a side's shadows of the selected light, milliseconds. `None` without
 /// timestamps. Map times are measured for all lights together, and therefore only known for a
 /// single light.
-fn measured(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
+fn measured_cost(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
     let lookups = viewer.figures.sides[side].lookup_ms?;
     if !cost.draws(viewer.settings.motion) {
         return Some(lookups);
@@ -191,7 +191,10 @@ fn power_of_ten(logarithm: f64) -> String {
 }
 
 /// Removes grid lines whose labels, centred below them, would exceed the edge of the chart.
-fn within(mut marks: Vec<egui_plot::GridMark>, bounds: (f64, f64)) -> Vec<egui_plot::GridMark> {
+fn marks_within(
+    mut marks: Vec<egui_plot::GridMark>,
+    bounds: (f64, f64),
+) -> Vec<egui_plot::GridMark> {
     let (least, most) = bounds;
     // Half of a digit is 3.5 of the chart's 260 points.
     let half_digit = 0.0135 * (most - least);

@@ -1,7 +1,7 @@
 //! List of the lights, and settings of the selected one.
 
 use crate::{
-    lights::{EditLight, Kind, MAX_LIGHTS},
+    lights::{EditLight, LightKind, MAX_LIGHTS},
     viewer::Viewer,
 };
 use umbrage::{Aabb, Light, glam::Vec3};
@@ -30,18 +30,18 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     });
     ui.horizontal_wrapped(|ui| {
         for (i, light) in settings.lights.iter().enumerate() {
-            let label = format!("{} {}", i + 1, Kind::of(&light.light).name());
+            let label = format!("{} {}", i + 1, LightKind::of_light(&light.light).name());
             if ui.selectable_label(i == settings.chosen, label).clicked() {
                 settings.chosen = i;
             }
         }
     });
     if let Some(light) = settings.lights.get_mut(settings.chosen) {
-        ui.push_id(settings.chosen, |ui| chosen(ui, light, &bounds));
+        ui.push_id(settings.chosen, |ui| show_chosen(ui, light, &bounds));
     }
 }
 
-fn chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
+fn show_chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
     ui.horizontal(|ui| {
         ui.checkbox(&mut light.is_on, "on");
         ui.color_edit_button_rgb(&mut light.color);
@@ -49,11 +49,11 @@ fn chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
             .range(0.0..=20.0)
             .speed(0.01);
         ui.add(drag).on_hover_text("Brightness");
-        let mut kind = Kind::of(&light.light);
+        let mut kind = LightKind::of_light(&light.light);
         egui::ComboBox::from_id_salt("kind")
             .selected_text(kind.name())
             .show_ui(ui, |ui| {
-                for other in Kind::ALL {
+                for other in LightKind::ALL {
                     ui.selectable_value(&mut kind, other, other.name());
                 }
             });
@@ -127,9 +127,9 @@ fn chosen(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
 /// Draws the choice of projection. The map of a directional light is orthographic, that of a
 /// distant spot light has perspective.
 fn projection(ui: &mut egui::Ui, light: &mut EditLight, bounds: &Aabb) {
-    let has_perspective = match Kind::of(&light.light) {
-        Kind::Directional => false,
-        Kind::Spot => true,
+    let has_perspective = match LightKind::of_light(&light.light) {
+        LightKind::Directional => false,
+        LightKind::Spot => true,
         _ => return,
     };
     ui.horizontal(|ui| {

@@ -91,9 +91,9 @@ fn scene(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ));
     if let Some(path) = &mut viewer.path {
         ui.horizontal(|ui| {
-            let words = if path.is_playing { "Pause" } else { "Play" };
+            let words = if path.is_running { "Pause" } else { "Play" };
             if ui.button(words).on_hover_text("Space").clicked() {
-                path.is_playing = !path.is_playing;
+                path.is_running = !path.is_running;
             }
             ui.label(path.moving.motion.label());
         });

@@ -25,7 +25,11 @@ pub(crate) fn show(viewer: &mut Viewer, ui: &egui::Ui) {
         });
     }
     // Put the message above the loading notice.
-    let up = if loading(viewer, ui) { -64.0 } else { -16.0 };
+    let up = if show_loading(viewer, ui) {
+        -64.0
+    } else {
+        -16.0
+    };
     if let Some(message) = viewer.message.clone() {
         notice(ui, "message", Align2::CENTER_BOTTOM, up, |ui| {
             ui.set_max_width(0.7 * rect.width());
@@ -58,7 +62,7 @@ fn notice(ui: &egui::Ui, name: &str, align: Align2, y: f32, contents: impl FnOnc
 }
 
 /// Draws the loading notice. Returns whether a scene is loading.
-fn loading(viewer: &mut Viewer, ui: &egui::Ui) -> bool {
+fn show_loading(viewer: &mut Viewer, ui: &egui::Ui) -> bool {
     let Some(loading) = &viewer.loading else {
         return false;
     };

@@ -1,7 +1,7 @@
 //! Settings as plain data: this program displays all settings of a technique and its map without a
 //! list of their names.
 
-use super::side::labelled;
+use super::side::labelled_drag;
 use toml::{Table, Value};
 use umbrage::techniques::TechniquePreset;
 
@@ -22,7 +22,7 @@ pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Techniq
             setting(ui, &table, &[name], value);
         }
     }
-    taken(&table, &changed)
+    changed_preset(&table, &changed)
 }
 
 /// Shows the settings of a technique's map except its size, fit and number of layers. Returns the
@@ -44,11 +44,11 @@ pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Tech
             setting(ui, &table, &[MAP, "layout", CASCADES, name], value);
         }
     }
-    taken(&table, &changed)
+    changed_preset(&table, &changed)
 }
 
 /// Returns the preset if the user changed it, and its reader accepts it.
-fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
+fn changed_preset(before: &Table, after: &Table) -> Option<TechniquePreset> {
     if before == after {
         return None;
     }
@@ -64,7 +64,7 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
     match value {
         Value::Integer(number) => {
             let drag = egui::DragValue::new(number).range(0..=1024).speed(0.1);
-            labelled(ui, drag, &label);
+            labelled_drag(ui, drag, &label);
         }
         Value::Float(number) => {
             let speed = (0.01 * number.abs()).max(1e-4);
@@ -72,7 +72,7 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
                 .range(0.0..=64.0)
                 .speed(speed)
                 .max_decimals(5);
-            labelled(ui, drag, &label);
+            labelled_drag(ui, drag, &label);
         }
         Value::Boolean(is_on) => {
             ui.checkbox(is_on, label);
@@ -158,7 +158,7 @@ mod tests {
     }
 
     /// Shows a map's settings without user input.
-    fn shown(preset: &TechniquePreset) -> Option<TechniquePreset> {
+    fn show_preset(preset: &TechniquePreset) -> Option<TechniquePreset> {
         let mut changed = None;
         let context = egui::Context::default();
         let mut output = context.run_ui(egui::RawInput::default(), |ui| {
@@ -174,7 +174,7 @@ mod tests {
         // Beyond the range of dragging.
         let far = "technique = 'pcf'\n[map.layout.cascades]\ncount = 3\nnearest = 1000.0\n";
         let preset = TechniquePreset::from_toml(far).expect("a preset");
-        assert_eq!(shown(&preset), None);
+        assert_eq!(show_preset(&preset), None);
     }
 
     #[test]

@@ -70,7 +70,7 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
     }
 }
 
-pub(super) fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
+pub(super) fn labelled_drag(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
     ui.horizontal(|ui| {
         // Ranges only limit dragging. Keep values of a preset outside them.
         let response = ui.add(drag.clamp_existing_to_range(false));
@@ -100,7 +100,7 @@ fn map_settings(ui: &mut egui::Ui, settings: &mut SideSettings, mut map: ShadowM
             .range(0.1..=1e6)
             .speed(0.5)
             .suffix(" m");
-        labelled(ui, drag, "range");
+        labelled_drag(ui, drag, "range");
     }
     let slider = egui::Slider::new(&mut settings.cascades, 1..=8).text("cascades (directional)");
     if ui.add(slider).changed() {
@@ -147,7 +147,7 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
                 .range(0.0..=8.0)
                 .speed(speed)
                 .max_decimals(5);
-            labelled(ui, drag, name);
+            labelled_drag(ui, drag, name);
         }
     });
 }
@@ -156,7 +156,7 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
 const NARROWEST: f32 = 80.0;
 
 /// Draws a text of at most this width, points.
-fn wrapped(
+fn draw_wrapped_text(
     painter: &egui::Painter,
     corner: egui::Pos2,
     anchor: egui::Align2,
@@ -234,8 +234,8 @@ pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
             egui::vec2(-1.0, 1.0),
             egui::vec2(1.0, -1.0),
         ] {
-            wrapped(&painter, corner + offset, anchor, &text, black, most);
+            draw_wrapped_text(&painter, corner + offset, anchor, &text, black, most);
         }
-        wrapped(&painter, corner, anchor, &text, egui::Color32::WHITE, most);
+        draw_wrapped_text(&painter, corner, anchor, &text, egui::Color32::WHITE, most);
     }
 }

@@ -3,10 +3,10 @@
 use super::{
     coarse::{self, CoarseLevel},
     convex, materials,
-    pipelines::{Forward, HOLES_GROUP, Layouts, MATERIAL_GROUP},
+    pipelines::{ForwardPipelines, HOLES_GROUP, Layouts, MATERIAL_GROUP},
     seen::SeenPart,
 };
-use crate::stage::Stage;
+use crate::stage::ViewerScene;
 use anyhow::Result;
 use std::ops::Range;
 use umbrage::{
@@ -33,8 +33,8 @@ pub(crate) struct Looks {
 }
 
 /// Nearby triangles of one material.
-struct Draw {
-    run: Run,
+struct BufferDraw {
+    run: DrawRun,
     /// Levels with fewer triangles.
     coarser: Vec<CoarseLevel>,
 }
@@ -54,7 +54,7 @@ pub(crate) struct SceneBuffers {
     indices: wgpu::Buffer,
     /// Indices in the order of `draws`, followed by coarser levels.
     sorted: wgpu::Buffer,
-    draws: Vec<Draw>,
+    draws: Vec<BufferDraw>,
     /// Bind groups of the materials, and of triangles without one.
     materials: Vec<wgpu::BindGroup>,
     casters: Vec<(Range<u32>, Aabb)>,
@@ -70,7 +70,7 @@ impl SceneBuffers {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         layouts: &Layouts,
-        stage: &Stage,
+        stage: &ViewerScene,
     ) -> Result<Self> {
         let geometry = &stage.geometry;
         let (mut sorted, runs) = sorted_triangles(geometry);
@@ -86,7 +86,7 @@ impl SceneBuffers {
         }
         .into_iter();
         // Alpha-tested runs are the last ones.
-        let draw = |run| Draw {
+        let draw = |run| BufferDraw {
             run,
             coarser: levels.next().unwrap_or_default(),
         };
@@ -152,7 +152,12 @@ impl SceneBuffers {
     }
 
     /// Draws all triangles that may be visible.
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, forward: &Forward, seen: &SeenPart) {
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        forward: &ForwardPipelines,
+        seen: &SeenPart,
+    ) {
         let mut bound = None;
         pass.set_vertex_buffer(0, self.positions.slice(..));
         pass.set_vertex_buffer(1, self.looks.slice(..));
@@ -160,7 +165,7 @@ impl SceneBuffers {
         if let Some(test) = &self.alpha_test {
             pass.set_bind_group(HOLES_GROUP, &test.group, &[]);
         }
-        for Draw { run, coarser } in &self.draws {
+        for BufferDraw { run, coarser } in &self.draws {
             if !seen.may_show(&run.bounds) {
                 continue;
             }
@@ -216,7 +221,7 @@ struct SortedTriangles {
 }
 
 /// Triangles of one draw.
-struct Run {
+struct DrawRun {
     /// Index of the material, or a greater value for triangles without one.
     material: u32,
     /// `true` if the triangles are alpha-tested.
@@ -229,7 +234,7 @@ struct Run {
 
 /// Returns all triangles sorted by alpha test, by material, by whether they are closed convex
 /// parts, and by position; and the runs of that list that are drawn together.
-fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
+fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<DrawRun>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
     let material_of = |id: u32| materials.get(id as usize).copied().unwrap_or(NO_MATERIAL);
@@ -242,9 +247,9 @@ fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
         let is_convex = convex[id as usize].is_some();
         (geometry.has_holes(id), material_of(id), is_convex, position)
     });
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<DrawRun> = Vec::new();
     for (i, &id) in (0_u32..).zip(&ids) {
-        let around = Aabb::around(geometry.corners(id));
+        let around = Aabb::from_points(geometry.corners(id));
         let part = convex[id as usize];
         let end = 3 * (i + 1);
         match runs.last_mut() {
@@ -258,7 +263,7 @@ fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
                 run.bounds = run.bounds.union(&around);
                 run.convex = run.convex.zip(part).map(|(all, part)| all.union(&part));
             }
-            _ => runs.push(Run {
+            _ => runs.push(DrawRun {
                 material: material_of(id),
                 has_holes: geometry.has_holes(id),
                 indices: 3 * i..end,
@@ -275,7 +280,7 @@ fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
 /// share vertices.
 fn vertices(
     geometry: &Geometry,
-    runs: &[Run],
+    runs: &[DrawRun],
     sorted: &mut SortedTriangles,
 ) -> (Vec<Vec3>, Vec<Looks>) {
     let uvs = geometry.uvs();
@@ -325,7 +330,7 @@ fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
     for run in geometry.casters_without_holes() {
         for begin in run.clone().step_by(CASTER_TRIANGLES as usize) {
             let part = begin..(begin + CASTER_TRIANGLES).min(run.end);
-            let bounds = Aabb::around(geometry.vertices_of(part.clone()));
+            let bounds = Aabb::from_points(geometry.vertices_of(part.clone()));
             parts.push((part, bounds));
         }
     }

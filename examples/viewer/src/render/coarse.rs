@@ -49,7 +49,7 @@ pub(super) fn add_levels(
     let mut least: Vec<usize> = runs.iter().map(|run| run.len() / 3).collect();
     for share in CELLS {
         let cell = share * diagonal;
-        let stands_for = merged(geometry, cell);
+        let stands_for = merge_vertices(geometry, cell);
         for (i, run) in runs.iter().enumerate() {
             let own = run.start as usize / 3..run.end as usize / 3;
             let fewer = fewer(&triangles[own], &stands_for);
@@ -75,7 +75,7 @@ pub(super) fn level_for(levels: &[CoarseLevel], pixel: f32) -> Option<&CoarseLev
 }
 
 /// Returns the replacement of each vertex.
-fn merged(geometry: &Geometry, cell: f32) -> Vec<u32> {
+fn merge_vertices(geometry: &Geometry, cell: f32) -> Vec<u32> {
     let positions = geometry.positions();
     let normals = geometry.normals();
     let mut stays = vec![false; positions.len()];
@@ -153,12 +153,12 @@ mod tests {
     fn small_triangles_merge_and_long_ones_stay() {
         let ball = geometry("shape = \"sphere\"");
         let all = ball.triangles().len();
-        let count = |cell: f32| fewer(ball.triangles(), &merged(&ball, cell)).len();
+        let count = |cell: f32| fewer(ball.triangles(), &merge_vertices(&ball, cell)).len();
         let (fine, coarse) = (count(1e-4), count(0.3));
         assert!(fine > all / 2, "{fine} of {all}");
         assert!(coarse < all / 4 && coarse > 8, "{coarse} of {all}");
         let plane = geometry("shape = \"plane\"");
-        let stands_for = merged(&plane, 0.5);
+        let stands_for = merge_vertices(&plane, 0.5);
         assert!((0..).zip(&stands_for).all(|(i, other)| i == *other));
     }
 
@@ -173,7 +173,7 @@ mod tests {
         assert!(!counts.is_empty() && counts[0] < all as usize, "{counts:?}");
         assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
         for cell in [0.05, 0.5] {
-            let stands_for = merged(&geometry, cell);
+            let stands_for = merge_vertices(&geometry, cell);
             let far = geometry.positions().iter().zip(&stands_for);
             let most = far
                 .map(|(place, other)| place.distance(geometry.positions()[*other as usize]))

@@ -15,7 +15,7 @@ const ROUNDING: f32 = 1e-5;
 /// Returns the box of the closed convex part of each triangle, if it belongs to one.
 pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     let triangles = geometry.triangles();
-    let corners = welded(geometry);
+    let corners = weld_vertices(geometry);
     let mut parents: Vec<u32> = (0..corners.len() as u32).collect();
     let of = |vertex: u32| corners[vertex as usize];
     for &[a, b, c] in triangles {
@@ -33,7 +33,7 @@ pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     for part in order.chunk_by(|(a, _), (b, _)| a == b) {
         let ids = || part.iter().map(|&(_, id)| id);
         if part.len() <= MOST && is_closed(ids().map(|id| triangles[id as usize].map(of))) {
-            let bounds = Aabb::around(ids().flat_map(|id| geometry.corners(id)));
+            let bounds = Aabb::from_points(ids().flat_map(|id| geometry.corners(id)));
             if is_convex(geometry, ids, bounds.diagonal()) {
                 for id in ids() {
                     out[id as usize] = Some(bounds);
@@ -46,7 +46,7 @@ pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
 
 /// Returns the first vertex at the position of each vertex. Meshes repeat vertices with different
 /// normals.
-fn welded(geometry: &Geometry) -> Vec<u32> {
+fn weld_vertices(geometry: &Geometry) -> Vec<u32> {
     let mut known = HashMap::new();
     // Add zero, which turns -0 into 0.
     let bits = |place: &Vec3| (*place + Vec3::ZERO).to_array().map(f32::to_bits);
@@ -98,7 +98,7 @@ mod tests {
 
     /// Returns the number of an object's triangles in closed convex parts, and the number of all
     /// its triangles.
-    fn counted(object: &str) -> (usize, usize) {
+    fn count_convex(object: &str) -> (usize, usize) {
         let text = format!(
             "[[light]]\nkind = \"directional\"\ndirection = [1, -2, 0.5]\n[[object]]\n{object}"
         );
@@ -110,12 +110,12 @@ mod tests {
 
     #[test]
     fn boxes_are_closed_and_planes_are_not() {
-        assert_eq!(counted("shape = \"box\""), (12, 12));
+        assert_eq!(count_convex("shape = \"box\""), (12, 12));
         assert_eq!(
-            counted("shape = \"box\"\nscale = [-1, 2, 3]\nrotate_degrees = [10, 20, 30]"),
+            count_convex("shape = \"box\"\nscale = [-1, 2, 3]\nrotate_degrees = [10, 20, 30]"),
             (12, 12)
         );
-        let (closed, all) = counted("shape = \"plane\"");
+        let (closed, all) = count_convex("shape = \"plane\"");
         assert!(closed == 0 && all > 0, "{closed} of {all}");
     }
 

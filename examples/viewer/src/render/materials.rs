@@ -78,7 +78,7 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> wgpu
     let mut size = texture.size;
     let mut texels = texture.texels.clone();
     while size.max_element() > most {
-        (size, texels) = halved(size, &texels);
+        (size, texels) = half_image(size, &texels);
     }
     let levels = 32 - size.max_element().leading_zeros();
     let uploaded = device.create_texture(&wgpu::TextureDescriptor {
@@ -95,13 +95,13 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> wgpu
         let encoded = |&[r, g, b, _]: &[f32; 4]| [encode(r), encode(g), encode(b), 255];
         let bytes: Vec<u8> = texels.iter().flat_map(encoded).collect();
         pipelines::write(queue, &uploaded, level, size, &bytes);
-        (size, texels) = halved(size, &texels);
+        (size, texels) = half_image(size, &texels);
     }
     uploaded.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Returns an image of half the size, from means of four texels.
-fn halved(size: UVec2, texels: &[[f32; 4]]) -> (UVec2, Vec<[f32; 4]>) {
+fn half_image(size: UVec2, texels: &[[f32; 4]]) -> (UVec2, Vec<[f32; 4]>) {
     let smaller = (size / 2).max(UVec2::ONE);
     let at = |x: u32, y: u32| {
         let x = x.min(size.x - 1);

@@ -13,7 +13,7 @@ mod readback;
 mod seen;
 mod side;
 
-use crate::{settings::Settings, stage::Stage};
+use crate::{settings::Settings, stage::ViewerScene};
 use anyhow::Result;
 use buffers::SceneBuffers;
 use mask::{PendingMask, ReceiverTextures};
@@ -36,7 +36,7 @@ const BACKGROUND: wgpu::Color = wgpu::Color {
 /// Input of a frame.
 pub(crate) struct FrameSettings<'a> {
     pub camera: &'a Camera,
-    pub stage: &'a Stage,
+    pub stage: &'a ViewerScene,
     pub settings: &'a Settings,
     /// `true` if something moves. At rest, a hidden side is prepared, too, since its mask may be
     /// requested, and maps of unknown time are redrawn once.
@@ -100,7 +100,7 @@ impl Renderer {
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        stage: &Stage,
+        stage: &ViewerScene,
         settings: &Settings,
     ) -> Result<Self> {
         let layouts = Layouts::new(device);
@@ -279,7 +279,7 @@ impl Renderer {
                 eye: has_perspective.then(|| frame.camera.eye()),
                 // Double it, since corners are farther away than the centre: this suffices for
                 // views of 120 degrees.
-                near: 2.0 * near(frame.camera),
+                near: 2.0 * near_distance(frame.camera),
                 coarse_pixel: frame.is_coarse.then(|| pixel(frame.camera)),
             };
             self.sides[*i].draw(&mut pass, &self.scene, &seen)?;
@@ -302,7 +302,7 @@ impl Renderer {
 
 /// Returns the distance of the near plane, metres. Depth is reversed and infinite:
 /// `near / distance`.
-fn near(camera: &Camera) -> f32 {
+fn near_distance(camera: &Camera) -> f32 {
     camera.clip_from_view.w_axis.z
 }
 

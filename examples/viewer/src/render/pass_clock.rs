@@ -73,7 +73,7 @@ impl PassClock {
         self.frame.draws_all[side] = false;
     }
 
-    fn written(&self) -> u32 {
+    fn written_count(&self) -> u32 {
         2 * self.frame.names.len() as u32
     }
 
@@ -82,7 +82,7 @@ impl PassClock {
         SetTimestamps {
             queries: &self.stamps.queries,
             // Reserve the last two for the image.
-            range: self.written()..QUERIES - 2,
+            range: self.written_count()..QUERIES - 2,
         }
     }
 
@@ -97,7 +97,7 @@ impl PassClock {
 
     /// Returns the timestamps of the image's pass, which is the last one.
     pub(super) fn for_picture(&mut self) -> wgpu::RenderPassTimestampWrites<'_> {
-        let begin = self.written();
+        let begin = self.written_count();
         self.frame.names.push("picture".to_owned());
         wgpu::RenderPassTimestampWrites {
             query_set: &self.stamps.queries,
@@ -108,7 +108,7 @@ impl PassClock {
 
     /// Records the copy of the timestamps.
     pub(super) fn resolve(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder) {
-        self.recorded = Some(self.stamps.resolve(device, encoder, self.written()));
+        self.recorded = Some(self.stamps.resolve(device, encoder, self.written_count()));
     }
 
     /// Starts to read the timestamps, once the encoder is submitted.

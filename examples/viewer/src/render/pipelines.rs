@@ -51,7 +51,7 @@ impl Layouts {
 }
 
 /// The pipelines that draw lit surfaces with a set's shadows.
-pub(crate) struct Forward {
+pub(crate) struct ForwardPipelines {
     /// Both sides of triangles.
     pub all: wgpu::RenderPipeline,
     /// Front faces only, for closed convex parts, whose back faces are hidden.
@@ -71,7 +71,7 @@ pub(crate) fn forward(
     set_text: &str,
     set_layout: &wgpu::BindGroupLayout,
     alpha_test: Option<&AlphaTest>,
-) -> Result<Forward> {
+) -> Result<ForwardPipelines> {
     let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
     let groups = [
         Some(&layouts.frame),
@@ -126,7 +126,7 @@ pub(crate) fn forward(
         None => None,
     };
     let entries = ["place", "shade"];
-    Ok(Forward {
+    Ok(ForwardPipelines {
         all: one(text.clone(), entries, &groups[..3], None),
         fronts: one(text, entries, &groups[..3], Some(wgpu::Face::Back)),
         alpha_tested,
@@ -141,7 +141,7 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
         blend: Some(wgpu::BlendState::ALPHA_BLENDING),
         write_mask: wgpu::ColorWrites::ALL,
     };
-    covering(device, text, &layouts.overlay, target)
+    covering_pipeline(device, text, &layouts.overlay, target)
 }
 
 /// Returns the pipeline that draws an image into the window, whose colours have this format.
@@ -152,11 +152,11 @@ pub(crate) fn present(
 ) -> wgpu::RenderPipeline {
     let encodes = format!("const ENCODES = {};\n", window.is_srgb());
     let text = encodes + include_str!("shaders/present.wgsl");
-    covering(device, text, layout, window.into())
+    covering_pipeline(device, text, layout, window.into())
 }
 
 /// Returns a pipeline that covers a rectangle.
-fn covering(
+fn covering_pipeline(
     device: &wgpu::Device,
     text: String,
     layout: &wgpu::BindGroupLayout,

@@ -3,14 +3,14 @@
 use super::{
     FrameSettings,
     buffers::SceneBuffers,
-    pipelines::{self, FRAME_GROUP, Forward, Layouts, SET_GROUP, group},
+    pipelines::{self, FRAME_GROUP, ForwardPipelines, Layouts, SET_GROUP, group},
     seen::SeenPart,
 };
 use crate::{
-    lights::{EditLight, Kind, MAX_LIGHTS},
+    lights::{EditLight, LightKind, MAX_LIGHTS},
     settings::Settings,
     side::SideSettings,
-    stage::Stage,
+    stage::ViewerScene,
 };
 use anyhow::Result;
 use umbrage::{
@@ -40,7 +40,7 @@ pub(crate) struct Side {
     uniforms: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     /// The revision of the set's text, and its pipelines.
-    forward: Option<(u64, Forward)>,
+    forward: Option<(u64, ForwardPipelines)>,
 }
 
 impl Side {
@@ -78,7 +78,7 @@ impl Side {
     /// Applies settings to the set's lights. `nth` is this side, 0 or 1. Returns whether their maps
     /// change.
     pub(super) fn apply(&mut self, settings: &Settings, nth: usize) -> Result<bool> {
-        let wanted: Vec<Light> = lit(settings).collect();
+        let wanted: Vec<Light> = enabled_lights(settings).collect();
         let settings = &settings.sides[nth];
         // Another kind of light needs another technique, since only directional lights have
         // cascades.
@@ -154,7 +154,7 @@ impl Side {
     pub(crate) fn is_ready_for(&self, camera: &Camera, settings: &Settings, nth: usize) -> bool {
         self.camera.as_ref() == Some(camera)
             && self.settings == settings.sides[nth]
-            && lit(settings).eq(self.lights.iter().copied())
+            && enabled_lights(settings).eq(self.lights.iter().copied())
     }
 
     /// Returns the names of the techniques that the set refuses for a kind of light, with their
@@ -166,9 +166,9 @@ impl Side {
     ///
     /// # Errors
     /// Returns an error if there is no such scene.
-    pub(crate) fn refused_techniques(&self, kind: Kind) -> Result<Vec<String>> {
+    pub(crate) fn refused_techniques(&self, kind: LightKind) -> Result<Vec<String>> {
         let scene = scenes::by_argument(CHECKED_SCENE).map_err(anyhow::Error::msg)?;
-        let stage = Stage::of_scene(CHECKED_SCENE, CHECKED_SCENE, scene)?;
+        let stage = ViewerScene::of_scene(CHECKED_SCENE, CHECKED_SCENE, scene)?;
         let mut light = EditLight::of_scene(stage.lights[0], 1);
         light.retype(kind, &stage.bounds);
         let frame = SetFrame {
@@ -221,7 +221,7 @@ impl Side {
 
     /// Returns the lights without shadows, with reasons.
     fn refused_lights(&self) -> impl Iterator<Item = (LightId, String)> + '_ {
-        let unserved = self.set.unserved();
+        let unserved = self.set.unserved_lights();
         let refused = unserved.filter(|(_, why)| !matches!(why, Unserved::Waiting));
         refused.map(|(id, why)| (id, why.to_string()))
     }
@@ -242,7 +242,7 @@ impl Side {
 }
 
 /// Returns the lights that are on.
-fn lit(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
+fn enabled_lights(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
     let lights = settings.lights.iter().filter(|light| light.is_on);
     lights.map(|light| light.light)
 }

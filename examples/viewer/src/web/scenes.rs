@@ -3,8 +3,8 @@
 use super::worker::{self, WorkerTask, error_label};
 use crate::{
     job::Job,
-    loading::Source,
-    stage::{OnStep, Stage},
+    loading::SceneSource,
+    stage::{OnStep, ViewerScene},
 };
 use anyhow::{Context as _, Result, anyhow};
 use js_sys::{Array, Uint8Array};
@@ -17,7 +17,7 @@ use web_sys::{File, FileReaderSync};
 /// Outcome of a worker.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct MadeStage {
-    pub stage: Stage,
+    pub stage: ViewerScene,
     /// Missing files that a model names.
     missing: Vec<PathBuf>,
 }
@@ -34,14 +34,14 @@ impl MadeStage {
 
 /// Starts a worker that makes or reads a scene. Without workers, the page makes built-in scenes
 /// itself.
-pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
+pub(crate) fn start(ctx: &egui::Context, source: &SceneSource) -> Job<MadeStage> {
     let read = |bytes: &[u8]| {
         postcard::from_bytes(bytes)
             .map_err(|error| anyhow!("the worker's scene can't be read: {error}"))
     };
     let parts = Array::new();
     let files = match source {
-        Source::Argument(name) => {
+        SceneSource::Argument(name) => {
             parts.push(&name.as_str().into());
             let name = name.clone();
             let without_worker = move |error: anyhow::Error| {
@@ -50,7 +50,7 @@ pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
             };
             return worker::start(ctx, WorkerTask::Make, &parts, read, without_worker);
         }
-        Source::Files(files) => files,
+        SceneSource::Files(files) => files,
     };
     for file in files {
         let Some(web_file) = file.web_file() else {
@@ -67,7 +67,7 @@ pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
 /// # Errors
 /// Returns an error if there is none of that name.
 pub(super) fn make(name: &str, on_step: OnStep<'_>) -> Result<MadeStage> {
-    let stage = Stage::of_argument(name, on_step)?;
+    let stage = ViewerScene::of_argument(name, on_step)?;
     Ok(MadeStage {
         stage: stage.context("it was cancelled")?,
         missing: Vec::new(),
@@ -92,7 +92,7 @@ pub(super) fn read_files(parts: &Array, on_step: OnStep<'_>) -> Result<MadeStage
     }
     let scene = parts.get(0).as_string().context("there is no file")?;
     Ok(MadeStage {
-        stage: Stage::read(&scene, &files)?,
-        missing: files.missing(),
+        stage: ViewerScene::read(&scene, &files)?,
+        missing: files.missing_files(),
     })
 }

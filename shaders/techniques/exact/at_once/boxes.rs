@@ -92,7 +92,7 @@ impl Reach {
         Self {
             low: at - half,
             high: at + half,
-            nearest: frame.before(placed.z - deep) - margin,
+            nearest: frame.depth_before(placed.z - deep) - margin,
         }
     }
 
@@ -131,7 +131,7 @@ impl Reach {
         Some(Self {
             low: Vec2::new(least(across), least(down)) - margin,
             high: Vec2::new(greatest(across), greatest(down)) + margin,
-            nearest: frame.before(near),
+            nearest: frame.depth_before(near),
         })
     }
 }
@@ -176,7 +176,7 @@ impl Boxes {
 
     /// Groups up to eight boxes, and returns them with their bounding box.
     #[inline(always)]
-    pub(super) fn around(boxes: &[FaceBox]) -> (Self, FaceBox) {
+    pub(super) fn around_boxes(boxes: &[FaceBox]) -> (Self, FaceBox) {
         let mut all = FaceBox::EMPTY;
         let mut out = Self::EMPTY;
         for (i, one) in boxes.iter().enumerate() {

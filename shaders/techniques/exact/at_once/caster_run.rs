@@ -187,7 +187,7 @@ impl CasterRun {
         self.low[1][i] = bounds.low.y - margin;
         self.high[0][i] = bounds.high.x + margin;
         self.high[1][i] = bounds.high.y + margin;
-        self.nearest[i] = frame.before(bounds.nearest);
+        self.nearest[i] = frame.depth_before(bounds.nearest);
     }
 
     #[inline(always)]
@@ -274,7 +274,7 @@ impl CasterRun {
     /// Returns a bit for each caster that may hide the light in a box. Bits of casters outside the
     /// face are undefined.
     #[inline(always)]
-    pub(super) fn meeting(&self, bounds: &FaceBox) -> u64 {
+    pub(super) fn meeting_bits(&self, bounds: &FaceBox) -> u64 {
         let left = Vec4::splat(bounds.low.x);
         let top = Vec4::splat(bounds.low.y);
         let right = Vec4::splat(bounds.high.x);

@@ -60,7 +60,7 @@ impl Sorted {
     }
 
     /// Returns the number of entries with keys below this one.
-    pub(super) fn below(&self, key: u32) -> usize {
+    pub(super) fn entries_below(&self, key: u32) -> usize {
         let is_below = |entry: &AtomicU64| Entry(entry.load(Ordering::Relaxed)).key() < key;
         self.0.partition_point(is_below)
     }
@@ -137,7 +137,7 @@ mod tests {
             assert_eq!(found, expected);
             let middle = 1 << (KEY_BITS - 1);
             let below = expected.iter().filter(|entry| entry.key() < middle).count();
-            assert_eq!(sorted.below(middle), below);
+            assert_eq!(sorted.entries_below(middle), below);
         }
     }
 }

@@ -51,7 +51,7 @@ pub(super) struct FaceRays {
     /// Positions of the blocks, separate from their other data, since most casters near a block
     /// miss all of its rays.
     places: Vec<BlockPlaces>,
-    blocks: Vec<Block>,
+    blocks: Vec<RayBlock>,
     pub(super) open: Open,
     /// Boxes around eight blocks at a time, then around eight of these, and so on up to one.
     pub(super) levels: Vec<Vec<Boxes>>,
@@ -68,7 +68,7 @@ struct BlockPlaces {
 
 /// Eight rays. A last partial block repeats its last one.
 #[derive(Clone, Copy, Debug, Default)]
-struct Block {
+struct RayBlock {
     /// Ray origins, world space.
     origin: [[f32; BLOCK]; 3],
     /// Triangle on which each ray starts.
@@ -85,7 +85,7 @@ pub(super) enum Rays {
 }
 
 impl Rays {
-    pub(super) fn of(uniforms: &ExactUniforms, frame: &LightFrame) -> Self {
+    pub(super) fn from_uniforms(uniforms: &ExactUniforms, frame: &LightFrame) -> Self {
         if frame.is_lamp {
             return Self::Towards(uniforms.light.center.truncate());
         }
@@ -139,7 +139,7 @@ pub(super) fn make_rays(
         let band = first..receivers.len().min(first + band);
         let mask = &mask;
         if frame.is_lamp {
-            simd.run_task(Place::<true> {
+            simd.run_task(RayPlace::<true> {
                 uniforms,
                 frame,
                 receivers,
@@ -147,7 +147,7 @@ pub(super) fn make_rays(
                 mask,
             })
         } else {
-            simd.run_task(Place::<false> {
+            simd.run_task(RayPlace::<false> {
                 uniforms,
                 frame,
                 receivers,
@@ -159,7 +159,7 @@ pub(super) fn make_rays(
     let parts: Vec<Vec<Entry>> = firsts.into_par_iter().map(place_band).collect();
     // Sort the rays along the curve, and split them by face.
     let sorted = sort(&parts);
-    let source = Source {
+    let source = RaySource {
         simd,
         uniforms,
         frame,
@@ -170,7 +170,7 @@ pub(super) fn make_rays(
     let mut first = 0;
     for face in 0..frame.faces() {
         let end = if frame.is_lamp {
-            sorted.below((face + 1) << (2 * LAMP_BITS))
+            sorted.entries_below((face + 1) << (2 * LAMP_BITS))
         } else {
             sorted.len()
         };
@@ -184,7 +184,7 @@ pub(super) fn make_rays(
 
 /// Task that places a band of receivers, in whole batches except the last. Returns entries of the
 /// rays to test, and marks the pixels that are lit without a test.
-struct Place<'a, const LAMP: bool> {
+struct RayPlace<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
     receivers: &'a Receivers,
@@ -192,7 +192,7 @@ struct Place<'a, const LAMP: bool> {
     mask: &'a Mask,
 }
 
-impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
+impl<const LAMP: bool> SimdTask for RayPlace<'_, LAMP> {
     type Output = Vec<Entry>;
 
     #[inline(always)]
@@ -206,7 +206,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
     }
 }
 
-impl<const LAMP: bool> Place<'_, LAMP> {
+impl<const LAMP: bool> RayPlace<'_, LAMP> {
     #[inline(always)]
     fn place_batch(&self, batch: Range<usize>, entries: &mut Vec<Entry>) {
         let receives = &self.receivers.receives[batch.clone()];
@@ -229,7 +229,7 @@ impl<const LAMP: bool> Place<'_, LAMP> {
         let rim = frame.half + frame.margin(0.0);
         let mut key = [0; BATCH];
         let mut faces_light = [false; BATCH];
-        let mut is_beside = [false; BATCH];
+        let mut is_outside = [false; BATCH];
         // Compute each receiver's key.
         for i in 0..BATCH {
             let n = receivers.normal(i);
@@ -246,12 +246,12 @@ impl<const LAMP: bool> Place<'_, LAMP> {
             };
             faces_light[i] = dot3(n, d) > 0.0;
             let size = point.on_face.abs();
-            is_beside[i] = !LAMP && (size.x > rim.x || size.y > rim.y);
+            is_outside[i] = !LAMP && (size.x > rim.x || size.y > rim.y);
         }
         // Mark pixels that are lit without a test; collect the others.
         for i in 0..count {
             let pixel = (batch.start + i) as u32;
-            if !receives[i] || faces_light[i] && is_beside[i] {
+            if !receives[i] || faces_light[i] && is_outside[i] {
                 self.mask.set_lit(pixel);
             } else if faces_light[i] {
                 entries.push(Entry::new(key[i], pixel));
@@ -277,7 +277,7 @@ fn curve_bits(number: f32, count: u32) -> u32 {
 }
 
 /// Inputs of rays.
-struct Source<'a> {
+struct RaySource<'a> {
     simd: Simd,
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
@@ -288,11 +288,11 @@ struct Source<'a> {
 /// Task that creates up to eight blocks of a face. Returns boxes around them, and their bounding
 /// box.
 struct MakeBlocks<'a, const LAMP: bool> {
-    source: &'a Source<'a>,
+    source: &'a RaySource<'a>,
     face: u32,
     entries: Range<usize>,
     places: &'a mut [BlockPlaces],
-    blocks: &'a mut [Block],
+    blocks: &'a mut [RayBlock],
 }
 
 impl<const LAMP: bool> SimdTask for MakeBlocks<'_, LAMP> {
@@ -314,13 +314,13 @@ impl<const LAMP: bool> SimdTask for MakeBlocks<'_, LAMP> {
                 bounds[i].add(on_face, place.depth[ray]);
             }
         }
-        Boxes::around(&bounds)
+        Boxes::around_boxes(&bounds)
     }
 }
 
 /// Creates blocks of a face from sorted entries, up to an end.
 struct BlockMaker<'a, const LAMP: bool> {
-    source: &'a Source<'a>,
+    source: &'a RaySource<'a>,
     face: u32,
     end: usize,
 }
@@ -328,7 +328,7 @@ struct BlockMaker<'a, const LAMP: bool> {
 impl<const LAMP: bool> BlockMaker<'_, LAMP> {
     /// Creates a block from the entries starting at `first`.
     #[inline(always)]
-    fn block(&self, first: usize, places: &mut BlockPlaces, block: &mut Block) {
+    fn block(&self, first: usize, places: &mut BlockPlaces, block: &mut RayBlock) {
         let r = self.source.receivers;
         let mut position = [[0.0; BLOCK]; 3];
         let mut normal = [[0.0; BLOCK]; 3];
@@ -374,7 +374,7 @@ impl<const LAMP: bool> BlockMaker<'_, LAMP> {
 impl BlockPlaces {
     /// Returns a bit for each ray that may hit a caster with this reach.
     #[inline(always)]
-    fn near(&self, reach: &Reach) -> u32 {
+    fn near_rays(&self, reach: &Reach) -> u32 {
         let mut bits = 0;
         for first in (0..BLOCK).step_by(SEGMENT_LANES) {
             let x = four(&self.across, first);
@@ -395,11 +395,11 @@ fn four(numbers: &[f32; BLOCK], first: usize) -> Vec4 {
 
 impl FaceRays {
     /// Creates the rays of some entries, all on one face.
-    fn new(source: &Source<'_>, face: u32, entries: Range<usize>) -> Self {
+    fn new(source: &RaySource<'_>, face: u32, entries: Range<usize>) -> Self {
         const A_GROUP: usize = BLOCK * BOXES;
         let count = entries.len();
         let groups = count.div_ceil(A_GROUP);
-        let make = |group: usize, places: &mut [BlockPlaces], blocks: &mut [Block]| {
+        let make = |group: usize, places: &mut [BlockPlaces], blocks: &mut [RayBlock]| {
             let first = entries.start + group * A_GROUP;
             let entries = first..entries.end.min(first + A_GROUP);
             if source.frame.is_lamp {
@@ -422,7 +422,7 @@ impl FaceRays {
         };
         // Create the blocks in groups of eight.
         let mut places = vec![BlockPlaces::default(); groups * BOXES];
-        let mut blocks = vec![Block::default(); groups * BOXES];
+        let mut blocks = vec![RayBlock::default(); groups * BOXES];
         let rooms = places
             .par_chunks_mut(BOXES)
             .zip(blocks.par_chunks_mut(BOXES));
@@ -434,7 +434,7 @@ impl FaceRays {
         // Build the levels of boxes up to one.
         let mut levels = vec![boxes];
         while around.len() > 1 {
-            let above = around.chunks(BOXES).map(Boxes::around);
+            let above = around.chunks(BOXES).map(Boxes::around_boxes);
             let (boxes, bounds) = above.unzip();
             levels.push(boxes);
             around = bounds;
@@ -461,7 +461,7 @@ impl FaceRays {
         corners: impl Fn() -> [Vec3; 3],
         holes: Option<CasterHoles<'_>>,
     ) {
-        let near = self.open.rays(block) & self.places[block].near(reach);
+        let near = self.open.rays(block) & self.places[block].near_rays(reach);
         if near == 0 {
             return;
         }

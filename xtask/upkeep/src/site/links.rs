@@ -86,7 +86,7 @@ impl MarkdownPage {
 
     /// Returns the target of a link of this page; `None` for external links and for code that looks
     /// like a link.
-    pub(super) fn resolved(&self, path: &str, target: &str) -> Option<LinkTarget> {
+    pub(super) fn resolve_link(&self, path: &str, target: &str) -> Option<LinkTarget> {
         let is_link = self.links.iter().any(|(link, _)| link == target);
         resolve(path, target).filter(|_| is_link)
     }
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_broken_link_is_an_error() {
-        for (bad, told) in [
+        for (bad, reported) in [
             (
                 "[c](c.md)",
                 "docs/a.md:1: `c.md`: there is no file docs/c.md",
@@ -273,7 +273,7 @@ mod tests {
             ),
         ] {
             let faults = faults_of(bad);
-            assert!(faults.contains(told), "{bad}: {faults}");
+            assert!(faults.contains(reported), "{bad}: {faults}");
             assert_eq!(faults.lines().count(), 2, "{bad}: {faults}");
         }
     }

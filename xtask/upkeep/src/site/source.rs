@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 
 /// Returns a page with a file's text and line numbers.
 pub(super) fn page(path: &str, text: &str) -> String {
-    let title = escaped(path);
+    let title = escape_text(path);
     let up = "../".repeat(path.matches('/').count() + 1);
     let mut lines = String::new();
     for (i, line) in text.lines().enumerate() {
         let number = i + 1;
-        let line = escaped(line);
+        let line = escape_text(line);
         // Writing into a `String` does not fail.
         let _ = writeln!(
             lines,
@@ -28,7 +28,7 @@ const STYLE: &str = "body { margin: 1rem; font: 15px/1.5 system-ui, sans-serif; 
                      .line { color: #767676; user-select: none; } :root { color-scheme: light dark; }";
 
 /// Returns a text escaped for HTML.
-fn escaped(text: &str) -> String {
+fn escape_text(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

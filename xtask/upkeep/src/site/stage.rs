@@ -27,7 +27,7 @@ pub(super) fn write(
     folder: &Path,
     has_viewer: bool,
 ) -> Result<()> {
-    let stage = Stage {
+    let stage = SiteLinks {
         pages: pages.of_site(),
         has_viewer,
     };
@@ -61,13 +61,13 @@ pub(super) fn write(
 }
 
 /// Data that determines the addresses of links.
-struct Stage {
+struct SiteLinks {
     /// Pages of the site, by their paths in the repository.
     pages: BTreeSet<String>,
     has_viewer: bool,
 }
 
-impl Stage {
+impl SiteLinks {
     /// Returns a page's text with links for the site, and adds the files that it needs.
     fn with_links_of_site(
         &self,
@@ -79,11 +79,11 @@ impl Stage {
         let mut text = pieces.next().unwrap_or_default().to_owned();
         for piece in pieces {
             let (target, rest) = piece.split_at(piece.find([')', ' ']).unwrap_or(piece.len()));
-            let address = match page.resolved(path, target) {
+            let address = match page.resolve_link(path, target) {
                 Some(resolved) => self.address(path, &resolved),
                 None => target.to_owned(),
             };
-            if let Some(file) = page.resolved(path, target)
+            if let Some(file) = page.resolve_link(path, target)
                 && !self.pages.contains(&file.path)
             {
                 files.insert(file.path);
@@ -154,19 +154,19 @@ fn place_of(path: &str) -> &str {
 
 fn put(folder: &Path, place: &str, bytes: &[u8]) -> Result<()> {
     let file = folder.join(place);
-    let told = || format!("cannot write {}", file.display());
+    let reported = || format!("cannot write {}", file.display());
     if let Some(parent) = file.parent() {
-        fs::create_dir_all(parent).with_context(told)?;
+        fs::create_dir_all(parent).with_context(reported)?;
     }
-    fs::write(&file, bytes).with_context(told)
+    fs::write(&file, bytes).with_context(reported)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn stage(has_viewer: bool) -> Stage {
-        Stage {
+    fn stage(has_viewer: bool) -> SiteLinks {
+        SiteLinks {
             pages: ["docs/a.md", LIVE, "notes/README.md"]
                 .map(str::to_owned)
                 .into(),
@@ -239,7 +239,7 @@ mod tests {
             let mut links = 0;
             for (path, page) in &staged.0 {
                 for (link, _) in &page.links {
-                    let target = page.resolved(path, link).expect("on the site");
+                    let target = page.resolve_link(path, link).expect("on the site");
                     assert!(src.join(&target.path).is_file(), "{path}: {link}");
                     links += 1;
                 }

@@ -5,27 +5,27 @@ use std::{fs, path::Path};
 
 /// A text file.
 #[derive(Debug)]
-pub(crate) struct Source {
+pub(crate) struct SourceFile {
     /// Path relative to the top folder.
     pub(crate) path: String,
     pub(crate) text: String,
 }
 
-impl Source {
+impl SourceFile {
     pub(crate) fn extension(&self) -> &str {
         self.path.rsplit_once('.').map_or("", |(_, e)| e)
     }
 }
 
 /// Returns every Rust, WGSL, TOML and Markdown file below `root`, sorted by path.
-pub(crate) fn read_all(root: &Path) -> Result<Vec<Source>> {
+pub(crate) fn read_all(root: &Path) -> Result<Vec<SourceFile>> {
     let mut out = Vec::new();
     read_folder(root, "", &mut out)?;
     out.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(out)
 }
 
-fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()> {
+fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<SourceFile>) -> Result<()> {
     for entry in
         fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?
     {
@@ -43,7 +43,7 @@ fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()>
         ) {
             let text =
                 fs::read_to_string(entry.path()).with_context(|| format!("cannot read {path}"))?;
-            out.push(Source { path, text });
+            out.push(SourceFile { path, text });
         }
     }
     Ok(())

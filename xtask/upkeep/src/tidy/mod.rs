@@ -10,7 +10,7 @@ mod words;
 use crate::run::root;
 use anyhow::{Result, bail};
 use comfy_table::Table;
-use files::Source;
+use files::SourceFile;
 use std::collections::BTreeMap;
 
 /// Measures and their limits. Density is the number of tokens per line of code, without comments.
@@ -55,7 +55,7 @@ pub(crate) fn tidy() -> Result<()> {
 }
 
 /// Measures files, and checks sizes, names and text.
-fn examine(sources: &[Source]) -> Result<Findings> {
+fn examine(sources: &[SourceFile]) -> Result<Findings> {
     let mut out = Findings::default();
     let mut prose = words::Prose::default();
     for source in sources {
@@ -88,7 +88,7 @@ fn examine(sources: &[Source]) -> Result<Findings> {
     Ok(out)
 }
 
-fn lines_of(source: &Source) -> Length {
+fn lines_of(source: &SourceFile) -> Length {
     Length {
         size: source.text.lines().count(),
         place: source.path.clone(),
@@ -117,19 +117,19 @@ fn table(findings: &Findings) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::{Findings, Source, examine};
+    use super::{Findings, SourceFile, examine};
 
-    fn examined(files: &[(&str, &str)]) -> Findings {
-        let source = |(path, text): &(&str, &str)| Source {
+    fn examine_files(files: &[(&str, &str)]) -> Findings {
+        let source = |(path, text): &(&str, &str)| SourceFile {
             path: (*path).to_owned(),
             text: (*text).to_owned(),
         };
-        let sources: Vec<Source> = files.iter().map(source).collect();
+        let sources: Vec<SourceFile> = files.iter().map(source).collect();
         examine(&sources).expect("good code")
     }
 
     fn faults(path: &str, text: &str) -> usize {
-        examined(&[(path, text)]).faults.len()
+        examine_files(&[(path, text)]).faults.len()
     }
 
     fn function(lines: usize, line: &str) -> String {
@@ -159,7 +159,7 @@ mod tests {
     fn functions_of_every_kind_are_found() {
         let text = "/// Doc.\nfn a() {}\nimpl T {\n    fn b(\n        x: u8,\n    ) {\n        fn c() {\n        }\n    }\n}\n\
                     trait U {\n    fn d();\n    fn e() {\n        \"fn f() {\";\n    }\n}\n";
-        let [_, lines, ..] = examined(&[("x.rs", text)]).lengths;
+        let [_, lines, ..] = examine_files(&[("x.rs", text)]).lengths;
         let found: Vec<_> = lines.iter().map(|l| (l.size, l.place.as_str())).collect();
         let expected = [
             (1, "x.rs:2 a"),
@@ -174,14 +174,14 @@ mod tests {
     fn tokens_are_counted_without_comments() {
         // `fn f ( a : u8 ) {`, `g ( a , 1 ) ;`, `}`
         let text = "//! Doc.\n\n/// Doc.\n#[inline]\nfn f(a: u8) {\n    // Why.\n    /** Doc. */\n    g(a, 1);\n}\n";
-        assert_eq!(examined(&[("x.rs", text)]).lengths[0][0].size, 16);
+        assert_eq!(examine_files(&[("x.rs", text)]).lengths[0][0].size, 16);
     }
 
     #[test]
     fn a_public_type_name_may_be_defined_once() {
         let count = |texts: [&str; 2]| {
             let texts = texts.map(|text| format!("{text}\n"));
-            examined(&[("a.rs", &texts[0]), ("b.rs", &texts[1])])
+            examine_files(&[("a.rs", &texts[0]), ("b.rs", &texts[1])])
                 .faults
                 .len()
         };

@@ -1,7 +1,7 @@
 //! Rules for the text of files. Clippy already rejects `todo!`, `unimplemented!` and attributes
 //! without a reason.
 
-use super::files::Source;
+use super::files::SourceFile;
 
 /// Marks of postponed work, split so that this file passes, too.
 const LATER: [&str; 4] = [
@@ -12,7 +12,7 @@ const LATER: [&str; 4] = [
 ];
 
 /// Returns the faults of a file, each as `path:line: fault, and remedy`.
-pub(super) fn faults(source: &Source) -> Vec<String> {
+pub(super) fn faults(source: &SourceFile) -> Vec<String> {
     let is_code = matches!(source.extension(), "rs" | "wgsl");
     let mut out = Vec::new();
     for (i, line) in source.text.lines().enumerate() {

@@ -3,7 +3,7 @@
 //! A short function with dense lines is harder to read than a longer plain one, so the number of
 //! tokens is limited, too.
 
-use super::{Findings, Length, files::Source, lines_of};
+use super::{Findings, Length, files::SourceFile, lines_of};
 use anyhow::{Result, anyhow};
 use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use std::collections::BTreeSet;
@@ -16,8 +16,8 @@ use syn::{
 const LINES_FOR_DENSITY: usize = 30;
 
 /// Adds a file's sizes, type names and faults.
-pub(super) fn examine(source: &Source, out: &mut Findings) -> Result<()> {
-    let Source { path, text } = source;
+pub(super) fn examine(source: &SourceFile, out: &mut Findings) -> Result<()> {
+    let SourceFile { path, text } = source;
     let fault = |e: syn::Error| anyhow!("{path}:{}: {e}", e.span().start().line);
     let file = syn::parse_file(text).map_err(fault)?;
     let stream: TokenStream = text.parse().map_err(|e| anyhow!("{path}: {e}"))?;

@@ -1,10 +1,10 @@
 //! Measures the lengths of WGSL functions.
 
-use super::{Length, files::Source};
+use super::{Length, files::SourceFile};
 
 /// Returns the number of lines of every function. Our WGSL starts functions with `fn ` in the first
 /// column, after attributes at most, and ends them with a brace there.
-pub(super) fn lengths(source: &Source) -> Vec<Length> {
+pub(super) fn lengths(source: &SourceFile) -> Vec<Length> {
     let mut out = Vec::new();
     let mut open: Option<(usize, &str)> = None;
     for (i, line) in source.text.lines().enumerate() {
@@ -28,12 +28,12 @@ pub(super) fn lengths(source: &Source) -> Vec<Length> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Source, lengths};
+    use super::{SourceFile, lengths};
 
     #[test]
     fn functions_are_found_and_structs_are_not() {
         let text = "struct S {\n    x: f32,\n}\n\nfn f(x: f32) -> f32 {\n    return x;\n}\n@compute @workgroup_size(1) fn g() {\n}\n";
-        let source = Source {
+        let source = SourceFile {
             path: "x.wgsl".to_owned(),
             text: text.to_owned(),
         };

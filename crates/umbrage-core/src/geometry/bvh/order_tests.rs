@@ -21,14 +21,14 @@ struct Tables {
 }
 
 impl Tables {
-    fn of(g: &Geometry) -> Self {
+    fn from_geometry(g: &Geometry) -> Self {
         Self {
             nodes: g.bvh().node_rows(),
             triangles: g.bvh().triangle_rows(g),
         }
     }
 
-    fn occluded(&self, o: Vec3, d: Vec3, skip: u32, mut turn: impl FnMut() -> bool) -> bool {
+    fn is_occluded(&self, o: Vec3, d: Vec3, skip: u32, mut turn: impl FnMut() -> bool) -> bool {
         let vector = |row: [u32; 4]| {
             Vec3::new(
                 f32::from_bits(row[0]),
@@ -67,7 +67,7 @@ impl Tables {
 }
 
 /// Returns a geometry with its triangles shuffled.
-fn shuffled(g: &Geometry, random: &mut Random) -> Geometry {
+fn shuffle_triangles(g: &Geometry, random: &mut Random) -> Geometry {
     let mut triangles = g.triangles().to_vec();
     for i in (1..triangles.len()).rev() {
         random.0 = hash(random.0);
@@ -126,11 +126,11 @@ fn segment(g: &Geometry, random: &mut Random, i: u32) -> (Vec3, Vec3, u32) {
     let id = hash(i) % g.triangles().len() as u32;
     let [a, b, c] = g.corners(id);
     let p = a
-        .lerp(b, random.signed().abs())
-        .lerp(c, random.signed().abs());
+        .lerp(b, random.signed_unit().abs())
+        .lerp(c, random.signed_unit().abs());
     let o = p + Vec3::Y * origin_offset(p, 0.0);
     let d = match i % 8 {
-        0 => Vec3::new(random.signed(), 0.02, random.signed()) * 12.0,
+        0 => Vec3::new(random.signed_unit(), 0.02, random.signed_unit()) * 12.0,
         1 => [Vec3::X, Vec3::NEG_Z, Vec3::Y][i as usize / 8 % 3] * 7.0,
         2 => g.corners(hash(i + 1) % g.triangles().len() as u32)[0] - o,
         3 => Vec3::new(5.0, 7.0, 3.0).normalize() * 24.7,
@@ -147,8 +147,8 @@ fn every_order_gives_the_same_answer() {
     let mut random = Random(31);
     for metres in [0.0, 1e2, 1e4, 1e5, 3e5, 1e6] {
         let g = far_scene(metres);
-        let other = shuffled(&g, &mut random);
-        let tables = [Tables::of(&g), Tables::of(&other)];
+        let other = shuffle_triangles(&g, &mut random);
+        let tables = [Tables::from_geometry(&g), Tables::from_geometry(&other)];
         let mut hits = 0;
         for i in 0..4_000 {
             let (o, d, id) = segment(&g, &mut random, i);
@@ -161,14 +161,14 @@ fn every_order_gives_the_same_answer() {
             let twin = |k: &u32| other.corners(*k) == [a, b, c];
             let other_id = other.casters().find(twin).expect("all are there");
             hits += u32::from(expected);
-            let mut turn = || random.signed() > 0.0;
+            let mut turn = || random.signed_unit() > 0.0;
             let answers = [
-                g.bvh().occluded(o, d, id),
+                g.bvh().is_occluded(o, d, id),
                 g.bvh().nearest(&g, o, d, id).is_some(),
-                tables[0].occluded(o, d, id, &mut turn),
-                tables[0].occluded(o, d, id, || true),
-                other.bvh().occluded(o, d, other_id),
-                tables[1].occluded(o, d, other_id, &mut turn),
+                tables[0].is_occluded(o, d, id, &mut turn),
+                tables[0].is_occluded(o, d, id, || true),
+                other.bvh().is_occluded(o, d, other_id),
+                tables[1].is_occluded(o, d, other_id, &mut turn),
             ];
             assert_eq!(
                 answers, [expected; 6],
@@ -188,7 +188,7 @@ fn the_nearest_hit_is_the_same_in_every_order() {
     let mut random = Random(5);
     for metres in [0.0, 1e3, 1e6] {
         let g = far_scene(metres);
-        let other = shuffled(&g, &mut random);
+        let other = shuffle_triangles(&g, &mut random);
         for i in 0..4_000 {
             let (o, d, _) = segment(&g, &mut random, i);
             let [found, expected] = [&g, &other].map(|g| g.bvh().nearest(g, o, d, u32::MAX));
@@ -225,7 +225,7 @@ fn deep_trees_are_searched_to_the_end() {
         "depth is only {}",
         g.bvh().wide.depth
     );
-    let tables = Tables::of(&g);
+    let tables = Tables::from_geometry(&g);
     let mut hits = 0;
     for i in 0..count {
         let outward = Vec3::ONE + random.vector() * 0.3;
@@ -241,8 +241,8 @@ fn deep_trees_are_searched_to_the_end() {
                 .any(|k| segment.hits(&Corners::new(g.corners(k))));
             hits += u32::from(expected);
             let answers = [
-                g.bvh().occluded(o, d, u32::MAX),
-                tables.occluded(o, d, u32::MAX, || true),
+                g.bvh().is_occluded(o, d, u32::MAX),
+                tables.is_occluded(o, d, u32::MAX, || true),
             ];
             assert_eq!(answers, [expected; 2], "triangle {i}, from {o} along {d}");
         }

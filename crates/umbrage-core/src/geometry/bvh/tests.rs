@@ -59,7 +59,11 @@ fn agrees_with_brute_force_at_every_scale() {
             let skip = i % 500;
             let expected = brute_force(&g, o, d, skip);
             hits += u32::from(expected);
-            assert_eq!(g.bvh().occluded(o, d, skip), expected, "from {o} along {d}");
+            assert_eq!(
+                g.bvh().is_occluded(o, d, skip),
+                expected,
+                "from {o} along {d}"
+            );
         }
         assert!(
             (200..3800).contains(&hits),
@@ -93,7 +97,7 @@ fn answers_are_the_same_at_extreme_scales() {
                 "2^{power}: {o} along {d}"
             );
             assert_eq!(
-                scaled.bvh().occluded(o * scale, d * scale, skip),
+                scaled.bvh().is_occluded(o * scale, d * scale, skip),
                 expected.is_some(),
                 "2^{power}"
             );
@@ -125,12 +129,12 @@ fn occluders_close_to_the_origin_are_found() {
         let o = Vec3::new(0.2, -gap, 0.2);
         assert!(
             g.bvh()
-                .occluded(o, Vec3::new(3.0, 1000.0, 5.0), NO_TRIANGLE),
+                .is_occluded(o, Vec3::new(3.0, 1000.0, 5.0), NO_TRIANGLE),
             "a gap of {gap} m"
         );
         assert!(
             !g.bvh()
-                .occluded(o, Vec3::new(3.0, -1000.0, 5.0), NO_TRIANGLE)
+                .is_occluded(o, Vec3::new(3.0, -1000.0, 5.0), NO_TRIANGLE)
         );
     }
 }
@@ -140,7 +144,7 @@ fn nothing_casts_nothing_occludes() {
     let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]).without_casters();
     assert!(
         !g.bvh()
-            .occluded(Vec3::new(0.2, 1.0, 0.2), Vec3::NEG_Y * 2.0, NO_TRIANGLE)
+            .is_occluded(Vec3::new(0.2, 1.0, 0.2), Vec3::NEG_Y * 2.0, NO_TRIANGLE)
     );
 }
 
@@ -174,12 +178,12 @@ fn closed_meshes_have_no_cracks() {
         let corners = g.corners(i % g.triangles().len() as u32);
         let target = match i % 3 {
             0 => corners[0],
-            1 => corners[0].lerp(corners[1], random.signed().abs()),
+            1 => corners[0].lerp(corners[1], random.signed_unit().abs()),
             _ => (corners[0] + corners[1] + corners[2]) / 3.0,
         };
         let o = random.vector() * 0.5;
         assert!(
-            g.bvh().occluded(o, (target - o) * 3.0, NO_TRIANGLE),
+            g.bvh().is_occluded(o, (target - o) * 3.0, NO_TRIANGLE),
             "from {o} to {target}"
         );
     }
@@ -212,7 +216,7 @@ fn clear_regions_hide_nothing() {
         let clear_now = g.bvh().is_clear(&g, &planes);
         clear += u32::from(clear_now);
         for _ in 0..16 {
-            let target = center + u * random.signed() + v * random.signed();
+            let target = center + u * random.signed_unit() + v * random.signed_unit();
             let occluded = brute_force(&g, o, target - o, NO_TRIANGLE);
             assert!(!(occluded && clear_now), "from {o} to {target}");
             hidden += u32::from(occluded);

@@ -80,7 +80,7 @@ impl Bvh {
     /// Returns whether any caster but triangle `skip` occludes the segment from `o` to `o + d`.
     /// Hits in alpha-tested holes don't count.
     #[inline]
-    pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
+    pub fn is_occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
         self.occluder(o, d, skip).is_some()
     }
 
@@ -141,7 +141,7 @@ impl Bvh {
 
     /// Appends the triangle ids of the casters that may come within `radius` of the segment from
     /// `o` to `o + d`, measured along each axis. Conservative: it may append others, too.
-    pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
+    pub fn triangles_near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
         let inverse = slab_inverse(d);
         let mut stack = self.narrow_root();
         while let Some(i) = stack.pop() {

@@ -60,7 +60,7 @@ pub(super) struct Wide {
 pub(super) const SHALLOW: usize = 24;
 
 /// Children still to be visited: their parent's index, and a bit for each in the order of visits.
-type Group = (u32, u32);
+type NodeGroup = (u32, u32);
 
 impl Wide {
     /// Builds a hierarchy with a tree's topology. `boxes` are those of its triangles, in leaf
@@ -152,7 +152,7 @@ impl Wide {
             for half in 0..2 {
                 let low = [0, 1, 2].map(|axis: usize| node.planes[axis][half]);
                 let high = [3, 4, 5].map(|axis: usize| node.planes[axis][half]);
-                let mut bits = lanes.entered(low, high);
+                let mut bits = lanes.entered_lanes(low, high);
                 if bits != 0 {
                     bits &= search.keep(bits, low, high);
                 }
@@ -172,7 +172,7 @@ impl Wide {
                 }
             }
             // Child slots are ordered by octants; push the nearest one last.
-            let mut inner = turned(entered & node.inner, octant);
+            let mut inner = turn_slots(entered & node.inner, octant);
             while inner != 0 {
                 let place = inner.trailing_zeros();
                 inner &= inner - 1;
@@ -185,11 +185,11 @@ impl Wide {
     #[inline(always)]
     fn search_with(
         &self,
-        stack: &mut [Group],
+        stack: &mut [NodeGroup],
         segment: &Segment,
         mut visit: impl FnMut(usize, &mut f32) -> bool,
     ) {
-        let lanes = Lanes::new(segment);
+        let lanes = RayLanes::new(segment);
         let mut limit = 1.0;
         // Number of groups on the stack.
         let mut waiting = 0;
@@ -199,7 +199,7 @@ impl Wide {
         let mut current = 0;
         loop {
             let node = &self.nodes[current as usize];
-            let entered = lanes.entered(node, limit);
+            let entered = lanes.entered_children(node, limit);
             let mut leaves = entered & !node.inner;
             while leaves != 0 {
                 let child = leaves.trailing_zeros() as usize;
@@ -218,7 +218,7 @@ impl Wide {
                     waiting += 1;
                 }
                 parent = current;
-                group = turned(inner, lanes.octant);
+                group = turn_slots(inner, lanes.octant);
             } else if group == 0 {
                 if waiting == 0 {
                     return;
@@ -234,7 +234,7 @@ impl Wide {
 }
 
 /// A segment, for the slab test of four boxes at once.
-struct Lanes {
+struct RayLanes {
     origin: [Vec4; 3],
     inverse: [Vec4; 3],
     /// Indices of the planes at which a segment enters and leaves boxes, along x, y, z.
@@ -245,7 +245,7 @@ struct Lanes {
     octant: u32,
 }
 
-impl Lanes {
+impl RayLanes {
     #[inline(always)]
     fn new(s: &Segment) -> Self {
         let o = s.origin;
@@ -269,7 +269,7 @@ impl Lanes {
     /// Returns a bit for each child whose box is entered. Bit-equal to `enters_box` of
     /// `ray_box.rs`, as the product with the near plane is the lesser one.
     #[inline(always)]
-    fn entered(&self, node: &Node, limit: f32) -> u32 {
+    fn entered_children(&self, node: &Node, limit: f32) -> u32 {
         let mut out = 0;
         for half in 0..2 {
             // Fraction of the segment at which it meets a plane of four boxes.
@@ -289,7 +289,7 @@ impl Lanes {
 /// Moves the bits of slots to the order of visits, the first in the highest position: bit `i` to
 /// position `i ^ octant`.
 #[inline(always)]
-fn turned(slots: u32, octant: u32) -> u32 {
+fn turn_slots(slots: u32, octant: u32) -> u32 {
     let mut bits = slots;
     if octant & 1 != 0 {
         bits = (bits & 0x55) << 1 | bits >> 1 & 0x55;
@@ -328,14 +328,14 @@ mod tests {
             // Aim along an edge of one of the boxes, or past it by a few roundings.
             let [low, high] = boxes[i as usize % 8];
             let o = low.with_x(high.x) + random.vector();
-            let target = low.with_x(high.x).lerp(high, random.signed().abs());
+            let target = low.with_x(high.x).lerp(high, random.signed_unit().abs());
             let d = if i % 4 == 0 {
                 Vec3::Y.into()
             } else {
                 Vec3A::from(target - o) * 2.0
             };
             let segment = Segment::new(o, d.into());
-            let bits = Lanes::new(&segment).entered(&node, 1.0);
+            let bits = RayLanes::new(&segment).entered_children(&node, 1.0);
             for (child, corners) in boxes.iter().enumerate() {
                 let expected =
                     enters_box(segment.origin, segment.inverse, corners.map(Vec3A::from));

@@ -7,7 +7,7 @@
 //!
 //! A slice without shadows gets a space outside the scene, where nothing is looked up. Slices
 //! overlap where results are blended. Recipes stay pure: stable slices are a function of the ends
-//! of two frames ([`SliceEnds::held`]).
+//! of two frames ([`SliceEnds::stabilized`]).
 
 use crate::{
     geometry::aabb::Aabb,
@@ -21,7 +21,7 @@ use crate::{
             input::FitInput,
             kind::Fit,
             parallel,
-            points::{Points, bounds_in, padded, receiver_points},
+            points::{Points, bounds_in, pad_box, receiver_points},
             receiver_split,
             stable::{self, SphereCenter},
         },
@@ -137,7 +137,7 @@ impl<'a> CascadeInput<'a> {
 
     /// Returns the range of distances to be split.
     pub(super) fn range(&self) -> Slice {
-        let near = self.frustum.near();
+        let near = self.frustum.near_distance();
         if let Fit::Stable { range } | Fit::AroundCamera { range } = self.fit {
             return Slice {
                 begin: near,
@@ -219,7 +219,7 @@ impl<'a> CascadeInput<'a> {
         if let Some(seen) = &self.input.seen {
             let part = self
                 .input
-                .with_seen(seen.within(self.frustum.slice_of_view(slice)));
+                .with_seen(seen.within_slice(self.frustum.slice_of_view(slice)));
             let receivers = bounds_in(&self.view_from_world, &receiver_points(&part));
             return self.tight(&part, &receivers, size, margin);
         }
@@ -230,7 +230,7 @@ impl<'a> CascadeInput<'a> {
             .iter()
             .map(|&corner| light_from_world.transform_point3(corner).as_vec3());
         let reach = all_receivers.min.abs().max(all_receivers.max.abs());
-        let receivers = padded(Aabb::around(in_view), reach.max_element());
+        let receivers = pad_box(Aabb::from_points(in_view), reach.max_element());
         self.tight(&self.input, &receivers, size, margin)
     }
 
@@ -258,7 +258,7 @@ impl<'a> CascadeInput<'a> {
             casters: Vec::new(),
             arrangement: Arrangement::Cascades(pick),
         };
-        let mut begin = self.frustum.near().min(0.0);
+        let mut begin = self.frustum.near_distance().min(0.0);
         for &end in self.ends().as_slice() {
             let end = f64::from(end) * (1.0 + ROUNDING);
             let space = self.space(Slice { begin, end }, size, margin)?;

@@ -144,7 +144,7 @@ impl<'a> Receiving<'a> {
             }
             let b = space.block(&block.bounds);
             if b.meets(column) {
-                boxes.push(b.within(column));
+                boxes.push(b.intersection(column));
             }
         }
         Self {
@@ -155,7 +155,7 @@ impl<'a> Receiving<'a> {
     }
 
     /// Returns receivers that fill a box.
-    pub(super) fn within(b: MapBounds) -> Self {
+    pub(super) fn from_bounds(b: MapBounds) -> Self {
         Self {
             seen: None,
             boxes: vec![b],
@@ -286,7 +286,7 @@ impl<'a> Need<'a> {
             out.last = possible;
             out.seen = Some(SeenInCells {
                 points,
-                certain: widened(&certain, reach_in_cells),
+                certain: widen_values(&certain, reach_in_cells),
                 reach: reach_in_cells,
                 tiles_opened: Cell::new(0),
                 exact: OnceCell::new(),
@@ -298,7 +298,7 @@ impl<'a> Need<'a> {
                 out.last[i] = out.last[i].max(b.max.z);
             }
         }
-        out.last = widened(&out.last, reach_in_cells);
+        out.last = widen_values(&out.last, reach_in_cells);
         Some(out)
     }
 
@@ -327,7 +327,7 @@ impl<'a> Need<'a> {
     /// casters outside don't count.
     pub(super) fn on_map(self, column: &MapBounds) -> Self {
         Self {
-            shown: self.column.within(column),
+            shown: self.column.intersection(column),
             ..self
         }
     }
@@ -389,7 +389,7 @@ impl<'a> Need<'a> {
         let last = parts.map(last_of).reduce(nothing, |a, b| {
             a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect()
         });
-        widened(&last, seen.reach)
+        widen_values(&last, seen.reach)
     }
 
     /// Returns whether geometry with this box is before a visible point whose lookups may reach it.
@@ -444,7 +444,7 @@ impl<'a> Need<'a> {
     pub(super) fn around_casters(&self) -> MapBounds {
         let mut found = MapBounds::EMPTY;
         let adds_nothing =
-            |found: &MapBounds, b: &MapBounds| adds_nothing(&b.within(&self.shown), found);
+            |found: &MapBounds, b: &MapBounds| adds_nothing(&b.intersection(&self.shown), found);
         self.visit_runs(&mut found, adds_nothing, |found, run| {
             self.geometry.box_tree().count(&run);
             for triangle in run {
@@ -488,11 +488,11 @@ impl<'a> Need<'a> {
             return MapBounds::EMPTY;
         }
         let polygon = self.space.triangle(corners);
-        let b = MapBounds::around(polygon.corners().iter().copied());
+        let b = MapBounds::from_points(polygon.corners().iter().copied());
         if is_known(&b) || !self.matters(&b) {
             return MapBounds::EMPTY;
         }
-        let is_shown_whole = b.within(&self.shown) == b;
+        let is_shown_whole = b.intersection(&self.shown) == b;
         if is_shown_whole {
             b
         } else {
@@ -508,7 +508,7 @@ impl<'a> Need<'a> {
         let cut = clip(&cut, DVec3::NEG_X, -max.x);
         let cut = clip(&cut, DVec3::Y, min.y);
         let cut = clip(&cut, DVec3::NEG_Y, -max.y);
-        MapBounds::around(cut.corners().iter().copied())
+        MapBounds::from_points(cut.corners().iter().copied())
     }
 
     /// Returns the ids of the casters that may matter.
@@ -521,7 +521,7 @@ impl<'a> Need<'a> {
             |ids, run| {
                 ids.extend(run.filter(|&id| {
                     let polygon = self.space.triangle(self.geometry.corners(id));
-                    self.matters(&MapBounds::around(polygon.corners().iter().copied()))
+                    self.matters(&MapBounds::from_points(polygon.corners().iter().copied()))
                 }));
             },
         );
@@ -558,7 +558,7 @@ fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
 }
 
 /// Returns, for each cell, the greatest value up to `reach` cells away along each axis.
-fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
+fn widen_values(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
     let [columns, rows] = reach.map(|cells| cells.min(CELLS));
     let mut out = values.to_vec();
     for row in out.chunks_mut(CELLS) {

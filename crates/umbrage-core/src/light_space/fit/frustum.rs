@@ -101,7 +101,7 @@ impl CameraFrustum {
 
     /// Returns the distance of the near plane along the view; that of its nearest corner if the
     /// plane is oblique.
-    pub(super) fn near(&self) -> f64 {
+    pub(super) fn near_distance(&self) -> f64 {
         let distances = self.near_corners.map(|corner| -corner.z);
         distances.into_iter().fold(f64::INFINITY, f64::min)
     }
@@ -155,7 +155,7 @@ impl CameraFrustum {
         let corners = b.corners().map(|corner| self.distance(corner.as_dvec3()));
         let farthest_corner = corners.fold(0.0, f64::max);
         let all = Slice {
-            begin: self.near(),
+            begin: self.near_distance(),
             end: self.before_far(farthest_corner),
         };
         let mut part = Slice {
@@ -240,7 +240,7 @@ impl Hexahedron {
     fn corners_within(&self, other: &Self) -> Vec<DVec3> {
         let mut out = Vec::new();
         for face in Self::FACES {
-            let mut part = CutFace::of(face.map(|corner| self.corners[corner]));
+            let mut part = CutFace::from_corners(face.map(|corner| self.corners[corner]));
             for (normal, distance) in other.planes {
                 part = part.clip(|p| normal.dot(p) - distance, edge_crossing);
             }

@@ -77,7 +77,7 @@ impl<'a> Lamp<'a> {
     /// Returns a box, in map space, around the casters that can shadow receivers within a pyramid.
     /// Its lateral bounds are within the box around these receivers. Empty if no caster can.
     /// `tangent` is that of half the pyramid's angle.
-    fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
+    fn needed_bounds(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
         let space = MapSpace {
             view_from_world,
@@ -104,7 +104,7 @@ impl<'a> Lamp<'a> {
             first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
         }
         let found = need_before(first).map_or(MapBounds::EMPTY, |need| need.around_casters());
-        found.within(&around)
+        found.intersection(&around)
     }
 
     /// Returns the lookup parameters of a map over a pyramid. `receivers` is the box around its
@@ -128,27 +128,27 @@ impl<'a> Lamp<'a> {
 
     /// Returns the distance, metres along the view, of the first caster that matters within a
     /// pyramid; `None` if there is none.
-    pub(super) fn near(&self, view_from_world: &Mat4, tangent: f64) -> Option<f32> {
-        first_distance(&self.needed(view_from_world, tangent))
+    pub(super) fn near_plane(&self, view_from_world: &Mat4, tangent: f64) -> Option<f32> {
+        first_distance(&self.needed_bounds(view_from_world, tangent))
     }
 
-    /// Returns [`Lamp::near`] for all faces of a cube.
+    /// Returns [`Lamp::near_plane`] for all faces of a cube.
     pub(super) fn nears(&self, tangent: f64) -> Result<[Option<f32>; 6], Invalid> {
         Ok(self
             .faces(tangent)?
             .map(|(_, needed)| first_distance(&needed)))
     }
 
-    /// Returns the view of each face of a cube, and the result of [`Lamp::needed`] for it.
+    /// Returns the view of each face of a cube, and the result of [`Lamp::needed_bounds`] for it.
     fn faces(&self, tangent: f64) -> Result<[(Mat4, MapBounds); 6], Invalid> {
-        Ok(cube_face_views(self.eye)?.map(|view| (view, self.needed(&view, tangent))))
+        Ok(cube_face_views(self.eye)?.map(|view| (view, self.needed_bounds(&view, tangent))))
     }
 
     /// Returns the pyramid around all casters that matter within a given one. Keeps the axis unless
     /// another one makes it narrower by [`MAX_TURNED_OVER_STRAIGHT`].
-    pub(super) fn narrowed(&self, pyramid: SquarePyramid) -> Result<SquarePyramid, Invalid> {
+    pub(super) fn narrow_pyramid(&self, pyramid: SquarePyramid) -> Result<SquarePyramid, Invalid> {
         let view_from_world = look_along(self.eye, pyramid.axis, Vec3::Y)?;
-        let needed = self.needed(&view_from_world, pyramid.tangent);
+        let needed = self.needed_bounds(&view_from_world, pyramid.tangent);
         if needed.is_empty() {
             return Ok(pyramid);
         }
@@ -156,7 +156,7 @@ impl<'a> Lamp<'a> {
             axis: pyramid.axis,
             tangent: greatest_tangent(&needed).min(pyramid.tangent),
         };
-        let turned = self.around(&corners(&view_from_world, &needed))?;
+        let turned = self.pyramid_around(&corners(&view_from_world, &needed))?;
         match turned {
             Some(turned) if turned.tangent < straight.tangent * MAX_TURNED_OVER_STRAIGHT => {
                 Ok(turned)
@@ -167,7 +167,7 @@ impl<'a> Lamp<'a> {
 
     /// Returns the pyramid around all casters that matter in any direction. `None` if it would be
     /// too wide; an arbitrary pyramid if no caster matters.
-    pub(super) fn aimed(&self) -> Result<Option<SquarePyramid>, Invalid> {
+    pub(super) fn aimed_pyramid(&self) -> Result<Option<SquarePyramid>, Invalid> {
         let mut directions = Vec::new();
         for (face, needed) in self.faces(1.0)? {
             directions.extend(corners(&face, &needed));
@@ -179,8 +179,8 @@ impl<'a> Lamp<'a> {
             }));
         }
         let widest = f64::from(WIDEST_HALF_ANGLE.to_radians()).tan();
-        match self.around(&directions)? {
-            Some(pyramid) if pyramid.tangent <= widest => self.narrowed(pyramid).map(Some),
+        match self.pyramid_around(&directions)? {
+            Some(pyramid) if pyramid.tangent <= widest => self.narrow_pyramid(pyramid).map(Some),
             _ => Ok(None),
         }
     }
@@ -190,7 +190,7 @@ impl<'a> Lamp<'a> {
     ///
     /// The search starts at the mean direction. Each step looks along the axis, computes the box
     /// around the directions on the plane at distance 1, and turns the axis to the box's centre.
-    fn around(&self, directions: &[DVec3]) -> Result<Option<SquarePyramid>, Invalid> {
+    fn pyramid_around(&self, directions: &[DVec3]) -> Result<Option<SquarePyramid>, Invalid> {
         let mut axis = directions.iter().map(|d| d.normalize()).sum::<DVec3>();
         let mut best: Option<SquarePyramid> = None;
         for _ in 0..MAX_AXIS_STEPS {
@@ -207,7 +207,7 @@ impl<'a> Lamp<'a> {
             if in_view.is_empty() || in_view.iter().any(|d| -d.z < 1e-6 * d.length()) {
                 break;
             }
-            let bounds = MapBounds::around(in_view.iter().map(|d| *d / -d.z));
+            let bounds = MapBounds::from_points(in_view.iter().map(|d| *d / -d.z));
             let tangent = greatest_tangent(&bounds);
             if best.is_none_or(|best| tangent < best.tangent) {
                 best = Some(SquarePyramid {

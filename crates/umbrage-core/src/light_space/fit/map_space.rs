@@ -45,7 +45,7 @@ impl MapBounds {
         max: DVec3::NEG_INFINITY,
     };
 
-    pub(super) fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+    pub(super) fn from_points(points: impl IntoIterator<Item = DVec3>) -> Self {
         points
             .into_iter()
             .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
@@ -78,7 +78,7 @@ impl MapBounds {
     }
 
     /// Intersects the lateral bounds with `other`; keeps the range of ranks.
-    pub(super) fn within(&self, other: &Self) -> Self {
+    pub(super) fn intersection(&self, other: &Self) -> Self {
         Self {
             min: self.min.max(other.min.with_z(self.min.z)),
             max: self.max.min(other.max.with_z(self.max.z)),
@@ -89,7 +89,7 @@ impl MapBounds {
 impl MapSpace {
     /// Returns the map space of a fitted light space.
     #[cfg(feature = "testing")]
-    pub(super) fn of(space: &crate::light_space::LightSpace) -> Self {
+    pub(super) fn of_light_space(space: &crate::light_space::LightSpace) -> Self {
         let projection = space.clip_from_view;
         let perspective = projection.row(3) != glam::Vec4::W;
         let near = f64::from(projection.w_axis.z) / f64::from(projection.z_axis.z);
@@ -150,7 +150,7 @@ impl MapSpace {
         let is_cut = self
             .nearest
             .is_some_and(|nearest| in_view.iter().any(|p| -p.z < nearest));
-        (!is_cut).then(|| MapBounds::around(in_view.map(|p| self.project(p))))
+        (!is_cut).then(|| MapBounds::from_points(in_view.map(|p| self.project(p))))
     }
 
     /// Converts a world-space triangle to map space; with perspective, the part of it that is not
@@ -183,7 +183,7 @@ impl MapSpace {
         if b.is_empty() {
             return MapBounds::EMPTY;
         }
-        self.bounds_of(&ViewBox::padded(&self.view_from_world, b))
+        self.bounds_of(&ViewBox::padded_box(&self.view_from_world, b))
     }
 
     /// Returns the box in map space around a box of the view, or around the part of it that is not

@@ -11,7 +11,7 @@
 //! every 8 boxes, and so on, once per geometry. `SeenPoints` is the same over tiles of 8 x 8
 //! visible points, once per view. `BoxTree::least` visits boxes in the order of their bounds until
 //! no other box can contain a smaller value. Bounds include a margin for rounding
-//! (`ViewBox::padded`), so results are bit-equal to a search through all points. Use one
+//! (`ViewBox::padded_box`), so results are bit-equal to a search through all points. Use one
 //! [`FitMemory`] when evaluating many settings for the same view.
 
 mod cascades;
@@ -191,7 +191,7 @@ impl Fit {
             }
         };
         if let Some(geometry) = view.geometry {
-            spaces.leave_out_casters_beside(geometry, size);
+            spaces.leave_out_outside_casters(geometry, size);
         }
         Ok(spaces)
     }
@@ -206,7 +206,7 @@ impl Fit {
     ) -> Result<LightSpaces, RecipeError> {
         let input = &FitInput::new(self.without_what_it_ignores(view));
         match (layout, view.light.position()) {
-            (Layout::Cube, None) => Err(RecipeError::unsupported(
+            (Layout::Cube, None) => Err(RecipeError::unsupported_because(
                 "a directional light has no position for a cube",
             )),
             (Layout::Cube, Some(eye)) => perspective::cube(self, input, eye, size, margin),
@@ -242,7 +242,7 @@ impl Fit {
         view: &View<'a>,
     ) -> Result<CascadeInput<'a>, RecipeError> {
         let Light::Directional { direction, .. } = *view.light else {
-            return Err(RecipeError::unsupported(format!(
+            return Err(RecipeError::unsupported_because(format!(
                 "cascades require a directional light, and this is a {} light: use `Layout::Auto`",
                 view.light.kind()
             )));
@@ -251,7 +251,7 @@ impl Fit {
     }
 
     /// Returns the ends of the slices of cascades, for programs that keep them stable over many
-    /// frames, see [`SliceEnds::held`].
+    /// frames, see [`SliceEnds::stabilized`].
     ///
     /// # Errors
     /// Errors if [`Fit::light_spaces`] with [`Layout::Cascades`] does.

@@ -10,7 +10,7 @@ use crate::{
             input::FitInput,
             map_space::{MapBounds, MapSpace},
             points::{
-                bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
+                bounds_in, caster_points, caster_reach, casters_on, pad_box, receiver_points,
                 rounding,
             },
             stable::first_caster,
@@ -111,8 +111,8 @@ pub(super) fn tight_part(
         max: shown.max.as_dvec3().with_z(-f64::from(shown.min.z)),
     };
     let first = first_caster(&input.view, &space, &column);
-    let top = padded(
-        Aabb::around([shown.max.with_z(-first as f32)]),
+    let top = pad_box(
+        Aabb::from_points([shown.max.with_z(-first as f32)]),
         caster_reach(input),
     );
     let shown = with_depths(&shown, shown.min.z, shown.max.z.max(top.max.z));
@@ -124,11 +124,11 @@ pub(super) fn nowhere(input: &FitInput<'_>, view_from_world: Mat4) -> Result<Lig
     let casters = bounds_in(&view_from_world, &caster_points(input));
     let receivers = bounds_in(&view_from_world, &receiver_points(input));
     let all = casters.union(&receivers);
-    let beside = if all.is_empty() { 0.0 } else { all.max.x };
-    let side = beside.abs().max(1.0);
+    let adjacent = if all.is_empty() { 0.0 } else { all.max.x };
+    let side = adjacent.abs().max(1.0);
     let shown = Aabb {
-        min: Vec3::new(beside + side, -side, -side),
-        max: Vec3::new(beside + 2.0 * side, side, side),
+        min: Vec3::new(adjacent + side, -side, -side),
+        max: Vec3::new(adjacent + 2.0 * side, side, side),
     };
     show(view_from_world, &shown)
 }
@@ -225,5 +225,5 @@ fn needed_casters(
         min: found.min.with_z(-found.max.z).as_vec3(),
         max: found.max.with_z(-found.min.z).as_vec3(),
     };
-    padded(in_view, caster_reach(input))
+    pad_box(in_view, caster_reach(input))
 }

@@ -40,7 +40,7 @@ pub(super) fn single(
     };
     let Cone { axis, half_angle } = cone(input, eye, lamp.as_ref())?;
     if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
-        return Err(RecipeError::unsupported(format!(
+        return Err(RecipeError::unsupported_because(format!(
             "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one map \
              covers at most {:.0}: use `Layout::Cube`",
             input.view.light.kind(),
@@ -49,11 +49,11 @@ pub(super) fn single(
         )));
     }
     let view_from_world = look_along(eye, axis, Vec3::Y)?;
-    let widened = widened(half_angle, size, margin);
+    let widened = widen_half_angle(half_angle, size, margin);
     let [near, far] = match (fit, lamp) {
         (Fit::Manual { extents, .. }, _) => [extents.near, extents.far],
         (_, Some(lamp)) => range(
-            lamp.near(&view_from_world, f64::from(widened.tan())),
+            lamp.near_plane(&view_from_world, f64::from(widened.tan())),
             far_plane(input, &view_from_world),
         ),
         (_, None) => whole_range(input, &view_from_world, widened),
@@ -78,12 +78,12 @@ pub(super) fn cube(
     let widest_tangent = WIDEST_HALF_ANGLE.to_radians().tan();
     let inner = size as f32 - 2.0 * margin - 2.0;
     if inner < size as f32 / widest_tangent && margin > 0.0 {
-        return Err(RecipeError::unsupported(format!(
+        return Err(RecipeError::unsupported_because(format!(
             "a kernel that reaches {margin} texels is too wide for a cube's faces of {size}: use greater maps or a \
              smaller kernel"
         )));
     }
-    let half_angle = widened(45.0_f32.to_radians(), size, margin);
+    let half_angle = widen_half_angle(45.0_f32.to_radians(), size, margin);
     let lamp = if *fit == Fit::Tight {
         Lamp::new(input, eye, size, margin)
     } else {
@@ -133,13 +133,13 @@ pub(super) fn suffices(
 ) -> bool {
     let tangent = 1.0 / one.clip_from_view.x_axis.x;
     spot_cone(input.view.light).is_some()
-        || tangent <= widened(45.0_f32.to_radians(), size, margin).tan()
+        || tangent <= widen_half_angle(45.0_f32.to_radians(), size, margin).tan()
         || input.cone_around_casters(eye).half_angle.to_degrees() <= WIDEST_HALF_ANGLE
 }
 
 /// Returns a half angle (radians) widened by the kernel's reach, so that samples around the
 /// outermost receivers stay on the map.
-fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
+fn widen_half_angle(half_angle: f32, size: u32, margin: f32) -> f32 {
     let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
     // Limit the angle: a kernel as wide as the map would widen it without bound.
     tangent
@@ -174,7 +174,7 @@ fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone
     if widest.half_angle.to_degrees() <= WIDEST_HALF_ANGLE {
         let tangent = f64::from(widest.half_angle).tan();
         let axis = widest.axis;
-        let narrowed = lamp.narrowed(SquarePyramid { axis, tangent })?;
+        let narrowed = lamp.narrow_pyramid(SquarePyramid { axis, tangent })?;
         return Ok(Cone {
             axis: narrowed.axis,
             half_angle: padded_half_angle(&narrowed).min(widest.half_angle),
@@ -183,7 +183,7 @@ fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone
     // Use the cone of a spot light as it is. For others, the casters that matter may fit in one
     // map.
     if own_cone.is_none()
-        && let Some(pyramid) = lamp.aimed()?
+        && let Some(pyramid) = lamp.aimed_pyramid()?
     {
         return Ok(Cone {
             axis: pyramid.axis,

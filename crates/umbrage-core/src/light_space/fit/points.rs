@@ -50,7 +50,7 @@ impl Points<'_> {
             Self::Corners(b) if b.is_empty() => Aabb::EMPTY,
             Self::Corners(b) => *b,
             Self::Triangles(geometry, triangles) => geometry.bounds_of(triangles.clone()),
-            Self::Seen(seen) => seen.tree().around(seen.entries()),
+            Self::Seen(seen) => seen.tree().enclosing_box(seen.entries()),
         }
     }
 }
@@ -82,7 +82,7 @@ pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
     // Find the least coordinate along an axis, times `sign`, rounded to 32 bits.
     let least = |axis: usize, sign: f64| {
         let bound = |b: &Aabb| {
-            let in_view = ViewBox::padded(&view_from_world, b);
+            let in_view = ViewBox::padded_box(&view_from_world, b);
             sign * in_view.center[axis] - in_view.half[axis]
         };
         let value = |p: Vec3| {
@@ -95,12 +95,12 @@ pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
         min: Vec3::new(least(0, 1.0), least(1, 1.0), least(2, 1.0)),
         max: -Vec3::new(least(0, -1.0), least(1, -1.0), least(2, -1.0)),
     };
-    padded(around, reach(&points.bounds()))
+    pad_box(around, reach(&points.bounds()))
 }
 
 /// Returns a view-space box, grown by 2^-16 of its reach, and by 8 units in the last place of the
 /// world coordinates (up to `world`) from which lookups start.
-pub(super) fn padded(b: Aabb, world: f32) -> Aabb {
+pub(super) fn pad_box(b: Aabb, world: f32) -> Aabb {
     let pad = rounding(&b, world);
     Aabb {
         min: b.min - pad,
@@ -157,7 +157,7 @@ pub(super) fn seen_on(space: &MapSpace, seen: &SeenPoints<'_>, column: &MapBound
         tiles.least(seen.entries(), bound, |tile, _| {
             let points = seen.points_in(&tile);
             let inside = points.filter_map(|p| space.point_within(p, column));
-            value(&MapBounds::around(inside))
+            value(&MapBounds::from_points(inside))
         })
     })
 }

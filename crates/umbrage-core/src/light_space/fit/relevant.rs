@@ -50,7 +50,7 @@ fn on_map(
     size: u32,
     margin: f32,
 ) -> Vec<u32> {
-    let map = MapSpace::of(space);
+    let map = MapSpace::of_light_space(space);
     let column = column(space, &map);
     let side = (column.max - column.min).truncate();
     let world = geometry.bounds();
@@ -83,5 +83,5 @@ fn column(space: &LightSpace, map: &MapSpace) -> MapBounds {
         };
         across.extend(map.rank(-p.z))
     };
-    MapBounds::around([corner(-1.0, -1.0, 0.0), corner(1.0, 1.0, 1.0)])
+    MapBounds::from_points([corner(-1.0, -1.0, 0.0), corner(1.0, 1.0, 1.0)])
 }

@@ -142,8 +142,8 @@ fn around_sphere(
 ) -> Result<LightSpace, Invalid> {
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
     // Allow for half a step of displacement from the sphere, but at least one texel.
-    let beside = f64::from(margin) + BORDER_TEXELS + (0.5 * step).max(1.0);
-    let inner = (f64::from(size) - 2.0 * beside).max(1.0);
+    let adjacent = f64::from(margin) + BORDER_TEXELS + (0.5 * step).max(1.0);
+    let inner = (f64::from(size) - 2.0 * adjacent).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
     // Casters count at all positions of the map within a step.
     let column_half_side = if step > 1.0 {
@@ -215,21 +215,28 @@ pub(super) fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds
         across: DVec2::ZERO,
         behind: 0.0,
     };
-    let need = Need::new(*space, geometry, &Receiving::within(*column), &no_reach);
+    let need = Need::new(
+        *space,
+        geometry,
+        &Receiving::from_bounds(*column),
+        &no_reach,
+    );
     need.map_or(f64::INFINITY, |need| need.first_rank())
 }
 
 /// Returns the smallest of the spheres around the camera's view (`seen`), the casters, and the
 /// receivers. Its radius is at least the resolution of 32-bit positions in it.
 fn smallest(view: &View<'_>, seen: Sphere) -> Sphere {
-    let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
+    let receivers = view
+        .geometry
+        .map(|g| g.box_tree().enclosing_box(g.receivers()));
     let boxes = [Some(view.casters), receivers]
         .into_iter()
         .flatten()
         .filter(|b| !b.is_empty());
     let mut sphere = seen;
     for b in boxes {
-        let other = around(&b);
+        let other = bounding_sphere(&b);
         if other.radius < sphere.radius {
             sphere = other;
         }
@@ -241,7 +248,7 @@ fn smallest(view: &View<'_>, seen: Sphere) -> Sphere {
     sphere
 }
 
-fn around(b: &Aabb) -> Sphere {
+fn bounding_sphere(b: &Aabb) -> Sphere {
     let min = b.min.as_dvec3();
     let max = b.max.as_dvec3();
     Sphere {

@@ -72,7 +72,7 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
 /// there for blockers, but a map cannot contain them, so they must not move its near plane to the
 /// light.
 #[test]
-fn casters_beside_the_map_cost_no_precision() {
+fn casters_next_to_the_map_cost_no_precision() {
     let position = Vec3::new(0.0, 5.0, 0.0);
     let direction = Vec3::NEG_Y;
     let lamp = Light::Spot {
@@ -165,15 +165,15 @@ fn a_memory_gives_what_was_found() {
         (512, Layout::Single),
         (256, Layout::Cube),
     ] {
-        let anew = fit(&low, None, size, layout);
-        assert_eq!(fit(&low, Some(&memory), size, layout), anew);
+        let rebuilt = fit(&low, None, size, layout);
+        assert_eq!(fit(&low, Some(&memory), size, layout), rebuilt);
         assert_ne!(
             fit(&high, None, size, layout),
-            anew,
+            rebuilt,
             "the scenes have the same fit"
         );
-        assert_eq!(fit(&high, Some(&memory), size, layout), anew);
-        found.push(anew);
+        assert_eq!(fit(&high, Some(&memory), size, layout), rebuilt);
+        found.push(rebuilt);
     }
     assert!(found[0] != found[1] && found[0] != found[2]);
     let receivers = crate::gbuffer::receivers::Receivers::default();

@@ -8,11 +8,11 @@ fn figure() -> Figure {
         Point {
             x_range: Some([5.0, 20.0]),
             label,
-            ..Point::at(10.0, 0.01)
+            ..Point::at_position(10.0, 0.01)
         },
-        Point::at(0.0, 1.0),
-        Point::at(f64::NAN, 1.0),
-        Point::at(1000.0, 0.001),
+        Point::at_position(0.0, 1.0),
+        Point::at_position(f64::NAN, 1.0),
+        Point::at_position(1000.0, 0.001),
     ];
     let line = Series {
         style: Style::Dashed(1.0),
@@ -58,12 +58,12 @@ fn png_is_a_picture_of_twice_the_size() {
 
 #[test]
 fn degenerate_figures_are_no_panic() {
-    let same = Point::at(3.0, 3.0);
+    let same = Point::at_position(3.0, 3.0);
     for points in [
         vec![],
         vec![same.clone()],
         vec![same.clone(); 3],
-        vec![same, Point::at(3.0, 1e9)],
+        vec![same, Point::at_position(3.0, 1e9)],
     ] {
         for log in [false, true] {
             let series = Series::points("s", "#3b82e0", Marker::Cross, points.clone());

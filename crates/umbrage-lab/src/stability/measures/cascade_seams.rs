@@ -33,7 +33,7 @@ pub fn excess(
 ) -> Option<f64> {
     let width = size.x as usize;
     let mut seam = Mean::default();
-    let mut beside = Mean::default();
+    let mut adjacent = Mean::default();
     for step in &NEIGHBOURS {
         let offset = step.down * width + step.right;
         // Visit rows of four pixels across the seam, which is between the middle ones.
@@ -51,13 +51,13 @@ pub fn excess(
                     continue;
                 }
                 seam.add(jump(mask, truth, pixels[1], pixels[2]));
-                beside.add(jump(mask, truth, pixels[0], pixels[1]));
-                beside.add(jump(mask, truth, pixels[2], pixels[3]));
+                adjacent.add(jump(mask, truth, pixels[0], pixels[1]));
+                adjacent.add(jump(mask, truth, pixels[2], pixels[3]));
             }
         }
     }
     let at_seam = seam.value()?;
-    let at_sides = beside.value()?;
+    let at_sides = adjacent.value()?;
     Some(100.0 * (at_seam - at_sides).max(0.0))
 }
 

@@ -14,13 +14,13 @@ pub fn displacement(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) 
         .collect();
     let on_edge = edges(size, &sharp, pixels);
     let mut wrong_side = 0_u64;
-    let mut beside_edge = 0_u64;
+    let mut adjacent_edge = 0_u64;
     for i in (0..mask.len()).filter(|&i| pixels[i] == Pixel::Counted) {
         let is_wrong_side = (mask[i] < 0.5) != (truth[i] < 0.5);
         wrong_side += u64::from(is_wrong_side);
-        beside_edge += u64::from(on_edge[i]);
+        adjacent_edge += u64::from(on_edge[i]);
     }
-    let edge_length = 0.5 * beside_edge as f64;
+    let edge_length = 0.5 * adjacent_edge as f64;
     wrong_side as f64 / edge_length.max(1.0)
 }
 

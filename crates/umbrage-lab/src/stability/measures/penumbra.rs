@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn widths_are_told_apart_and_relative() {
+    fn widths_are_distinguished_and_relative() {
         let mut receivers = Receivers::empty(UVec2::new(400, 1));
         receivers.x = (0..400).map(|i| i as f32).collect();
         receivers.receives = vec![true; 400];

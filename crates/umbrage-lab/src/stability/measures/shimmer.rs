@@ -35,8 +35,8 @@ pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], wi
     let frame_pairs = frames.windows(2).zip(truth.windows(2));
     for (frame_pair, truth_pair) in frame_pairs {
         let differences = blocks.iter().map(|points| {
-            let change = BlockChange::between(&frame_pair[0], &frame_pair[1], points);
-            let true_change = BlockChange::between(&truth_pair[0], &truth_pair[1], points);
+            let change = BlockChange::between_masks(&frame_pair[0], &frame_pair[1], points);
+            let true_change = BlockChange::between_masks(&truth_pair[0], &truth_pair[1], points);
             change.difference(true_change)
         });
         errors.push(differences.sum::<f64>() / count);
@@ -69,7 +69,7 @@ struct BlockChange {
 }
 
 impl BlockChange {
-    fn between(before: &[f32], after: &[f32], points: &[usize]) -> Self {
+    fn between_masks(before: &[f32], after: &[f32], points: &[usize]) -> Self {
         let mut change = Self {
             brightened: 0.0,
             darkened: 0.0,

@@ -35,7 +35,7 @@ pub fn write(folder: &Path, results: &StabilityResults) -> Result<PathBuf, LabEr
     out.write(results::FILE, &json(results)?)?;
     pictures::write(&out, stability, &results.pictures)?;
     // Replace the folder as a whole, so that sweeps of an older run are removed.
-    let inner = out.unfinished(SWEEPS)?;
+    let inner = out.unfinished_folder(SWEEPS)?;
     for sweep in &results.sweeps {
         inner.write(&format!("{}.svg", sweep.name), sweep.svg().as_bytes())?;
         inner.write(&format!("{}.csv", sweep.name), &sweep.csv()?)?;

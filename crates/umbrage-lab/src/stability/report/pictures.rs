@@ -45,7 +45,7 @@ pub(super) fn write(
     stability: &Stability,
     names: &PictureNames,
 ) -> Result<(), LabError> {
-    let unfinished = folder.unfinished(FOLDER)?;
+    let unfinished = folder.unfinished_folder(FOLDER)?;
     for (case, names) in stability.cases.iter().zip(names) {
         for (cell, name) in case.cells.iter().zip(names) {
             let name = name.as_ref().and_then(|name| name.strip_prefix(FOLDER));

@@ -52,7 +52,7 @@ fn colors(cell: &Cell) -> CellColors {
 
 /// Returns the whole image; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
-    let cases: Vec<&CaseResult> = stability.telling().collect();
+    let cases: Vec<&CaseResult> = stability.separating_cases().collect();
     // Some rows run more settings than others. Take the settings that all rows with the default fit
     // run as columns; the page shows the rest.
     let usual = cases.iter().filter(|case| case.fit.is_empty());

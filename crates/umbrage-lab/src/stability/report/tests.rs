@@ -28,7 +28,7 @@ fn sample() -> Stability {
     };
     let limits = [VerdictLimits::new(1.0, 4.0), VerdictLimits::new(10.0, 40.0)];
     let measured = |gap: f64, acne: f64| {
-        CellOutcome::of(vec![limits[0].judgement(gap), limits[1].judgement(acne)])
+        CellOutcome::from_judgements(vec![limits[0].judgement(gap), limits[1].judgement(acne)])
     };
     let case = CaseResult {
         row: 3,
@@ -57,7 +57,7 @@ fn sample() -> Stability {
     stable.fit = "stable fit to 8 m".to_owned();
     stable.cells = vec![cell(
         "7x7, stable fit to 8 m, bias: slope",
-        CellOutcome::of(vec![
+        CellOutcome::from_judgements(vec![
             Judgement::not_measured("rendered <once>"),
             limits[1].judgement(2.0),
         ]),
@@ -118,7 +118,7 @@ fn files(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn pictures_and_charts_are_files_beside_the_page() {
+fn pictures_and_charts_are_files_next_to_the_page() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     // Files of an older run are removed.
     std::fs::create_dir(dir.path().join("pictures")).expect("writable");
@@ -217,10 +217,10 @@ fn the_documented_format_has_every_field() {
     let mut names = Vec::new();
     add_fields(&data, &mut names);
     assert!(names.iter().any(|name| name == "passes_without"));
-    let is_told = |name: &&String| {
+    let is_reported = |name: &&String| {
         document.contains(&format!("`{name}`")) || document.contains(&format!("\"{name}\":"))
     };
-    let missing: Vec<&String> = names.iter().filter(|name| !is_told(name)).collect();
+    let missing: Vec<&String> = names.iter().filter(|name| !is_reported(name)).collect();
     assert!(missing.is_empty(), "{missing:?}");
 }
 

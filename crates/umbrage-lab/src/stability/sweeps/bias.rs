@@ -4,7 +4,7 @@
 //! Both are drawn in one chart, in units of their own limits: each passes up to 1. The best bias
 //! minimises the worse of the two.
 
-use super::curve::{Curve, Sweep, not_played, play};
+use super::curve::{Curve, Sweep, render_point, sweep_error};
 use crate::{
     error::LabError,
     stability::{
@@ -23,7 +23,7 @@ use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap};
 
 /// A scene and a kind of bias.
 #[derive(Debug)]
-pub(super) struct Kind {
+pub(super) struct BiasSweep {
     /// Name for files.
     pub(super) name: &'static str,
     title: &'static str,
@@ -71,8 +71,8 @@ fn normal_offset(v: f32) -> Bias {
 }
 
 /// Returns a sweep of the normal offset; the list below overrides its fields.
-const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> Kind {
-    Kind {
+const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> BiasSweep {
+    BiasSweep {
         name,
         title: "",
         scene,
@@ -84,8 +84,8 @@ const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> Kind {
     }
 }
 
-pub(super) const ALL: &[Kind] = &[
-    Kind {
+pub(super) const ALL: &[BiasSweep] = &[
+    BiasSweep {
         title: "thin-plate: constant bias",
         x: "constant bias, clip depth",
         from: 1e-5,
@@ -93,28 +93,28 @@ pub(super) const ALL: &[Kind] = &[
         bias: constant,
         ..kind("bias-constant", "thin-plate", Measure::Gap(PLATE))
     },
-    Kind {
+    BiasSweep {
         title: "thin-plate: polygon offset",
         x: "polygon offset, slope factor",
         bias: polygon_offset,
         ..kind("bias-polygon-offset", "thin-plate", Measure::Gap(PLATE))
     },
-    Kind {
+    BiasSweep {
         title: "thin-plate: normal offset",
         ..kind("bias-normal-offset", "thin-plate", Measure::Gap(PLATE))
     },
-    Kind {
+    BiasSweep {
         title: "low-sun-5: normal offset",
         ..kind("bias-low-sun", "low-sun-5", Measure::Rmse)
     },
-    Kind {
+    BiasSweep {
         title: "stairs: normal offset",
         ..kind("bias-stairs", "stairs", Measure::Rmse)
     },
 ];
 
 pub(super) fn sweep(
-    kind: &Kind,
+    kind: &BiasSweep,
     options: &StabilityOptions,
     backends: &SharedBackends<'_>,
 ) -> Result<Sweep, LabError> {
@@ -126,10 +126,10 @@ pub(super) fn sweep(
     let values: Vec<f32> = (0..STEPS)
         .map(|i| geometric_step(kind.from, kind.to, i))
         .collect();
-    let played = masks(kind, &values, &case_truth, options, backends)?;
+    let executed = masks(kind, &values, &case_truth, options, backends)?;
     let curves = vec![
-        curve(Measure::Acne, &values, &played, &case_truth),
-        curve(kind.loss, &values, &played, &case_truth),
+        curve(Measure::Acne, &values, &executed, &case_truth),
+        curve(kind.loss, &values, &executed, &case_truth),
     ];
     let best = best(&curves);
     Ok(Sweep {
@@ -140,7 +140,7 @@ pub(super) fn sweep(
         curves,
         best,
         limit: Some(1.0),
-        disagreeing: played
+        disagreeing: executed
             .iter()
             .map(|p| p.disagreeing)
             .fold(None, all_backends::sum),
@@ -151,12 +151,12 @@ pub(super) fn sweep(
 fn curve(
     measure: Measure,
     values: &[f32],
-    played: &[RenderedOnAll],
+    executed: &[RenderedOnAll],
     case_truth: &CaseTruth,
 ) -> Curve {
     let pass = measure.limits(case_truth).pass;
     let mut points = Vec::new();
-    for (value, rendered) in values.iter().zip(played) {
+    for (value, rendered) in values.iter().zip(executed) {
         let figure = measure.figure(case_truth, &rendered.mask);
         points.push([f64::from(*value), figure / pass]);
     }
@@ -178,26 +178,26 @@ fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
 
 /// Renders hard shadows with each value's bias.
 fn masks(
-    kind: &Kind,
+    kind: &BiasSweep,
     values: &[f32],
     case_truth: &CaseTruth,
     options: &StabilityOptions,
     backends: &SharedBackends<'_>,
 ) -> Result<Vec<RenderedOnAll>, LabError> {
     let places: Vec<usize> = (0..values.len()).collect();
-    let played = threads::map(&places, |&i| {
+    let executed = threads::map(&places, |&i| {
         let map = ShadowMap {
             size: options.map_size,
             bias: (kind.bias)(values[i]),
             ..ShadowMap::default()
         };
-        let played = play(case_truth, &Hard {}.on(map), backends, i, values.len());
+        let executed = render_point(case_truth, &Hard {}.on(map), backends, i, values.len());
         // Return an error without a mask: omitting the point would hide that the setting has none.
-        played.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
-            not_played(case_truth, &Hard {}.on(map), &why)
+        executed.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
+            sweep_error(case_truth, &Hard {}.on(map), &why)
         })
     });
-    played.into_iter().collect()
+    executed.into_iter().collect()
 }
 
 /// Returns the x at which the greatest of the curves is least; the smallest such x.
@@ -223,11 +223,11 @@ mod tests {
     use umbrage_cpu::Cpu;
 
     /// Runs the first sweep on these backends.
-    fn on(playing: Vec<Box<dyn Backend + Send>>) -> Result<Sweep, LabError> {
+    fn sweep_on(own_backends: Vec<Box<dyn Backend + Send>>) -> Result<Sweep, LabError> {
         sweep(
             &ALL[0],
             &StabilityOptions::quick(),
-            &SharedBackends::new(&mut Backends::of(playing)),
+            &SharedBackends::new(&mut Backends::from_backends(own_backends)),
         )
     }
 
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn acne_falls_and_the_gap_grows() {
-        let sweep = on(vec![Box::new(Cpu::new())]).expect("valid");
+        let sweep = sweep_on(vec![Box::new(Cpu::new())]).expect("valid");
         let [acne, gap] = &sweep.curves[..] else {
             panic!("two curves")
         };
@@ -266,26 +266,26 @@ mod tests {
     }
 
     #[test]
-    fn ends_and_middle_play_on_every_backend() {
+    fn ends_and_middle_run_on_every_backend() {
         // A fault in the last of three renderings is noticed. There is no fourth one.
-        let faulty_third = beside_faulty(3);
+        let faulty_third = sweep_with_faulty(3);
         assert_eq!(faulty_third.disagreeing, Some(1));
         assert!(faulty_third.fault().is_some());
-        let faulty_fourth = beside_faulty(4);
+        let faulty_fourth = sweep_with_faulty(4);
         assert_eq!(faulty_fourth.disagreeing, Some(0));
         assert_eq!(faulty_fourth.fault(), None);
     }
 
     /// Runs a sweep on the CPU and on a backend whose `k`-th rendering has one wrong pixel.
-    fn beside_faulty(k: usize) -> Sweep {
-        let mut played = 0;
+    fn sweep_with_faulty(k: usize) -> Sweep {
+        let mut executed = 0;
         let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
-            played += 1;
-            if played == k {
+            executed += 1;
+            if executed == k {
                 darken_one(shadows);
             }
         });
-        on(vec![Box::new(Cpu::new()), Box::new(faulty)]).expect("valid")
+        sweep_on(vec![Box::new(Cpu::new()), Box::new(faulty)]).expect("valid")
     }
 
     /// A setting that can't be rendered has no figure, least of all a perfect one.
@@ -303,7 +303,7 @@ mod tests {
                 Err(Invalid::new("map", "is too large", "use a smaller one").into())
             }
         }
-        let why = on(vec![Box::new(Refuses)])
+        let why = sweep_on(vec![Box::new(Refuses)])
             .expect_err("nothing is supported")
             .to_string();
         assert!(

@@ -24,7 +24,7 @@ fn figure(sweep: &Sweep) -> Figure {
         let points = curve
             .points
             .iter()
-            .map(|[x, y]| Point::at(*x, y.max(floor)))
+            .map(|[x, y]| Point::at_position(*x, y.max(floor)))
             .collect();
         let line = Series::line(&curve.label, COLORS[i % COLORS.len()], points);
         // Dash the lines whose colors repeat.
@@ -89,7 +89,7 @@ mod tests {
         let figure = figure(&sweep);
         assert_eq!(
             figure.series[0].points,
-            [Point::at(1.0, 0.01), Point::at(2.0, 5.0)]
+            [Point::at_position(1.0, 0.01), Point::at_position(2.0, 5.0)]
         );
         let looks: HashSet<String> = figure
             .series

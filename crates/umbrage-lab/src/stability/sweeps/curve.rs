@@ -70,7 +70,7 @@ impl Sweep {
 }
 
 /// Renders a technique under the case's first light, at point `i` of `count` of a curve.
-pub(crate) fn play(
+pub(crate) fn render_point(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &SharedBackends<'_>,
@@ -84,12 +84,12 @@ pub(crate) fn play(
     // Run the other backends only at the curve's ends and its middle.
     let is_checked = i == 0 || i == count / 2 || i == count - 1;
     let mut backends = backends.lock();
-    let playing = all_backends::select(&mut backends.playing, is_checked);
-    all_backends::render(playing, &view, &recipe)
+    let own_backends = all_backends::select(&mut backends.backends, is_checked);
+    all_backends::render(own_backends, &view, &recipe)
 }
 
 /// Returns the error of a sweep with a setting that could not be rendered.
-pub(crate) fn not_played(
+pub(crate) fn sweep_error(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     why: &str,

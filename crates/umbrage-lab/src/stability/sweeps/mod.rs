@@ -11,7 +11,7 @@ mod reach;
 mod variants;
 
 pub use curve::{Curve, Sweep};
-pub use variants::{moved, scaled, under_sun};
+pub use variants::{move_scene, scale_scene, under_sun};
 
 use super::{
     run::{StabilityOptions, some_backend},

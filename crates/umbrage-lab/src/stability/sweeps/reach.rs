@@ -2,8 +2,8 @@
 //! grows or moves away, or the map shrinks.
 
 use super::{
-    curve::{Curve, Sweep, not_played, play},
-    variants::{moved, scaled, under_sun},
+    curve::{Curve, Sweep, render_point, sweep_error},
+    variants::{move_scene, scale_scene, under_sun},
 };
 use crate::{
     error::LabError,
@@ -18,7 +18,7 @@ use umbrage_techniques::TechniquePreset;
 
 /// A scene and the quantity that is varied in it.
 #[derive(Debug)]
-pub(super) struct Kind {
+pub(super) struct ReachSweep {
     /// Name for files.
     pub(super) name: &'static str,
     title: &'static str,
@@ -35,29 +35,29 @@ pub(super) struct Kind {
 }
 
 /// Returns a sweep with an unchanged scene; the list below sets the other fields.
-const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -> Kind {
-    Kind {
+const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -> ReachSweep {
+    ReachSweep {
         name,
         title: "",
         scene,
         x: "",
         values,
-        vary: unchanged,
+        vary: same_scene,
         is_map_size: false,
     }
 }
 
-fn unchanged(scene: &Scene, _: f64) -> Scene {
+fn same_scene(scene: &Scene, _: f64) -> Scene {
     scene.clone()
 }
 
 fn scale(scene: &Scene, by: f64) -> Scene {
-    scaled(scene, by as f32)
+    scale_scene(scene, by as f32)
 }
 
 /// Moves the scene in a direction that is neither an axis nor the sun's.
-fn away(scene: &Scene, distance: f64) -> Scene {
-    moved(scene, Vec3::new(0.8, 0.0, -0.6) * distance as f32)
+fn scene_at_distance(scene: &Scene, distance: f64) -> Scene {
+    move_scene(scene, Vec3::new(0.8, 0.0, -0.6) * distance as f32)
 }
 
 /// Heights of the sun above the horizon, degrees.
@@ -69,26 +69,26 @@ const DISTANCES: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
 /// Sides of maps, texels.
 const MAP_SIZES: &[f64] = &[64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0];
 
-pub(super) const ALL: &[Kind] = &[
-    Kind {
+pub(super) const ALL: &[ReachSweep] = &[
+    ReachSweep {
         title: "light angle: a row of spheres",
         x: "sun above the horizon, degrees",
         vary: under_sun,
         ..kind("angle", "low-sun-5", SUN_HEIGHTS)
     },
-    Kind {
+    ReachSweep {
         title: "scale: cubes",
         x: "scale",
         vary: scale,
         ..kind("scale", "cubes", SCALES)
     },
-    Kind {
+    ReachSweep {
         title: "distance from the origin: cubes",
         x: "distance, m",
-        vary: away,
+        vary: scene_at_distance,
         ..kind("distance", "cubes", DISTANCES)
     },
-    Kind {
+    ReachSweep {
         title: "map size: cubes",
         x: "map side, texels",
         is_map_size: true,
@@ -100,7 +100,7 @@ pub(super) const ALL: &[Kind] = &[
 const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
 pub(super) fn sweep(
-    kind: &Kind,
+    kind: &ReachSweep,
     options: &StabilityOptions,
     backends: &SharedBackends<'_>,
 ) -> Result<Sweep, LabError> {
@@ -140,16 +140,16 @@ pub(super) fn sweep(
         }
         // Render each technique, and add a point to its curve.
         for (technique, curve) in techniques.iter().zip(&mut of_techniques) {
-            let played = play(&case_truth, technique, backends, place, kind.values.len());
-            match played {
-                Ok(played) => {
-                    let error = Measure::Rmse.figure(&case_truth, &played.mask);
+            let rendered = render_point(&case_truth, technique, backends, place, kind.values.len());
+            match rendered {
+                Ok(rendered) => {
+                    let error = Measure::Rmse.figure(&case_truth, &rendered.mask);
                     curve.points.push([value, error]);
-                    disagreeing = all_backends::sum(disagreeing, played.disagreeing);
+                    disagreeing = all_backends::sum(disagreeing, rendered.disagreeing);
                 }
                 Err(NoMask::Unsupported(_)) => {}
                 Err(NoMask::Fault(what)) => {
-                    return Err(not_played(&case_truth, technique, &what));
+                    return Err(sweep_error(&case_truth, technique, &what));
                 }
             }
         }
@@ -174,7 +174,7 @@ fn truth_of(
     map_size: u32,
     options: &StabilityOptions,
 ) -> Result<CaseTruth, LabError> {
-    let camera = scene.cameras[0].resized(options.size);
+    let camera = scene.cameras[0].with_size(options.size);
     let lights = scene.lights[..1].to_vec();
     CaseTruth::new(scene, camera, lights, map_size, &options.truth)
 }

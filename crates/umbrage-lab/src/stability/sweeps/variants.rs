@@ -4,7 +4,7 @@ use glam::{Affine3A, Mat4, Vec3, Vec3A};
 use umbrage_core::{Light, Scene};
 
 /// Returns the scene with all lengths multiplied.
-pub fn scaled(scene: &Scene, by: f32) -> Scene {
+pub fn scale_scene(scene: &Scene, by: f32) -> Scene {
     let mut out = scene.clone();
     for instance in &mut out.instances {
         instance.world_from_local =
@@ -15,13 +15,13 @@ pub fn scaled(scene: &Scene, by: f32) -> Scene {
         camera.clip_from_view *= Mat4::from_scale(Vec3::splat(1.0 / by));
     }
     for light in &mut out.lights {
-        *light = placed(light, |position| position * by, by);
+        *light = place_light(light, |position| position * by, by);
     }
     out
 }
 
 /// Returns the scene moved by an offset, metres.
-pub fn moved(scene: &Scene, by: Vec3) -> Scene {
+pub fn move_scene(scene: &Scene, by: Vec3) -> Scene {
     let mut out = scene.clone();
     for instance in &mut out.instances {
         instance.world_from_local.translation += Vec3A::from(by);
@@ -30,13 +30,13 @@ pub fn moved(scene: &Scene, by: Vec3) -> Scene {
         camera.world_from_view.translation += Vec3A::from(by);
     }
     for light in &mut out.lights {
-        *light = placed(light, |position| position + by, 1.0);
+        *light = place_light(light, |position| position + by, 1.0);
     }
     out
 }
 
 /// Returns a light whose position is mapped by `place` and whose extent is multiplied.
-fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
+fn place_light(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
     match *light {
         directional @ Light::Directional { .. } => directional,
         Light::Point { position, radius } => Light::Point {
@@ -106,7 +106,7 @@ mod tests {
 
     /// Returns the triangle at each pixel of the scene's first camera.
     fn visible_triangles(scene: &Scene) -> Vec<u32> {
-        let camera: Camera = scene.cameras[0].resized(glam::UVec2::new(80, 60));
+        let camera: Camera = scene.cameras[0].with_size(glam::UVec2::new(80, 60));
         let geometry = Geometry::bake(scene).expect("valid");
         let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
         receivers.triangle
@@ -117,9 +117,9 @@ mod tests {
         let scene = (umbrage_scenes::find("cubes").expect("built in").build)();
         let plain = visible_triangles(&scene);
         for other in [
-            scaled(&scene, 1e-3),
-            scaled(&scene, 1e4),
-            moved(&scene, Vec3::new(100.0, 0.0, -50.0)),
+            scale_scene(&scene, 1e-3),
+            scale_scene(&scene, 1e4),
+            move_scene(&scene, Vec3::new(100.0, 0.0, -50.0)),
         ] {
             let differing = visible_triangles(&other)
                 .iter()

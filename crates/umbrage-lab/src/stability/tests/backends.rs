@@ -8,42 +8,42 @@ use super::*;
 ///
 /// Returns the disagreement over all settings, the faults, and the number of the second backend's
 /// renderings. Settings run on several threads, so the setting of the `k`th rendering varies.
-fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
+fn run_with_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
     let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
         techniques: vec!["traced".to_owned()],
         ..small()
     };
-    let played = Arc::new(AtomicU32::new(0));
-    let count = played.clone();
+    let rendered = Arc::new(AtomicU32::new(0));
+    let count = rendered.clone();
     let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
         if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
             darken_one(shadows);
         }
     });
-    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(faulty)]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new()), Box::new(faulty)]);
     let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("runs");
     let disagreeing = cases[0].cells.iter().map(|cell| cell.disagreeing);
     (
         disagreeing.fold(None, all_backends::sum),
         faults,
-        played.load(Ordering::Relaxed),
+        rendered.load(Ordering::Relaxed),
     )
 }
 
 #[test]
-fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
-    let (disagreeing, faults, played) = beside_a_faulty_backend(0);
-    let settings = played / 2;
+fn moving_rows_run_their_first_and_last_frame_on_every_backend() {
+    let (disagreeing, faults, rendered) = run_with_faulty_backend(0);
+    let settings = rendered / 2;
     assert!(
-        disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0,
+        disagreeing == Some(0) && faults.is_empty() && rendered == 2 * settings && settings > 0,
         "{faults:?}"
     );
-    for k in 1..=played {
-        let (disagreeing, faults, _) = beside_a_faulty_backend(k);
+    for k in 1..=rendered {
+        let (disagreeing, faults, _) = run_with_faulty_backend(k);
         assert!(
             disagreeing == Some(1) && faults.len() == 1,
-            "rendering {k} of {played}: {faults:?}"
+            "rendering {k} of {rendered}: {faults:?}"
         );
         assert!(
             faults[0].contains("backends differ on 1 decided pixels"),
@@ -86,8 +86,8 @@ fn backends_that_serve_nothing_are_left_out() {
     };
     let cpu = || Box::new(Cpu::new()) as Box<dyn Backend + Send>;
     let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend + Send>;
-    let cells = |playing: Vec<Box<dyn Backend + Send>>| -> Vec<Cell> {
-        let mut backends = Backends::of(playing);
+    let cells = |own_backends: Vec<Box<dyn Backend + Send>>| -> Vec<Cell> {
+        let mut backends = Backends::from_backends(own_backends);
         let stability = run(&options, &mut backends, &mut |_| {}).expect("runs");
         stability.cases.into_iter().flat_map(|c| c.cells).collect()
     };

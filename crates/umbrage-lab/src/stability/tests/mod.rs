@@ -105,11 +105,13 @@ fn the_list_holds_every_row_once_and_every_scene_exists() {
 
 /// Each failure scene of the scene catalogue is run by a row.
 #[test]
-fn scenes_of_failures_are_played() {
-    let played: HashSet<&str> = cases().map(|(_, case)| case.scene).collect();
+fn scenes_of_failures_are_rendered() {
+    let rendered: HashSet<&str> = cases().map(|(_, case)| case.scene).collect();
     let left_out: Vec<&str> = umbrage_scenes::all()
         .iter()
-        .filter(|e| matches!(e.kind, umbrage_scenes::Kind::Failure(_)) && !played.contains(e.name))
+        .filter(|e| {
+            matches!(e.kind, umbrage_scenes::Kind::Failure(_)) && !rendered.contains(e.name)
+        })
         .map(|e| e.name)
         .collect();
     // The light with an extent is only there for its penumbra.
@@ -138,7 +140,7 @@ fn every_still_row_can_pass_and_can_fail() {
             "{}: traced",
             case.name
         );
-        if case.measure == Measure::AllLit && case_truth.counted().count() == 0 {
+        if case.measure == Measure::AllLit && case_truth.counted_pixels().count() == 0 {
             continue;
         }
         for criterion in criteria(case, &case_truth) {
@@ -273,7 +275,7 @@ fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
         techniques: owned(techniques),
         ..small()
     };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     run(&options, &mut backends, &mut |_| {}).expect("runs")
 }
 
@@ -281,9 +283,9 @@ fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
 /// geometry is in shadow, and passes those in which it isn't.
 #[test]
 fn no_shadow_fails_wherever_something_casts() {
-    let played = small_run(&[], &["none"]);
+    let rendered = small_run(&[], &["none"]);
     let mut passing = Vec::new();
-    for case in &played.cases {
+    for case in &rendered.cases {
         for cell in &case.cells {
             match cell.verdict() {
                 Some(Verdict::Fails) => {}
@@ -294,7 +296,7 @@ fn no_shadow_fails_wherever_something_casts() {
     }
     assert_eq!(passing, ["no-casters", "no-receivers", "only-sky"]);
     assert_eq!(
-        played.sanity_line().as_deref(),
+        rendered.sanity_line().as_deref(),
         Some("3 sanity cases: all pass")
     );
 }
@@ -475,7 +477,7 @@ fn what_is_no_mask_has_no_rmse() {
 
 #[test]
 fn without_a_backend_nothing_runs() {
-    let none = || Backends::of(Vec::new());
+    let none = || Backends::from_backends(Vec::new());
     assert!(
         run(&small(), &mut none(), &mut |_| {})
             .expect_err("no backend")
@@ -522,7 +524,7 @@ fn runs_repeat_to_the_bit() {
         rows: vec!["3".to_owned(), "17".to_owned()],
         ..small()
     };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let mut figures = || {
         let stability = run(&options, &mut backends, &mut |_| {}).expect("runs");
         stability

@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// map that could crawl.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
-    let played = small_run(&["fence-pan", "fence-pan-stable"], &["hard", "traced"]);
-    let [tight, stable] = &played.cases[..] else {
-        panic!("both fits: {:?}", played.cases);
+    let rendered = small_run(&["fence-pan", "fence-pan-stable"], &["hard", "traced"]);
+    let [tight, stable] = &rendered.cases[..] else {
+        panic!("both fits: {:?}", rendered.cases);
     };
     let shimmer_of = |case: &CaseResult, technique: &str| -> Vec<Judgement> {
         let cells = case.cells.iter().filter(|c| c.technique == technique);
@@ -32,7 +32,7 @@ fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
         "{of_rays:?}"
     );
     assert!(shimmer_of(stable, "traced").is_empty());
-    assert!(played.faults.is_empty());
+    assert!(rendered.faults.is_empty());
 }
 
 /// Patterns that follow the pixel change at fixed points while the camera moves, with any fit. A
@@ -40,9 +40,9 @@ fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
 #[test]
 fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
     let techniques = ["none", "hard", "pcf_dithered", "volumes", "traced"];
-    let played = small_run(&["hills-pan", "hills-pan-stable"], &techniques);
-    let [tight, stable] = &played.cases[..] else {
-        panic!("both fits: {:?}", played.cases);
+    let rendered = small_run(&["hills-pan", "hills-pan-stable"], &techniques);
+    let [tight, stable] = &rendered.cases[..] else {
+        panic!("both fits: {:?}", rendered.cases);
     };
     for cell in &tight.cells {
         let [shimmer, error] = cell.judgements() else {
@@ -103,7 +103,7 @@ fn what_stands_still_under_a_turning_sun_fails() {
         techniques: names,
         ..small()
     };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let result = run(&options, &mut backends, &mut |_| {})
         .expect("runs")
         .cases

@@ -40,7 +40,7 @@ fn along_x(points: &[(f32, f32)]) -> ClosedForm {
 }
 
 /// Points at z = 0 as (x, visibility, visibility weighted by irradiance).
-fn weighted(points: &[(f32, f32, f32)]) -> ClosedForm {
+fn weighted_form(points: &[(f32, f32, f32)]) -> ClosedForm {
     let mut samples = Vec::new();
     for &(x, visibility, weighted) in points {
         samples.push(Sample {
@@ -60,7 +60,7 @@ pub(crate) fn edge() -> Scene {
 
 /// Visibility is x + .5, clamped. Weighted: the ratio of Lambert's polygon irradiances.
 pub(crate) fn edge_samples() -> ClosedForm {
-    let mut out = weighted(&[
+    let mut out = weighted_form(&[
         (-0.4, 0.1, 0.094310),
         (-0.25, 0.25, 0.242422),
         (0.0, 0.5, 0.5),
@@ -78,7 +78,7 @@ pub(crate) fn low_edge() -> Scene {
 
 /// Visibility is a ramp from x = .042857 to .185714.
 pub(crate) fn low_edge_samples() -> ClosedForm {
-    weighted(&[
+    weighted_form(&[
         (0.078571, 0.25, 0.249873),
         (0.114286, 0.5, 0.503505),
         (0.15, 0.75, 0.755339),

@@ -8,7 +8,7 @@ use crate::{
 };
 use umbrage_core::{Mesh, Scene};
 
-fn beside_slit(name: &str, sides: [Mesh; 2]) -> Scene {
+fn scene_with_slit(name: &str, sides: [Mesh; 2]) -> Scene {
     let [left, right] = sides;
     Stage::new(name)
         .put(floor(4.0))
@@ -23,7 +23,7 @@ pub(crate) fn slit() -> Scene {
         sheet([-3.0, -0.01], [-3.0, 3.0], 1.0),
         sheet([0.01, 3.0], [-3.0, 3.0], 1.0),
     ];
-    beside_slit("c6-slit", sides)
+    scene_with_slit("c6-slit", sides)
 }
 
 /// Lit where .49 < x < .51.
@@ -38,7 +38,7 @@ pub(crate) fn slit_samples() -> ClosedForm {
 
 pub(crate) fn thick_slit() -> Scene {
     let slab = |x: [f32; 2]| block([x[0], 1.0, -3.0], [x[1], 1.03, 3.0]);
-    beside_slit("c6b-thick-slit", [slab([-3.0, -0.01]), slab([0.01, 3.0])])
+    scene_with_slit("c6b-thick-slit", [slab([-3.0, -0.01]), slab([0.01, 3.0])])
 }
 
 /// The thickness of the slabs hides half of the gap: lit where .505 < x < .51.
@@ -52,7 +52,7 @@ pub(crate) fn thick_slit_samples() -> ClosedForm {
 }
 
 pub(crate) fn seam() -> Scene {
-    beside_slit(
+    scene_with_slit(
         "c6c-seam",
         [
             sheet([-3.0, 0.0], [-3.0, 3.0], 1.0),

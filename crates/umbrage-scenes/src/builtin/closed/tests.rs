@@ -22,7 +22,7 @@ fn holds(name: &str, formula: impl Fn(f64, f64) -> f64) {
     }
 }
 
-fn lit(is_lit: bool) -> f64 {
+fn lit_figure(is_lit: bool) -> f64 {
     f64::from(u8::from(is_lit))
 }
 
@@ -42,25 +42,25 @@ fn ideal_lights_follow_their_formulas() {
             let (bx, bz) = hexagon[(i + 1) % 6];
             (bx - ax) * (z - az) - (bz - az) * (x - ax) > 0.0
         };
-        lit(!(0..6).all(left_of))
+        lit_figure(!(0..6).all(left_of))
     });
     holds("c2-sphere-sun", |x, z| {
-        lit(((x - 12.0_f64.sqrt()) / 2.0).powi(2) + z * z > 1.0)
+        lit_figure(((x - 12.0_f64.sqrt()) / 2.0).powi(2) + z * z > 1.0)
     });
     holds("c3-sphere-bulb", |x, z| {
-        lit((x + 8.0).powi(2) < 4.75 * (x * x + z * z + 16.0))
+        lit_figure((x + 8.0).powi(2) < 4.75 * (x * x + z * z + 16.0))
     });
     holds("c3b-sphere-level-bulb", |x, z| {
-        lit(x * x / 32.0 - z * z / 4.0 < 1.0)
+        lit_figure(x * x / 32.0 - z * z / 4.0 < 1.0)
     });
-    holds("c6-slit", |x, _| lit(x > 0.49 && x < 0.51));
-    holds("c6b-thick-slit", |x, _| lit(x > 0.505 && x < 0.51));
+    holds("c6-slit", |x, _| lit_figure(x > 0.49 && x < 0.51));
+    holds("c6b-thick-slit", |x, _| lit_figure(x > 0.505 && x < 0.51));
     holds("c10-chequered-card", |x, z| {
         // Position relative to the shadow's centre, in squares.
         let place = [(x - 0.5) / 0.4, z / 0.4];
-        let is_beside = place.iter().any(|t| t.abs() > 3.0);
+        let is_outside = place.iter().any(|t| t.abs() > 3.0);
         let parity = place[0].floor() + place[1].floor();
-        lit(is_beside || parity.rem_euclid(2.0) == 0.0)
+        lit_figure(is_outside || parity.rem_euclid(2.0) == 0.0)
     });
 }
 
@@ -74,7 +74,7 @@ fn spheres_around_a_bulb_follow_their_cones() {
         to_point.angle_between(to_center) < (f64::from(radius) / to_center.length()).asin()
     };
     holds("c3-room", |x, z| {
-        lit(!room::SPHERES.iter().any(|&sphere| in_cone(x, z, sphere)))
+        lit_figure(!room::SPHERES.iter().any(|&sphere| in_cone(x, z, sphere)))
     });
 }
 
@@ -153,11 +153,11 @@ fn cases() -> impl Iterator<Item = (&'static SceneEntry, Scene, ClosedForm)> {
 }
 
 /// Returns the visible fraction of the light, from rays to a uniform grid on it.
-fn traced(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 {
+fn traced_visibility(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 {
     const SIDE: i32 = 96;
     // Offset the origin by far less than any distance in these scenes.
     let origin = s.point + s.normal * 1e-5;
-    let sees = |d: Vec3| d.dot(s.normal) > 0.0 && !geometry.bvh().occluded(origin, d, triangle);
+    let sees = |d: Vec3| d.dot(s.normal) > 0.0 && !geometry.bvh().is_occluded(origin, d, triangle);
     let grid = (0..SIDE * SIDE)
         .map(|i| [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0));
     let fraction = |points: Vec<Vec3>| {
@@ -195,7 +195,7 @@ fn worst(geometry: &Geometry, light: &Light, samples: &[Sample]) -> f32 {
         let triangle = s
             .triangle(geometry)
             .unwrap_or_else(|| panic!("no triangle at {s:?}"));
-        (traced(geometry, light, s, triangle) - s.visibility).abs()
+        (traced_visibility(geometry, light, s, triangle) - s.visibility).abs()
     };
     samples.iter().map(error).fold(0.0, f32::max)
 }
@@ -233,7 +233,7 @@ fn is_seen(geometry: &Geometry, scene: &Scene, s: &Sample) -> bool {
         && (eye - s.point).dot(s.normal) > 0.0
         && !geometry
             .bvh()
-            .occluded(s.point + s.normal * 1e-4, eye - s.point, triangle)
+            .is_occluded(s.point + s.normal * 1e-4, eye - s.point, triangle)
 }
 
 #[test]

@@ -3,11 +3,11 @@
 use super::{
     SIZE,
     figure::dancer as figure,
-    parts::{at, box_at, merged, moved, sheet, stick},
+    parts::{box_at, merge_parts, sheet, stick, transform_mesh, translation},
 };
 use crate::{
     looks::{glossy, matte, wood},
-    primitives::{block, grid, lathe, on_circle, tiled},
+    primitives::{block, grid, lathe, on_circle, tile_mesh},
     stage::Stage,
 };
 use umbrage_core::glam::{Vec2, Vec3};
@@ -67,7 +67,7 @@ fn lit_by(name: &str, radius: f32) -> Scene {
 
 /// Returns the stage without the figure: boards, curtain, a rail in front of it, and props.
 fn set(stage: Stage) -> Stage {
-    let floor = tiled(grid([5.0, 4.0], [10, 8], |_, _| 0.0), Vec2::new(6.0, 9.0));
+    let floor = tile_mesh(grid([5.0, 4.0], [10, 8], |_, _| 0.0), Vec2::new(6.0, 9.0));
     stage
         .put(floor)
         .look(wood())
@@ -93,7 +93,7 @@ fn curtain() -> Mesh {
         Vec3::new(x, 4.2 * (1.0 - v) + 0.015, z)
     });
     let wall = block([-5.0, 0.0, BACK - 0.5], [5.0, 4.6, BACK - 0.3]);
-    merged("curtain", [cloth, wall])
+    merge_parts("curtain", [cloth, wall])
 }
 
 /// Returns a dancers' rail on thin posts.
@@ -111,7 +111,7 @@ fn barre() -> Mesh {
         parts.push(stick(foot, foot + 1.02 * Vec3::Y, 0.02));
         parts.push(box_at(foot + 0.012 * Vec3::Y, [0.05, 0.012, 0.16]));
     }
-    merged("barre", parts)
+    merge_parts("barre", parts)
 }
 
 fn stool() -> Mesh {
@@ -123,7 +123,10 @@ fn stool() -> Mesh {
         (0.17, 0.49),
         (0.0, 0.50),
     ];
-    let mut parts = vec![moved(lathe(&seat, 48), at(middle.x, 0.0, middle.z))];
+    let mut parts = vec![transform_mesh(
+        lathe(&seat, 48),
+        translation(middle.x, 0.0, middle.z),
+    )];
     for i in 0..4 {
         let (cos, sin) = on_circle(f64::from(i) / 4.0 + 0.1);
         let foot = middle + Vec3::new(0.2 * cos, 0.0, 0.2 * sin);
@@ -134,7 +137,7 @@ fn stool() -> Mesh {
         let from = middle + Vec3::new(0.17 * cos, 0.17, 0.17 * sin);
         parts.push(stick(from, across, 0.008));
     }
-    merged("stool", parts)
+    merge_parts("stool", parts)
 }
 
 /// Returns a vase with bare twigs at the right.
@@ -151,7 +154,7 @@ fn vases() -> Mesh {
         (0.04, 0.48),
         (0.0, 0.46),
     ];
-    let place = at(1.55, 0.0, -0.95);
+    let place = translation(1.55, 0.0, -0.95);
     let mut parts = vec![lathe(&outline, 56)];
     for i in 0..11 {
         let (cos, sin) = on_circle(f64::from(i) * 0.381_966);
@@ -163,5 +166,5 @@ fn vases() -> Mesh {
         let aside = Vec3::new(-0.14 * sin, 0.22, 0.14 * cos);
         parts.push(stick(fork, fork + aside, 0.003));
     }
-    moved(merged("vase", parts), place)
+    transform_mesh(merge_parts("vase", parts), place)
 }

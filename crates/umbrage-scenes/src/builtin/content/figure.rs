@@ -3,7 +3,7 @@
 //! behind her. Metres.
 
 use super::{
-    parts::{merged, moved, sheet, smooth_tube},
+    parts::{merge_parts, sheet, smooth_tube, transform_mesh},
     random::Random,
 };
 use crate::primitives::{icosphere, lathe, on_circle, torus, tube};
@@ -105,7 +105,7 @@ fn skin() -> Mesh {
     ];
     let hands = [staff_hand(), open_hand()].concat();
     let limbs = [standing, lifted, staff_arm, open_arm, neck, head()];
-    merged("skin", limbs.into_iter().chain(joints).chain(hands))
+    merge_parts("skin", limbs.into_iter().chain(joints).chain(hands))
 }
 
 /// Returns the head with nose and chin.
@@ -123,7 +123,7 @@ fn head() -> Mesh {
     }
     let tilt = Quat::from_rotation_z(-0.16) * Quat::from_rotation_y(0.35);
     let place = Vec3::new(0.02, 1.70, 0.03);
-    moved(head, Affine3A::from_rotation_translation(tilt, place))
+    transform_mesh(head, Affine3A::from_rotation_translation(tilt, place))
 }
 
 fn hair() -> Mesh {
@@ -132,7 +132,7 @@ fn hair() -> Mesh {
     for p in &mut cap.positions {
         *p *= Vec3::new(0.080, 0.104, 0.097);
     }
-    let cap = moved(
+    let cap = transform_mesh(
         cap,
         Affine3A::from_translation(Vec3::new(0.025, 1.722, 0.008)),
     );
@@ -141,7 +141,7 @@ fn hair() -> Mesh {
         Quat::from_rotation_x(-0.9),
         Vec3::new(0.03, 1.775, -0.045),
     );
-    let band = moved(torus(0.042, 0.008, [48, 12]), band);
+    let band = transform_mesh(torus(0.042, 0.008, [48, 12]), band);
     let mut parts = vec![cap, bun, band];
     // Add loose locks of hair.
     for i in 0..7 {
@@ -152,7 +152,7 @@ fn hair() -> Mesh {
         let knots = [(root, 0.006), (middle, 0.004), (end, 0.001)];
         parts.push(smooth_tube(&knots, 10, 8));
     }
-    merged("hair", parts)
+    merge_parts("hair", parts)
 }
 
 /// Returns the torso, flattened from front to back, with a collar's rim.
@@ -189,7 +189,7 @@ fn bodice() -> Mesh {
             p.z *= 1.0 + 0.25 * chest;
         }
     }
-    merged("bodice", [torso])
+    merge_parts("bodice", [torso])
 }
 
 /// Returns a finger through three joints. It starts at `root` along one vector and bends towards
@@ -249,10 +249,10 @@ fn skirt(seed: i32, reach: f32, drop: f32) -> Mesh {
     let mut strips = Vec::new();
     for i in 0..STRIPS {
         let turn = (f64::from(i) + 0.3 * f64::from(random.unit())) / f64::from(STRIPS);
-        let swing = random.between(0.85, 1.15);
-        let lift = random.about(0.05);
+        let swing = random.number_between(0.85, 1.15);
+        let lift = random.signed_number(0.05);
         let phase = f64::from(random.unit());
-        let width = random.between(0.68, 0.92) / f64::from(STRIPS) as f32;
+        let width = random.number_between(0.68, 0.92) / f64::from(STRIPS) as f32;
         strips.push(sheet(STRIP_CELLS, |u, v| {
             // Let strips trail behind the turning waist.
             let lag = 0.09 * v * v;
@@ -270,8 +270,8 @@ fn skirt(seed: i32, reach: f32, drop: f32) -> Mesh {
     let rim = torus(0.122, 0.014, [96, 12]);
     let flat =
         Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 1.0, 0.75), Quat::IDENTITY, WAIST);
-    strips.push(moved(rim, flat));
-    merged("skirt", strips)
+    strips.push(transform_mesh(rim, flat));
+    merge_parts("skirt", strips)
 }
 
 fn shoes() -> Mesh {
@@ -294,9 +294,9 @@ fn shoes() -> Mesh {
         let tilt = Quat::from_rotation_z(if i % 2 == 0 { 0.3 } else { -0.3 });
         let place = Vec3::new(-0.015 - 0.01 * i as f32, up, -0.018);
         let ring = torus(0.037, 0.004, [32, 8]);
-        moved(ring, Affine3A::from_rotation_translation(tilt, place))
+        transform_mesh(ring, Affine3A::from_rotation_translation(tilt, place))
     });
-    merged("shoes", [standing, lifted].into_iter().chain(laces))
+    merge_parts("shoes", [standing, lifted].into_iter().chain(laces))
 }
 
 /// Returns two ribbons that fly from the staff's end, and one from the open hand.
@@ -316,7 +316,7 @@ fn ribbons() -> Mesh {
         })
     };
     let open_end = OPEN_WRIST + Vec3::new(0.06, 0.02, 0.03);
-    merged(
+    merge_parts(
         "ribbons",
         [
             fly(end, Vec3::new(1.35, -0.22, -0.25), 3.2, 0.055),
@@ -341,10 +341,10 @@ fn staff() -> Mesh {
     for i in 0..4 {
         let place = end - (0.05 + 0.03 * i as f32) * along;
         let ring = torus(0.013, 0.004, [24, 8]);
-        parts.push(moved(
+        parts.push(transform_mesh(
             ring,
             Affine3A::from_rotation_translation(upright, place),
         ));
     }
-    merged("staff", parts)
+    merge_parts("staff", parts)
 }

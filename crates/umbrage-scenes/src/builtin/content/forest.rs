@@ -3,9 +3,9 @@
 
 use super::{
     SIZE,
-    parts::scaled,
+    parts::scaled_placement,
     plants::{Growth, fern, litter, tree, tuft},
-    random::{Random, scattered},
+    random::{Random, scatter_points},
     things::rock,
 };
 use crate::{
@@ -82,16 +82,16 @@ fn ground(stage: Stage) -> Stage {
 }
 
 /// Returns a placement on the ground with a random turn and scale.
-fn planted(x: f32, z: f32, scale: f32, random: &mut Random) -> Affine3A {
-    let angle = random.about(3.1);
+fn plant_placement(x: f32, z: f32, scale: f32, random: &mut Random) -> Affine3A {
+    let angle = random.signed_number(3.1);
     let foot = Vec3::new(x, height(x, z), z);
-    scaled(foot, angle, Vec3::splat(scale))
+    scaled_placement(foot, angle, Vec3::splat(scale))
 }
 
 /// Returns positions next to the path, at least `clear` from its centre line: one for each cell of
 /// a grid, except cells right in front of the camera.
-fn beside_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
-    scattered(seed, half, pitch, |[x, z], _| {
+fn places_along_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
+    scatter_points(seed, half, pitch, |[x, z], _| {
         let from_eye = (x - 0.3).hypot(z - EYE);
         let is_clear = (x - bend(z)).abs() > clear && from_eye > 1.5 * clear;
         is_clear.then_some([x, z])
@@ -129,11 +129,11 @@ fn trees(mut stage: Stage) -> Stage {
     const FAR: f32 = 28.0;
     let mut random = Random::new(8);
     let mut stands: [[Vec<Affine3A>; 2]; LEAVES.len()] = Default::default();
-    for [x, z] in beside_path(21, 62.0, 6.6, PATH + 1.0) {
-        let kind = random.between(0.0, LEAVES.len() as f32 - 0.01) as usize;
-        let scale = random.between(0.75, 1.2);
+    for [x, z] in places_along_path(21, 62.0, 6.6, PATH + 1.0) {
+        let kind = random.number_between(0.0, LEAVES.len() as f32 - 0.01) as usize;
+        let scale = random.number_between(0.75, 1.2);
         let is_near = x.hypot(z - EYE) < FAR;
-        stands[kind][usize::from(is_near)].push(planted(x, z, scale, &mut random));
+        stands[kind][usize::from(is_near)].push(plant_placement(x, z, scale, &mut random));
     }
     for (kind, stand) in stands.into_iter().enumerate() {
         for (places, is_near) in stand.into_iter().zip([false, true]) {
@@ -151,13 +151,13 @@ fn trees(mut stage: Stage) -> Stage {
 fn undergrowth(mut stage: Stage) -> Stage {
     let mut random = Random::new(9);
     let mut tufts = [Vec::new(), Vec::new(), Vec::new()];
-    for [x, z] in beside_path(33, 20.0, 0.46, PATH) {
+    for [x, z] in places_along_path(33, 20.0, 0.46, PATH) {
         // Grow grass in patches, with less of it far away.
         let patch = fractal(Vec3::new(x, 9.0, z) / 5.0, 2);
         if patch > -0.12 && random.chance(0.8) {
-            let kind = random.between(0.0, 2.99) as usize;
-            let scale = random.between(0.6, 1.3);
-            tufts[kind].push(planted(x, z, scale, &mut random));
+            let kind = random.number_between(0.0, 2.99) as usize;
+            let scale = random.number_between(0.6, 1.3);
+            tufts[kind].push(plant_placement(x, z, scale, &mut random));
         }
     }
     for (kind, places) in tufts.into_iter().enumerate() {
@@ -166,9 +166,9 @@ fn undergrowth(mut stage: Stage) -> Stage {
     }
     let mut places = |seed: i32, pitch: f32, sizes: [f32; 2]| {
         let mut out = Vec::new();
-        for [x, z] in beside_path(seed, 18.0, pitch, PATH + 0.3) {
-            let scale = random.between(sizes[0], sizes[1]);
-            out.push(planted(x, z, scale, &mut random));
+        for [x, z] in places_along_path(seed, 18.0, pitch, PATH + 0.3) {
+            let scale = random.number_between(sizes[0], sizes[1]);
+            out.push(plant_placement(x, z, scale, &mut random));
         }
         out
     };

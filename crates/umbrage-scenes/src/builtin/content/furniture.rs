@@ -2,7 +2,9 @@
 //! face +z.
 
 use super::{
-    parts::{at, box_at, creased, merged, moved, sheet, smooth_tube, stick},
+    parts::{
+        box_at, crease_mesh, merge_parts, sheet, smooth_tube, stick, transform_mesh, translation,
+    },
     random::Random,
 };
 use crate::primitives::{block, icosphere, lathe, on_circle, torus};
@@ -48,7 +50,7 @@ pub(super) fn chair() -> Mesh {
         arc.push((point, 0.018));
     }
     parts.push(smooth_tube(&arc, 2, 14));
-    merged("chair", parts)
+    merge_parts("chair", parts)
 }
 
 /// Returns a leg with bulges.
@@ -75,7 +77,7 @@ pub(super) fn table(half: [f32; 2]) -> Mesh {
         let foot = turned_leg(place, place + 0.71 * Vec3::Y);
         parts.push(foot);
     }
-    merged("table", parts)
+    merge_parts("table", parts)
 }
 
 /// Heights of the boards of a bookcase; half its width and its depth, metres.
@@ -97,7 +99,7 @@ pub(super) fn bookcase() -> Mesh {
             [CASE, y + 0.012, CASE_DEPTH],
         ));
     }
-    merged("bookcase", parts)
+    merge_parts("bookcase", parts)
 }
 
 /// Returns the books of a [`bookcase`] in three colours: upright ones, leaning ones, stacks, gaps.
@@ -108,18 +110,18 @@ pub(super) fn books() -> [Mesh; 3] {
         let room = boards[1] - boards[0] - 0.06;
         let mut x = 0.03 - CASE;
         while x < CASE - 0.06 {
-            let thick = random.between(0.014, 0.045);
-            let tall = room * random.between(0.68, 0.98);
-            let deep = random.between(0.15, 0.22);
-            let color = random.between(0.0, 2.99) as usize;
+            let thick = random.number_between(0.014, 0.045);
+            let tall = room * random.number_between(0.68, 0.98);
+            let deep = random.number_between(0.15, 0.22);
+            let color = random.number_between(0.0, 2.99) as usize;
             let leans = random.chance(0.06);
-            let foot = at(x, boards[0] + 0.012, 0.0);
+            let foot = translation(x, boards[0] + 0.012, 0.0);
             let tilt = if leans { -0.22 } else { 0.0 };
             let place = foot * Affine3A::from_rotation_z(tilt);
-            colors[color].push(moved(book([thick, tall, deep]), place));
+            colors[color].push(transform_mesh(book([thick, tall, deep]), place));
             x += thick + if leans { 0.24 * tall } else { 0.002 };
             if random.chance(0.05) {
-                x += random.between(0.06, 0.16);
+                x += random.number_between(0.06, 0.16);
             }
             // Skip the board in the middle.
             if x < 0.015 && x + 0.06 > -0.015 {
@@ -127,7 +129,7 @@ pub(super) fn books() -> [Mesh; 3] {
             }
         }
     }
-    colors.map(|parts| merged("books", parts))
+    colors.map(|parts| merge_parts("books", parts))
 }
 
 /// Returns a book of this thickness, height and depth: two covers, a rounded spine and inset pages.
@@ -145,7 +147,7 @@ fn book(size: [f32; 3]) -> Mesh {
         block([cover, 0.008, 0.036], [thick - cover, tall - 0.008, deep]),
         spine,
     ];
-    merged("book", parts)
+    merge_parts("book", parts)
 }
 
 /// Returns a cushion: a ball stretched towards a box of this half size.
@@ -177,7 +179,7 @@ pub(super) fn armchair() -> Mesh {
         let foot = top + Vec3::new(0.03 * corner[0], -0.22, 0.03 * corner[1]);
         parts.push(stick(foot, top, 0.018));
     }
-    merged("armchair", parts)
+    merge_parts("armchair", parts)
 }
 
 /// Returns an open shade around the origin, from the radii of its lower and upper rim, and its
@@ -189,14 +191,16 @@ pub(super) fn shade(lower: f32, upper: f32, height: f32) -> Mesh {
         let radius = (upper + (lower - upper) * v) * (1.0 + 0.008 * pleat);
         Vec3::new(radius * cos, height * (0.5 - v), -radius * sin)
     });
-    let rim = |radius: f32, y: f32| moved(torus(radius, 0.005, [64, 8]), at(0.0, y, 0.0));
+    let rim = |radius: f32, y: f32| {
+        transform_mesh(torus(radius, 0.005, [64, 8]), translation(0.0, y, 0.0))
+    };
     let spokes = (0..3).map(|i| {
         let (cos, sin) = on_circle(f64::from(i) / 3.0);
         let end = Vec3::new(upper * cos, 0.5 * height, upper * sin);
         stick(end, 0.5 * height * Vec3::Y, 0.003)
     });
     let rims = [rim(lower, -0.5 * height), rim(upper, 0.5 * height)];
-    merged("shade", [cloth].into_iter().chain(rims).chain(spokes))
+    merge_parts("shade", [cloth].into_iter().chain(rims).chain(spokes))
 }
 
 /// Returns the pole and foot of a floor lamp of this height.
@@ -234,7 +238,7 @@ pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
     }
     for (size, y) in [(0.99, 0.0), (0.72, 0.8), (0.72, -0.8)] {
         let ring = torus(size * radius, 0.0014, [48, 6]);
-        parts.push(moved(ring, at(0.0, y * radius, 0.0)));
+        parts.push(transform_mesh(ring, translation(0.0, y * radius, 0.0)));
     }
     let socket = [
         (0.0, 0.055),
@@ -246,7 +250,7 @@ pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
     ];
     parts.push(lathe(&socket, 24));
     parts.push(stick(0.2 * Vec3::Y, cable * Vec3::Y, 0.005));
-    merged("cage", parts)
+    merge_parts("cage", parts)
 }
 
 /// Returns a desk lamp on two arms. Its head is at the origin and points along -y; its foot is
@@ -269,14 +273,14 @@ pub(super) fn desk_lamp(drop: f32) -> Mesh {
     ];
     let parts = [
         head,
-        moved(lathe(&base, 40), Affine3A::from_translation(foot)),
+        transform_mesh(lathe(&base, 40), Affine3A::from_translation(foot)),
         stick(foot, elbow, 0.006),
         stick(foot + 0.02 * Vec3::Z, elbow + 0.02 * Vec3::Z, 0.004),
         stick(elbow, top, 0.006),
         icosphere(elbow, 0.014, 3),
         icosphere(top, 0.024, 3),
     ];
-    merged("desk lamp", parts)
+    merge_parts("desk lamp", parts)
 }
 
 /// Returns a vessel by its profile of radius and height.
@@ -292,7 +296,10 @@ pub(super) fn basket() -> Mesh {
     for i in 0..RINGS {
         let t = i as f32 / (RINGS - 1) as f32;
         let ring = torus(radius(t), 0.011, [40, 8]);
-        parts.push(moved(ring, at(0.0, 0.012 + 0.32 * t, 0.0)));
+        parts.push(transform_mesh(
+            ring,
+            translation(0.0, 0.012 + 0.32 * t, 0.0),
+        ));
     }
     for i in 0..24 {
         let (cos, sin) = on_circle(f64::from(i) / 24.0);
@@ -304,7 +311,7 @@ pub(super) fn basket() -> Mesh {
         &[(0.0, 0.0), (0.15, 0.0), (0.15, 0.01), (0.0, 0.01)],
         40,
     ));
-    merged("basket", parts)
+    merge_parts("basket", parts)
 }
 
 /// Returns a rug of this half size with fringes at both ends.
@@ -317,11 +324,11 @@ pub(super) fn rug(half: [f32; 2]) -> Mesh {
         let along = z * (2.0 * (i as f32 + 0.5) / fringes as f32 - 1.0);
         for side in [-1.0, 1.0] {
             let root = Vec3::new(side * x, 0.008, along);
-            let end = root + Vec3::new(0.07 * side, -0.004, random.about(0.02));
+            let end = root + Vec3::new(0.07 * side, -0.004, random.signed_number(0.02));
             parts.push(stick(root, end, 0.0035));
         }
     }
-    merged("rug", parts)
+    merge_parts("rug", parts)
 }
 
 /// Returns a framed picture of half this size, its back at z = 0.
@@ -335,7 +342,7 @@ pub(super) fn frame(half: [f32; 2]) -> Mesh {
         block([x - edge, edge - y, 0.0], [x, y - edge, 0.03]),
         block([-x, -y, 0.0], [x, y, 0.008]),
     ];
-    merged("frame", parts)
+    merge_parts("frame", parts)
 }
 
 /// Returns a curtain of this width and height on a rod with rings. The origin is the centre of its
@@ -354,9 +361,9 @@ pub(super) fn curtain(width: f32, height: f32) -> Mesh {
     let rings = (0..14).map(|i| {
         let x = width * (i as f32 / 13.0 - 0.5);
         let place = Affine3A::from_rotation_translation(upright, Vec3::new(x, 0.028, 0.0));
-        moved(torus(0.022, 0.003, [20, 6]), place)
+        transform_mesh(torus(0.022, 0.003, [20, 6]), place)
     });
-    merged("curtain", [cloth, rod].into_iter().chain(rings))
+    merge_parts("curtain", [cloth, rod].into_iter().chain(rings))
 }
 
 /// Returns a chest of drawers, or the drawers of a desk: a box with fronts and knobs.
@@ -375,5 +382,5 @@ pub(super) fn drawers(half: [f32; 2], height: f32) -> Mesh {
         let foot = Vec3::new(corner[0] * (x - 0.03), 0.015, corner[1] * (z - 0.03));
         parts.push(box_at(foot, [0.02, 0.015, 0.02]));
     }
-    creased(&merged("drawers", parts))
+    crease_mesh(&merge_parts("drawers", parts))
 }

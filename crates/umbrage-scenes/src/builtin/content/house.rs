@@ -1,7 +1,7 @@
 //! Components of a town's facades. A panel spans one window of one storey. Its front is at z = 0
 //! and faces +z.
 
-use super::parts::{at, box_at, creased, merged, moved, sheet, stick};
+use super::parts::{box_at, crease_mesh, merge_parts, sheet, stick, transform_mesh, translation};
 use crate::primitives::{block, lathe, pillar, prism, quad};
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec3};
@@ -37,14 +37,14 @@ pub(super) fn panel(opening: &Opening) -> Mesh {
         block(low, [x[1], y[1], 0.0])
     };
     let half = 0.5 * PANEL;
-    let beside = [opening.sill, opening.lintel];
+    let adjacent = [opening.sill, opening.lintel];
     let parts = [
         slab([-half, half], [0.0, opening.sill]),
         slab([-half, half], [opening.lintel, STOREY]),
-        slab([-half, -opening.half], beside),
-        slab([opening.half, half], beside),
+        slab([-half, -opening.half], adjacent),
+        slab([opening.half, half], adjacent),
     ];
-    merged("panel", parts)
+    merge_parts("panel", parts)
 }
 
 /// Returns sill, lintel, frame and bars of a window, and the moulding between storeys.
@@ -71,7 +71,7 @@ pub(super) fn trim(opening: &Opening) -> Mesh {
         parts.push(upright(part * (opening.half - 0.03), 0.03));
         parts.push(level(middle + 0.36 * tall * part, 0.018));
     }
-    merged("trim", parts)
+    merge_parts("trim", parts)
 }
 
 pub(super) fn pane(opening: &Opening) -> Mesh {
@@ -99,10 +99,10 @@ pub(super) fn shutters() -> Mesh {
             let y = WINDOW.sill + 2.0 * tall * (i as f32 + 0.5) / 16.0;
             let slat = box_at(Vec3::ZERO, [0.23, 0.04, 0.006]);
             let tilt = Affine3A::from_rotation_x(0.6);
-            parts.push(moved(slat, at(x, y, 0.05) * tilt));
+            parts.push(transform_mesh(slat, translation(x, y, 0.05) * tilt));
         }
     }
-    merged("shutters", parts)
+    merge_parts("shutters", parts)
 }
 
 /// Returns a balcony before a window: slab, brackets, railing.
@@ -132,7 +132,7 @@ pub(super) fn balcony() -> Mesh {
         let wall = Vec3::new(x, -0.55, 0.0);
         parts.push(stick(wall, [x, -0.1, 0.7], 0.04));
     }
-    merged("balcony", parts)
+    merge_parts("balcony", parts)
 }
 
 /// Returns the cornice over one panel.
@@ -147,7 +147,7 @@ pub(super) fn cornice() -> Mesh {
         let x = half * (2.0 * (i as f32 + 0.5) / 6.0 - 1.0);
         parts.push(box_at([x, 0.27, 0.2], [0.09, 0.08, 0.2]));
     }
-    merged("cornice", parts)
+    merge_parts("cornice", parts)
 }
 
 /// Returns an awning over a shop: cloth on two arms, with a scalloped edge.
@@ -169,7 +169,7 @@ pub(super) fn awning() -> Mesh {
         let out = Vec3::new(x, 2.36, 0.03 + DEPTH);
         stick([x, 2.3, 0.0], out, 0.015)
     });
-    merged("awning", [cloth, edge].into_iter().chain(arms))
+    merge_parts("awning", [cloth, edge].into_iter().chain(arms))
 }
 
 /// Returns a chimney with its pots.
@@ -183,8 +183,9 @@ pub(super) fn chimney() -> Mesh {
         (0.15, 0.5),
         (0.0, 0.5),
     ];
-    let pots = [-0.5, 0.0, 0.5].map(|z| moved(lathe(&outline, 14), at(0.0, 1.62, z)));
-    merged("chimney", [stack, crown].into_iter().chain(pots))
+    let pots =
+        [-0.5, 0.0, 0.5].map(|z| transform_mesh(lathe(&outline, 14), translation(0.0, 1.62, z)));
+    merge_parts("chimney", [stack, crown].into_iter().chain(pots))
 }
 
 /// Returns the paint, the glass and the rubber of a car that is 4.2 m long in z.
@@ -202,15 +203,15 @@ pub(super) fn car() -> [Mesh; 3] {
     ];
     let cabin = [(0.92, 0.97), (0.42, 1.36), (-1.1, 1.39), (-1.7, 1.0)];
     let lengthwise = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2);
-    let paint = creased(&prism(&outline, 0.86, -0.86));
-    let glass = creased(&prism(&cabin, 0.875, -0.875));
+    let paint = crease_mesh(&prism(&outline, 0.86, -0.86));
+    let glass = crease_mesh(&prism(&cabin, 0.875, -0.875));
     let upright = Affine3A::from_quat(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2));
-    let wheel = moved(creased(&pillar(0.33, 0.22, 28)), upright);
+    let wheel = transform_mesh(crease_mesh(&pillar(0.33, 0.22, 28)), upright);
     let mut wheels = Vec::new();
     for x in [-1.3, 1.3] {
         for z in [-0.9, 0.68] {
-            wheels.push(moved(wheel.clone(), at(x, 0.33, z)));
+            wheels.push(transform_mesh(wheel.clone(), translation(x, 0.33, z)));
         }
     }
-    [paint, glass, merged("wheels", wheels)].map(|part| moved(part, lengthwise))
+    [paint, glass, merge_parts("wheels", wheels)].map(|part| transform_mesh(part, lengthwise))
 }

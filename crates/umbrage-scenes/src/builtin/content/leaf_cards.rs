@@ -3,9 +3,9 @@
 
 use super::{
     SIZE,
-    parts::{at, scaled},
+    parts::{scaled_placement, translation},
     plants::{Growth, tree},
-    random::scattered,
+    random::scatter_points,
 };
 use crate::{
     builtin::{
@@ -13,7 +13,7 @@ use crate::{
         noise::fractal,
     },
     looks::{matte, netting, sprig},
-    primitives::{grid, pillar, quad, tiled},
+    primitives::{grid, pillar, quad, tile_mesh},
     stage::Stage,
 };
 use umbrage_core::glam::{Affine3A, Vec2, Vec3};
@@ -62,12 +62,12 @@ fn height(x: f32, z: f32) -> f32 {
 /// Returns placements with a random turn and scale, one for each cell of a grid. None is within
 /// `clear` of the centre of the clearing, or right in front of the camera.
 fn around_clearing(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
-    scattered(seed, half, pitch, |[x, z], random| {
-        let scale = Vec3::splat(random.between(sizes[0], sizes[1]));
-        let turn = random.about(3.1);
+    scatter_points(seed, half, pitch, |[x, z], random| {
+        let scale = Vec3::splat(random.number_between(sizes[0], sizes[1]));
+        let turn = random.signed_number(3.1);
         let at_eye = (x - 1.2).hypot(z - EYE) < 2.0 + 0.4 * clear;
         let is_clear = x.hypot(z) >= clear && !at_eye;
-        is_clear.then(|| scaled([x, height(x, z), z], turn, scale))
+        is_clear.then(|| scaled_placement([x, height(x, z), z], turn, scale))
     })
 }
 
@@ -142,10 +142,10 @@ fn fence(stage: Stage) -> Stage {
     let netting_corners = [from, from + along, from + along + up, from + up];
     let posts = (0..5).map(|i| {
         let foot = from + along * (0.25 * i as f32);
-        at(foot.x, -0.1, foot.z)
+        translation(foot.x, -0.1, foot.z)
     });
     stage
-        .put(tiled(
+        .put(tile_mesh(
             quad(netting_corners),
             Vec2::new(LENGTH, HEIGHT) / MESH,
         ))

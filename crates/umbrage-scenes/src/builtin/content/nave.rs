@@ -3,12 +3,15 @@
 
 use super::{
     SIZE,
-    parts::{arched, at, box_at, creased, merged, moved, pierced, smooth_tube, stick, turned},
+    parts::{
+        arch_outline, box_at, crease_mesh, merge_parts, pierced_wall, smooth_tube, stick,
+        transform_mesh, translation, turned_placement,
+    },
     things::{baluster, bench, chain, fluted_column, oil_lamp},
 };
 use crate::{
     looks::{checker, glossy, matte},
-    primitives::{block, grid, on_circle, prism, tiled},
+    primitives::{block, grid, on_circle, prism, tile_mesh},
     stage::Stage,
 };
 use umbrage_core::glam::{Affine3A, Vec2, Vec3};
@@ -49,7 +52,7 @@ pub(crate) fn nave_soft() -> Scene {
 }
 
 fn lit_by(name: &str, angular_diameter: f32) -> Scene {
-    let stage = furnished(walls(Stage::new(name)));
+    let stage = furnish_stage(walls(Stage::new(name)));
     stage
         .light(Light::Directional {
             direction: Vec3::new(-0.85, -0.36, -0.40),
@@ -61,7 +64,10 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
 /// Returns placements on both sides at the end or centre of a bay, whose z points to the nave.
 fn both_sides(x: f32, y: f32, z: f32) -> [Affine3A; 2] {
     let quarter = std::f32::consts::FRAC_PI_2;
-    [turned([-x, y, z], quarter), turned([x, y, z], -quarter)]
+    [
+        turned_placement([-x, y, z], quarter),
+        turned_placement([x, y, z], -quarter),
+    ]
 }
 
 /// Returns the placements at the ends of all bays.
@@ -77,7 +83,7 @@ fn in_middles(x: f32, y: f32) -> Vec<Affine3A> {
 }
 
 fn walls(stage: Stage) -> Stage {
-    let floor = tiled(
+    let floor = tile_mesh(
         grid([WIDTH + WALL, LENGTH + 1.0], [16, 40], |_, _| 0.0),
         Vec2::new(9.0, 22.0),
     );
@@ -108,27 +114,30 @@ fn walls(stage: Stage) -> Stage {
         .look(matte(STONE))
 }
 
-fn furnished(stage: Stage) -> Stage {
+fn furnish_stage(stage: Stage) -> Stage {
     let mut balusters = Vec::new();
     for place in in_middles(ROW, GALLERY) {
         for i in 0..20 {
             let along = -1.66 + 3.32 * (i as f32 + 0.5) / 20.0;
-            balusters.push(place * at(along, 0.0, 0.15));
+            balusters.push(place * translation(along, 0.0, 0.15));
         }
     }
     let mut benches = Vec::new();
     for row in 0..14 {
         let z = 8.0 - 1.25 * row as f32;
-        benches.push(at(2.15, 0.0, z));
-        benches.push(at(-2.15, 0.0, z));
+        benches.push(translation(2.15, 0.0, z));
+        benches.push(translation(-2.15, 0.0, z));
     }
     let mut lamps = Vec::new();
     for row in 0..5 {
         let z = 9.0 - 6.0 * row as f32;
-        lamps.push(at(2.2, 5.2, z));
-        lamps.push(at(-2.2, 5.2, z));
+        lamps.push(translation(2.2, 5.2, z));
+        lamps.push(translation(-2.2, 5.2, z));
     }
-    let chains: Vec<_> = lamps.iter().map(|lamp| *lamp * at(0.0, 0.5, 0.0)).collect();
+    let chains: Vec<_> = lamps
+        .iter()
+        .map(|lamp| *lamp * translation(0.0, 0.5, 0.0))
+        .collect();
     stage
         .put_many(baluster(0.95), balusters)
         .look(matte(PALE_STONE))
@@ -149,16 +158,16 @@ fn furnished(stage: Stage) -> Stage {
 }
 
 fn wall_of(outline: &[(f32, f32)]) -> Mesh {
-    creased(&prism(outline, WALL, -WALL))
+    crease_mesh(&prism(outline, WALL, -WALL))
 }
 
 /// Returns the wall of a bay above its arch, with its foot at the springing line.
 fn arcade() -> Mesh {
     let half = 0.5 * BAY;
-    let opening = arched(0.0, 1.62, 0.0, 0.08);
-    let wall = wall_of(&pierced(half, 0.0, GALLERY - SPRING, &[opening]));
+    let opening = arch_outline(0.0, 1.62, 0.0, 0.08);
+    let wall = wall_of(&pierced_wall(half, 0.0, GALLERY - SPRING, &[opening]));
     let cornice = block([-half, 2.05, WALL], [half, 2.3, WALL + 0.12]);
-    merged("arcade", [wall, archivolt(0.0, 1.7, 0.08), cornice])
+    merge_parts("arcade", [wall, archivolt(0.0, 1.7, 0.08), cornice])
 }
 
 /// Returns a round moulding along an arch's rim.
@@ -174,10 +183,10 @@ fn archivolt(middle: f32, radius: f32, spring: f32) -> Mesh {
 
 /// Returns the gallery's wall of a bay: two arches with a small column between them.
 fn gallery() -> Mesh {
-    let openings = [-0.93, 0.93].map(|middle| arched(middle, 0.75, 0.0, 2.2));
-    let wall = wall_of(&pierced(0.5 * BAY, 0.0, ROOF - GALLERY, &openings));
+    let openings = [-0.93, 0.93].map(|middle| arch_outline(middle, 0.75, 0.0, 2.2));
+    let wall = wall_of(&pierced_wall(0.5 * BAY, 0.0, ROOF - GALLERY, &openings));
     let rims = [-0.93, 0.93].map(|middle| archivolt(middle, 0.79, 2.2));
-    merged("gallery", [wall].into_iter().chain(rims))
+    merge_parts("gallery", [wall].into_iter().chain(rims))
 }
 
 /// Returns the wall of a bay above the aisles: one window and its bars.
@@ -185,26 +194,26 @@ fn clerestory() -> Mesh {
     let sill = 0.5;
     let top = VAULT - ROOF;
     let half = 0.5 * BAY;
-    let opening = arched(0.0, 1.4, sill, 1.95);
-    let wall = wall_of(&pierced(half, sill, top, &[opening]));
+    let opening = arch_outline(0.0, 1.4, sill, 1.95);
+    let wall = wall_of(&pierced_wall(half, sill, top, &[opening]));
     let below = block([-half, 0.0, -WALL], [half, sill, WALL]);
     let mullions = [-0.4, 0.4].map(|x| block([x - 0.05, sill, -0.08], [x + 0.05, 3.2, 0.08]));
     let rim = archivolt(0.0, 1.46, 1.95);
-    merged("clerestory", [wall, below, rim].into_iter().chain(mullions))
+    merge_parts("clerestory", [wall, below, rim].into_iter().chain(mullions))
 }
 
 /// Returns the outer wall of a bay: a window to the aisle, one to the gallery.
 fn outer_wall() -> Mesh {
     let half = 0.5 * BAY;
     let slab = |foot: f32, top: f32| block([-half, foot, -WALL], [half, top, WALL]);
-    let lower = pierced(half, 1.1, GALLERY, &[arched(0.0, 1.6, 1.1, 4.4)]);
-    let upper = pierced(
+    let lower = pierced_wall(half, 1.1, GALLERY, &[arch_outline(0.0, 1.6, 1.1, 4.4)]);
+    let upper = pierced_wall(
         half,
         GALLERY + 0.9,
         ROOF,
-        &[arched(0.0, 1.5, GALLERY + 0.9, GALLERY + 2.1)],
+        &[arch_outline(0.0, 1.5, GALLERY + 0.9, GALLERY + 2.1)],
     );
-    merged(
+    merge_parts(
         "outer wall",
         [
             slab(0.0, 1.1),
@@ -230,7 +239,7 @@ fn glazing() -> Mesh {
         let from = Vec3::new(-1.35, y, 0.0);
         bars.push(stick(from, from + 2.7 * Vec3::X, 0.014));
     }
-    merged("glazing", bars)
+    merge_parts("glazing", bars)
 }
 
 /// Returns the gallery's floor and roof over one bay.
@@ -238,7 +247,7 @@ fn floors_of_a_bay() -> Mesh {
     let half = Vec3::new(0.5 * BAY, 0.12, 0.5 * (WIDTH - ROW) + WALL);
     let floor = box_at([0.0, -0.12, 0.0], half);
     let roof = box_at([0.0, ROOF - GALLERY + 0.12, 0.0], half);
-    merged("gallery floor", [floor, roof])
+    merge_parts("gallery floor", [floor, roof])
 }
 
 /// Returns the barrel vault over the nave.
@@ -255,7 +264,7 @@ fn vault() -> Mesh {
     for i in (0..=PIECES).rev() {
         add(i, VAULT_RADIUS);
     }
-    creased(&prism(&outline, LENGTH, -LENGTH))
+    crease_mesh(&prism(&outline, LENGTH, -LENGTH))
 }
 
 /// Returns the ribs of one bay: one across at its end, and two diagonal ones.
@@ -276,12 +285,12 @@ fn ribs() -> Mesh {
         arc(0.0, BAY, RIB),
         arc(BAY, 0.0, RIB),
     ];
-    merged("ribs", ribs)
+    merge_parts("ribs", ribs)
 }
 
 fn rib_places() -> Vec<Affine3A> {
     let bays = 0..BAYS;
-    bays.map(|i| at(0.0, VAULT, BAY * i as f32 - LENGTH))
+    bays.map(|i| translation(0.0, VAULT, BAY * i as f32 - LENGTH))
         .collect()
 }
 
@@ -291,18 +300,18 @@ fn ends() -> Mesh {
     let wide = WIDTH + WALL;
     let top = VAULT + ROW + WALL;
     let rear = block([-wide, 0.0, LENGTH], [wide, top, LENGTH + 0.5]);
-    let windows = [-2.4, 0.0, 2.4].map(|middle| arched(middle, 0.8, 4.5, 11.5));
-    let pane = prism(&pierced(wide, 4.5, top, &windows), 0.25, -0.25);
-    let front = moved(creased(&pane), at(0.0, 0.0, -LENGTH));
+    let windows = [-2.4, 0.0, 2.4].map(|middle| arch_outline(middle, 0.8, 4.5, 11.5));
+    let pane = prism(&pierced_wall(wide, 4.5, top, &windows), 0.25, -0.25);
+    let front = transform_mesh(crease_mesh(&pane), translation(0.0, 0.0, -LENGTH));
     let sill = block([-wide, 0.0, -LENGTH - 0.25], [wide, 4.5, -LENGTH + 0.25]);
-    merged("ends", [rear, front, sill])
+    merge_parts("ends", [rear, front, sill])
 }
 
 /// Returns the rail on the balusters of the gallery.
 fn rail() -> Mesh {
     let top = box_at([0.0, 1.0, 0.15], [1.68, 0.05, 0.13]);
     let foot = box_at([0.0, 0.03, 0.15], [1.68, 0.03, 0.13]);
-    merged("rail", [top, foot])
+    merge_parts("rail", [top, foot])
 }
 
 fn carpet() -> Mesh {
@@ -320,10 +329,10 @@ fn altar() -> Mesh {
     }
     parts.push(box_at([0.0, 1.5, -LENGTH + 1.6], [1.4, 0.06, 0.5]));
     for x in [-1.2, -0.4, 0.4, 1.2] {
-        let foot = at(x, 0.51, -LENGTH + 1.6);
-        parts.push(moved(fluted_column(0.93, 0.1), foot));
+        let foot = translation(x, 0.51, -LENGTH + 1.6);
+        parts.push(transform_mesh(fluted_column(0.93, 0.1), foot));
     }
-    merged("altar", parts)
+    merge_parts("altar", parts)
 }
 
 /// Returns tall candlesticks along the centre line.
@@ -332,9 +341,9 @@ fn candlesticks() -> Mesh {
     for row in 0..6 {
         for x in [-1.02, 1.02] {
             let z = -10.0 + 3.75 * row as f32;
-            let foot = at(x * 0.78, 0.0, z);
-            parts.push(moved(baluster(1.5), foot));
+            let foot = translation(x * 0.78, 0.0, z);
+            parts.push(transform_mesh(baluster(1.5), foot));
         }
     }
-    merged("candlesticks", parts)
+    merge_parts("candlesticks", parts)
 }

@@ -7,13 +7,13 @@ use super::{
         armchair, basket, bookcase, books, cage, chair, curtain, desk_lamp, drawers, frame,
         lamp_pole, rug, shade, table, vessel,
     },
-    parts::{at, merged, moved, turned},
+    parts::{merge_parts, transform_mesh, translation, turned_placement},
     plants::fern,
     random::Random,
 };
 use crate::{
     looks::{Look, glossy, matte, wood},
-    primitives::{block, icosphere, slabs_around, tiled},
+    primitives::{block, icosphere, slabs_around, tile_mesh},
     stage::Stage,
 };
 use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
@@ -55,7 +55,7 @@ pub(crate) fn night_room_soft() -> Scene {
 }
 
 fn lit_by(name: &str, radii: LampRadii) -> Scene {
-    let stage = lamps(small_things(furnished(room(Stage::new(name)))));
+    let stage = lamps(small_things(furnish_stage(room(Stage::new(name)))));
     stage
         .light(Light::Point {
             position: BULB,
@@ -78,11 +78,11 @@ fn lit_by(name: &str, radii: LampRadii) -> Scene {
 fn room(stage: Stage) -> Stage {
     let [floor, ceiling, left, right, back, front] = slabs_around(LOW, HIGH, 0.12);
     stage
-        .put(tiled(floor, Vec2::new(4.0, 4.0)))
+        .put(tile_mesh(floor, Vec2::new(4.0, 4.0)))
         .look(wood())
         .put(ceiling)
         .look(matte(CEILING))
-        .put(merged("walls", [left, right, back, front]))
+        .put(merge_parts("walls", [left, right, back, front]))
         .look(matte(WALL))
         .put(skirting())
         .look(matte(CEILING))
@@ -93,37 +93,40 @@ fn skirting() -> Mesh {
         block(LOW, [HIGH.x, 0.1, LOW.z + 0.018]),
         block(LOW, [LOW.x + 0.018, 0.1, HIGH.z]),
     ];
-    merged("skirting", boards)
+    merge_parts("skirting", boards)
 }
 
-fn furnished(mut stage: Stage) -> Stage {
+fn furnish_stage(mut stage: Stage) -> Stage {
     let chairs = [
-        turned([-0.45, 0.012, -0.62], 0.15),
-        turned([0.5, 0.012, -0.58], -0.2),
-        turned([-1.05, 0.012, 0.25], 1.75),
-        turned([0.42, 0.012, 0.98], 2.75),
-        turned([1.45, 0.0, -1.22], 3.4),
+        turned_placement([-0.45, 0.012, -0.62], 0.15),
+        turned_placement([0.5, 0.012, -0.58], -0.2),
+        turned_placement([-1.05, 0.012, 0.25], 1.75),
+        turned_placement([0.42, 0.012, 0.98], 2.75),
+        turned_placement([1.45, 0.0, -1.22], 3.4),
     ];
-    let case = turned([LOW.x, 0.0, -0.75], std::f32::consts::FRAC_PI_2);
+    let case = turned_placement([LOW.x, 0.0, -0.75], std::f32::consts::FRAC_PI_2);
     for (mesh, color) in books().into_iter().zip(BOOKS) {
         stage = stage.put_many(mesh, [case]).look(matte(color));
     }
     stage
         .put_many(bookcase(), [case])
         .look(matte(DARK_OAK))
-        .put_many(table([0.8, 0.48]), [at(0.0, 0.012, 0.12)])
+        .put_many(table([0.8, 0.48]), [translation(0.0, 0.012, 0.12)])
         .look(matte(OAK))
-        .put_many(table([0.78, 0.32]), [at(1.55, 0.0, LOW.z + 0.36)])
+        .put_many(table([0.78, 0.32]), [translation(1.55, 0.0, LOW.z + 0.36)])
         .look(matte(DARK_OAK))
-        .put_many(drawers([0.22, 0.2], 0.6), [at(2.3, 0.0, LOW.z + 0.38)])
+        .put_many(
+            drawers([0.22, 0.2], 0.6),
+            [translation(2.3, 0.0, LOW.z + 0.38)],
+        )
         .look(matte(OAK))
         .put_many(chair(), chairs)
         .look(matte(OAK))
-        .put_many(armchair(), [turned([-2.15, 0.0, 1.55], 1.9)])
+        .put_many(armchair(), [turned_placement([-2.15, 0.0, 1.55], 1.9)])
         .look(matte(CLOTH))
-        .put_many(rug([1.5, 1.05]), [at(0.0, 0.0, 0.15)])
+        .put_many(rug([1.5, 1.05]), [translation(0.0, 0.0, 0.15)])
         .look(matte(RUG))
-        .put_many(curtain(1.5, 2.25), [at(-0.85, 2.35, LOW.z + 0.1)])
+        .put_many(curtain(1.5, 2.25), [translation(-0.85, 2.35, LOW.z + 0.1)])
         .look(matte(CURTAIN))
 }
 
@@ -138,14 +141,17 @@ fn small_things(stage: Stage) -> Stage {
         (0.16, 0.31),
         (0.0, 0.30),
     ];
-    let pots = [at(0.38, 0.0, LOW.z + 0.33), at(-2.55, 0.0, 0.52)];
-    let greens = pots.map(|pot| pot * at(0.0, 0.30, 0.0));
-    let frames = [
-        at(0.55, 1.75, LOW.z),
-        at(1.35, 1.85, LOW.z),
-        at(2.15, 1.72, LOW.z),
+    let pots = [
+        translation(0.38, 0.0, LOW.z + 0.33),
+        translation(-2.55, 0.0, 0.52),
     ];
-    let side_frame = turned([LOW.x, 1.6, 1.5], std::f32::consts::FRAC_PI_2);
+    let greens = pots.map(|pot| pot * translation(0.0, 0.30, 0.0));
+    let frames = [
+        translation(0.55, 1.75, LOW.z),
+        translation(1.35, 1.85, LOW.z),
+        translation(2.15, 1.72, LOW.z),
+    ];
+    let side_frame = turned_placement([LOW.x, 1.6, 1.5], std::f32::consts::FRAC_PI_2);
     let hung: Vec<Affine3A> = frames.into_iter().chain([side_frame]).collect();
     let pictures = hung.clone();
     let picture = block([-0.18, -0.25, 0.0], [0.18, 0.25, 0.012]);
@@ -158,7 +164,10 @@ fn small_things(stage: Stage) -> Stage {
         .look(matte(DARK_OAK))
         .put_many(picture, pictures)
         .look(matte(PAPER))
-        .put_many(basket(), [at(-1.5, 0.0, -1.95), at(0.95, 0.0, -1.9)])
+        .put_many(
+            basket(),
+            [translation(-1.5, 0.0, -1.95), translation(0.95, 0.0, -1.9)],
+        )
         .look(matte([0.45, 0.32, 0.16]))
         .put(on_the_table())
         .look(glossy(PORCELAIN))
@@ -202,20 +211,20 @@ fn on_the_table() -> Mesh {
         (0.0, 0.012),
     ];
     let mut parts = vec![
-        moved(vessel(&bowl), at(-0.12, top, 0.1)),
-        moved(vessel(&vase), at(0.34, top, -0.08)),
+        transform_mesh(vessel(&bowl), translation(-0.12, top, 0.1)),
+        transform_mesh(vessel(&vase), translation(0.34, top, -0.08)),
     ];
     for [x, z] in [[-0.5, 0.28], [0.12, 0.42], [0.58, 0.2]] {
-        parts.push(moved(vessel(&cup), at(x, top, z)));
+        parts.push(transform_mesh(vessel(&cup), translation(x, top, z)));
         let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
         let handle = Vec3::new(x + 0.045, top + 0.042, z);
         let ring = crate::primitives::torus(0.021, 0.005, [24, 10]);
-        parts.push(moved(
+        parts.push(transform_mesh(
             ring,
             Affine3A::from_rotation_translation(upright, handle),
         ));
     }
-    merged("crockery", parts)
+    merge_parts("crockery", parts)
 }
 
 fn fruits() -> Mesh {
@@ -227,7 +236,7 @@ fn fruits() -> Mesh {
         [0.005, 0.135, 0.0],
     ];
     let balls = places.map(|place| icosphere(middle + Vec3::from(place), 0.042, 4));
-    merged("fruits", balls)
+    merge_parts("fruits", balls)
 }
 
 /// Returns sheets and a stack of books on the desk and the table.
@@ -238,25 +247,34 @@ fn papers() -> Mesh {
         let half = Vec3::new(0.15 - 0.01 * i as f32, 0.015, 0.11);
         let place = Vec3::new(1.05, DESK + 0.015 + 0.03 * i as f32, -1.95);
         let stacked = block(-half, half);
-        parts.push(moved(stacked, turned(place, random.about(0.25))));
+        parts.push(transform_mesh(
+            stacked,
+            turned_placement(place, random.signed_number(0.25)),
+        ));
     }
     for i in 0..6 {
         let half = Vec3::new(0.105, 0.0006, 0.148);
-        let x = 1.5 + random.about(0.16);
+        let x = 1.5 + random.signed_number(0.16);
         let place = Vec3::new(x, DESK + 0.001 + 0.0013 * i as f32, -1.83);
-        parts.push(moved(block(-half, half), turned(place, random.about(0.5))));
+        parts.push(transform_mesh(
+            block(-half, half),
+            turned_placement(place, random.signed_number(0.5)),
+        ));
     }
-    let open = turned([-0.42, DESK + 0.018, -0.12], 0.4);
+    let open = turned_placement([-0.42, DESK + 0.018, -0.12], 0.4);
     for side in [-1.0, 1.0] {
         let half = Vec3::new(0.075, 0.006, 0.11);
-        let page = moved(block(-half, half), Affine3A::from_rotation_z(0.09 * side));
-        parts.push(moved(page, open * at(0.076 * side, 0.006, 0.0)));
+        let page = transform_mesh(block(-half, half), Affine3A::from_rotation_z(0.09 * side));
+        parts.push(transform_mesh(
+            page,
+            open * translation(0.076 * side, 0.006, 0.0),
+        ));
     }
-    merged("papers", parts)
+    merge_parts("papers", parts)
 }
 
 /// Returns an emissive look.
-fn glowing(color: [f32; 3]) -> Look {
+fn glowing_look(color: [f32; 3]) -> Look {
     let look = matte(color);
     let material = Material {
         emissive: Vec3::from(color),
@@ -268,7 +286,7 @@ fn glowing(color: [f32; 3]) -> Look {
 /// Adds the bodies of the lamps. Emitters neither cast nor receive shadows.
 fn lamps(stage: Stage) -> Stage {
     let bulbs = [BULB, DESK_SPOT, FLOOR_LAMP].map(Affine3A::from_translation);
-    let pole = at(FLOOR_LAMP.x, 0.0, FLOOR_LAMP.z);
+    let pole = translation(FLOOR_LAMP.x, 0.0, FLOOR_LAMP.z);
     stage
         .put_many(cage(0.15, HIGH.y - BULB.y), [bulbs[0]])
         .look(matte(IRON))
@@ -279,6 +297,6 @@ fn lamps(stage: Stage) -> Stage {
         .put_many(shade(0.24, 0.15, 0.28), [bulbs[2]])
         .look(matte(PAPER))
         .put_many(icosphere(Vec3::ZERO, 0.035, 3), bulbs)
-        .look(glowing([1.0, 0.9, 0.7]))
+        .look(glowing_look([1.0, 0.9, 0.7]))
         .last_roles(false, false)
 }

@@ -14,23 +14,27 @@ const WIRE_SIDES: u32 = 5;
 const WIRE_PIECES: u32 = 16;
 
 /// Returns a translation.
-pub(super) fn at(x: f32, y: f32, z: f32) -> Affine3A {
+pub(super) fn translation(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }
 
 /// Returns a turn about the y axis, radians, followed by a translation.
-pub(super) fn turned(place: impl Into<Vec3>, angle: f32) -> Affine3A {
+pub(super) fn turned_placement(place: impl Into<Vec3>, angle: f32) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), place.into())
 }
 
 /// Returns a scale, a turn about the y axis, radians, and a translation, in this order.
-pub(super) fn scaled(place: impl Into<Vec3>, angle: f32, scale: impl Into<Vec3>) -> Affine3A {
+pub(super) fn scaled_placement(
+    place: impl Into<Vec3>,
+    angle: f32,
+    scale: impl Into<Vec3>,
+) -> Affine3A {
     let turn = Quat::from_rotation_y(angle);
     Affine3A::from_scale_rotation_translation(scale.into(), turn, place.into())
 }
 
 /// Returns a transformed mesh. `place` must not mirror.
-pub(super) fn moved(mut mesh: Mesh, place: Affine3A) -> Mesh {
+pub(super) fn transform_mesh(mut mesh: Mesh, place: Affine3A) -> Mesh {
     let normals_from_local = place.matrix3.inverse().transpose();
     for position in &mut mesh.positions {
         *position = place.transform_point3(*position);
@@ -42,7 +46,7 @@ pub(super) fn moved(mut mesh: Mesh, place: Affine3A) -> Mesh {
 }
 
 /// Returns the area-weighted sum of the triangle normals at each vertex.
-fn averaged(mesh: &Mesh) -> Vec<Vec3> {
+fn averaged_normals(mesh: &Mesh) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for triangle in &mesh.triangles {
         let normal = area_normal(mesh, *triangle);
@@ -60,7 +64,7 @@ fn area_normal(mesh: &Mesh, triangle: [u32; 3]) -> Vec3 {
 }
 
 /// Merges meshes into one, without textures.
-pub(super) fn merged(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh {
+pub(super) fn merge_parts(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut out = Mesh {
         name: name.to_owned(),
         ..Mesh::default()
@@ -68,7 +72,7 @@ pub(super) fn merged(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh 
     for part in parts {
         let first = out.positions.len() as u32;
         if part.normals.is_empty() {
-            out.normals.extend(averaged(&part));
+            out.normals.extend(averaged_normals(&part));
         } else {
             out.normals.extend(part.normals);
         }
@@ -81,7 +85,7 @@ pub(super) fn merged(name: &str, parts: impl IntoIterator<Item = Mesh>) -> Mesh 
 }
 
 /// Returns a mesh with smooth shading, except at its creases.
-pub(super) fn creased(mesh: &Mesh) -> Mesh {
+pub(super) fn crease_mesh(mesh: &Mesh) -> Mesh {
     let mut faces = Vec::with_capacity(mesh.triangles.len());
     let mut faces_at = vec![Vec::new(); mesh.positions.len()];
     for (face, triangle) in mesh.triangles.iter().enumerate() {
@@ -149,7 +153,7 @@ pub(super) fn box_at(middle: impl Into<Vec3>, half: impl Into<Vec3>) -> Mesh {
 /// Returns a straight round stick.
 pub(super) fn stick(from: impl Into<Vec3>, to: impl Into<Vec3>, radius: f32) -> Mesh {
     let ends = [(from.into(), radius), (to.into(), radius)];
-    creased(&tube(&ends, STICK_SIDES))
+    crease_mesh(&tube(&ends, STICK_SIDES))
 }
 
 /// Returns a wire that hangs between two points, `sag` below them in its middle.
@@ -172,7 +176,7 @@ pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mes
         let after = knots[(i + 1).min(knots.len() - 1)];
         for k in 1..=pieces {
             let t = k as f32 / pieces as f32;
-            path.push(between([before, ends[0], ends[1], after], t));
+            path.push(knot_between([before, ends[0], ends[1], after], t));
         }
     }
     tube(&path, sides)
@@ -180,7 +184,7 @@ pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mes
 
 /// Returns a point of the Catmull-Rom curve between the second and the third of four knots, and its
 /// radius.
-fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
+fn knot_between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
     let weights = [
         0.5 * t * (t * (2.0 - t) - 1.0),
         0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
@@ -199,7 +203,7 @@ fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
 
 /// Returns the outline of an opening with a half circle above `spring`, from its left foot to its
 /// right one.
-pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32, f32)> {
+pub(super) fn arch_outline(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32, f32)> {
     const PIECES: u32 = 24;
     let mut out = vec![(middle - half, foot)];
     for i in 0..=PIECES {
@@ -213,7 +217,7 @@ pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32
 
 /// Returns the outline of a wall over `-half..half` and `foot..top`. The openings, from left to
 /// right, cut it from below.
-pub(super) fn pierced(
+pub(super) fn pierced_wall(
     half: f32,
     foot: f32,
     top: f32,

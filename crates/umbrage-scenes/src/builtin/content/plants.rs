@@ -1,6 +1,6 @@
 //! Trees, firs, tufts of grass, potted plants. Every leaf is geometry.
 
-use super::{parts::merged, random::Random};
+use super::{parts::merge_parts, random::Random};
 use crate::primitives::{on_circle, tube};
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
@@ -46,20 +46,20 @@ pub(super) fn tree(growth: &Growth) -> Tree {
         let t = growth.bare
             + (0.98 - growth.bare) * (i as f32 + random.unit()) / growth.branches as f32;
         let (x, z) = on_circle(GOLDEN * f64::from(i));
-        let from = along(&trunk, t);
+        let from = point_along(&trunk, t);
         // Make branches long in the middle of the crown and short at its top. Low ones spread, high
         // ones rise.
         let up = (t - growth.bare) / (1.0 - growth.bare);
         let length =
-            growth.reach * (0.45 + 0.9 * up * (1.0 - up) * 2.0) * random.between(0.75, 1.1);
+            growth.reach * (0.45 + 0.9 * up * (1.0 - up) * 2.0) * random.number_between(0.75, 1.1);
         let direction = Vec3::new(x, 0.25 + 0.9 * up, z).normalize();
         let branch = limb(from.0, direction, length, 0.45 * from.1, &mut random);
         wood.push(tube(&branch, 7));
         for k in 0..5 {
             let s = 0.35 + 0.16 * k as f32;
-            let start = along(&branch, s);
+            let start = point_along(&branch, s);
             let aside = direction + 0.9 * random.vector();
-            let twig_length = 0.35 * length * random.between(0.7, 1.2);
+            let twig_length = 0.35 * length * random.number_between(0.7, 1.2);
             let twig = limb(
                 start.0,
                 aside.normalize_or(Vec3::Y),
@@ -71,13 +71,13 @@ pub(super) fn tree(growth: &Growth) -> Tree {
                 wood.push(tube(&twig, 4));
             }
             for _ in 0..growth.leaves {
-                let at = along(&twig, random.between(0.15, 1.0)).0;
+                let at = point_along(&twig, random.number_between(0.15, 1.0)).0;
                 leaves.hang(at + 0.16 * random.vector(), growth.leaf, &mut random);
             }
         }
     }
     Tree {
-        wood: merged("wood", wood),
+        wood: merge_parts("wood", wood),
         leaves: leaves.mesh,
     }
 }
@@ -122,7 +122,7 @@ fn limb(
 }
 
 /// Returns the point at a fraction of a path, 0 to 1, and its radius.
-fn along(path: &[(Vec3, f32)], t: f32) -> (Vec3, f32) {
+fn point_along(path: &[(Vec3, f32)], t: f32) -> (Vec3, f32) {
     let place = t * (path.len() - 1) as f32;
     let before = (place as usize).min(path.len() - 2);
     let rest = place - before as f32;
@@ -161,7 +161,7 @@ impl Leaves {
     fn hang(&mut self, from: Vec3, length: f32, random: &mut Random) {
         let normal = (random.vector() + 0.7 * Vec3::Y).normalize_or(Vec3::Y);
         let heading = random.vector().reject_from(normal).normalize_or(Vec3::X);
-        let size = length * random.between(0.7, 1.2);
+        let size = length * random.number_between(0.7, 1.2);
         let across = normal.cross(heading) * (0.32 * size);
         self.add(from, heading * size, across);
     }
@@ -172,14 +172,14 @@ pub(super) fn litter(seed: i32, count: u32, rise: f32) -> Mesh {
     let mut random = Random::new(seed);
     let mut leaves = Leaves::new();
     for _ in 0..count {
-        let x = random.about(2.0);
-        let z = random.about(2.0);
+        let x = random.signed_number(2.0);
+        let z = random.signed_number(2.0);
         let y = rise * random.unit();
         let turn = f64::from(random.unit());
         let (cos, sin) = on_circle(turn);
-        let size = random.between(0.07, 0.13);
-        let along = Vec3::new(cos, random.about(0.5), sin) * size;
-        let across = Vec3::new(-sin, random.about(0.4), cos) * (0.35 * size);
+        let size = random.number_between(0.07, 0.13);
+        let along = Vec3::new(cos, random.signed_number(0.5), sin) * size;
+        let across = Vec3::new(-sin, random.signed_number(0.4), cos) * (0.35 * size);
         leaves.add(Vec3::new(x, y, z), along, across);
     }
     leaves.mesh
@@ -196,11 +196,11 @@ pub(super) fn tuft(seed: i32, blades: u32, height: f32) -> Mesh {
         let (cos, sin) = on_circle(f64::from(random.unit()));
         let outwards = Vec3::new(cos, 0.0, sin);
         let foot = outwards * (0.3 * height * random.unit());
-        let length = height * random.between(0.5, 1.0);
-        let lean = outwards * (length * random.between(0.1, 0.6));
-        let aside = Vec3::new(-sin, 0.0, cos) * random.between(0.004, 0.009);
+        let length = height * random.number_between(0.5, 1.0);
+        let lean = outwards * (length * random.number_between(0.1, 0.6));
+        let aside = Vec3::new(-sin, 0.0, cos) * random.number_between(0.004, 0.009);
         let knee = foot + 0.35 * lean + 0.6 * length * Vec3::Y;
-        let tip = foot + lean + (length * random.between(0.8, 1.0)) * Vec3::Y;
+        let tip = foot + lean + (length * random.number_between(0.8, 1.0)) * Vec3::Y;
         let first = out.positions.len() as u32;
         let sunk = foot - 0.05 * Vec3::Y;
         out.positions.extend([
@@ -227,8 +227,8 @@ pub(super) fn fern(seed: i32, fronds: u32, length: f32) -> Mesh {
         let (cos, sin) = on_circle(GOLDEN * f64::from(i) + 0.02 * f64::from(random.unit()));
         let outwards = Vec3::new(cos, 0.0, sin);
         let aside = Vec3::new(-sin, 0.0, cos);
-        let reach = length * random.between(0.7, 1.0);
-        let rise = random.between(0.5, 1.1);
+        let reach = length * random.number_between(0.7, 1.0);
+        let rise = random.number_between(0.5, 1.1);
         let at = |t: f32| outwards * (reach * t) + Vec3::Y * (reach * rise * t * (1.6 - 1.3 * t));
         for k in 1..=LEAFLETS {
             let t = k as f32 / LEAFLETS as f32;
@@ -259,12 +259,12 @@ pub(super) fn fir(seed: i32) -> Mesh {
         for bough in 0..BOUGHS {
             let turn = (f64::from(bough) + f64::from(random.unit())) / f64::from(BOUGHS);
             let (cos, sin) = on_circle(turn + 0.03 * f64::from(tier));
-            let length = (0.21 * (1.0 - t) + 0.025) * random.between(0.8, 1.15);
+            let length = (0.21 * (1.0 - t) + 0.025) * random.number_between(0.8, 1.15);
             let along = Vec3::new(cos, -0.2, sin) * length;
             let across = Vec3::new(-sin, 0.12, cos) * (0.27 * length);
             boughs.add(height * Vec3::Y, along, across);
         }
     }
     let trunk = tube(&[(-0.02 * Vec3::Y, 0.02), (Vec3::Y, 0.003)], 7);
-    merged("fir", [trunk, boughs.mesh])
+    merge_parts("fir", [trunk, boughs.mesh])
 }

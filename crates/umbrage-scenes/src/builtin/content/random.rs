@@ -6,7 +6,7 @@ use umbrage_core::glam::{IVec3, Vec3};
 /// Calls `put` for a random position in each cell of a grid over the square of this half side
 /// around the origin. `put` receives x and z, and the source of all further numbers of the cell.
 /// Cells for which it returns `None` stay empty.
-pub(in crate::builtin) fn scattered<T>(
+pub(in crate::builtin) fn scatter_points<T>(
     seed: i32,
     half: f32,
     pitch: f32,
@@ -17,8 +17,8 @@ pub(in crate::builtin) fn scattered<T>(
     let mut out = Vec::new();
     for k in 0..cells {
         for i in 0..cells {
-            let x = pitch * (i as f32 + random.between(0.1, 0.9)) - half;
-            let z = pitch * (k as f32 + random.between(0.1, 0.9)) - half;
+            let x = pitch * (i as f32 + random.number_between(0.1, 0.9)) - half;
+            let z = pitch * (k as f32 + random.number_between(0.1, 0.9)) - half;
             out.extend(put([x, z], &mut random));
         }
     }
@@ -45,20 +45,20 @@ impl Random {
     }
 
     /// Returns the next number between two bounds.
-    pub(in crate::builtin) fn between(&mut self, least: f32, most: f32) -> f32 {
+    pub(in crate::builtin) fn number_between(&mut self, least: f32, most: f32) -> f32 {
         least + (most - least) * self.unit()
     }
 
     /// Returns the next number between `-most` and `most`.
-    pub(in crate::builtin) fn about(&mut self, most: f32) -> f32 {
-        self.between(-most, most)
+    pub(in crate::builtin) fn signed_number(&mut self, most: f32) -> f32 {
+        self.number_between(-most, most)
     }
 
     /// Returns a vector with coordinates from -1 to 1.
     pub(in crate::builtin) fn vector(&mut self) -> Vec3 {
-        let x = self.about(1.0);
-        let y = self.about(1.0);
-        let z = self.about(1.0);
+        let x = self.signed_number(1.0);
+        let y = self.signed_number(1.0);
+        let z = self.signed_number(1.0);
         Vec3::new(x, y, z)
     }
 

@@ -7,7 +7,10 @@ use super::{
         PANEL, SHOP, STOREY, THICKNESS, WINDOW, awning, balcony, car, chimney, cornice, pane,
         panel, shutters, trim,
     },
-    parts::{at, box_at, creased, merged, moved, scaled, sheet, turned, wire},
+    parts::{
+        box_at, crease_mesh, merge_parts, scaled_placement, sheet, transform_mesh, translation,
+        turned_placement, wire,
+    },
     plants::{Growth, tree},
     random::Random,
     things::{baluster, street_lamp},
@@ -94,7 +97,7 @@ impl House {
         let z = self.begin - PANEL * (panel as f32 + 0.5);
         let y = RISE + STOREY * storey as f32;
         let angle = -self.side * std::f32::consts::FRAC_PI_2;
-        turned([self.side * FACADE, y, z], angle)
+        turned_placement([self.side * FACADE, y, z], angle)
     }
 
     fn places(&self, storeys: std::ops::Range<u32>) -> impl Iterator<Item = Affine3A> + '_ {
@@ -106,7 +109,7 @@ impl House {
         const DEPTH: f32 = 9.0;
         let x = self.side * (FACADE + THICKNESS + 0.5 * DEPTH);
         let middle = Vec3::new(x, 0.0, self.begin - 0.5 * self.width());
-        scaled(middle, 0.0, [DEPTH, self.height() + 0.3, self.width()])
+        scaled_placement(middle, 0.0, [DEPTH, self.height() + 0.3, self.width()])
     }
 }
 
@@ -118,16 +121,16 @@ fn houses() -> Vec<House> {
         let mut begin = NEAR;
         while begin > FAR {
             let storeys = if side < 0.0 {
-                random.between(4.0, 6.9)
+                random.number_between(4.0, 6.9)
             } else {
-                random.between(2.0, 3.35)
+                random.number_between(2.0, 3.35)
             };
             let house = House {
                 side,
                 begin,
-                panels: random.between(3.0, 6.0) as u32,
+                panels: random.number_between(3.0, 6.0) as u32,
                 storeys: storeys as u32,
-                plaster: random.between(0.0, 4.99) as usize,
+                plaster: random.number_between(0.0, 4.99) as usize,
             };
             begin -= house.width();
             if begin < -9.0 && random.chance(0.4) {
@@ -157,7 +160,7 @@ fn ground(stage: Stage) -> Stage {
     stage
         .put(road)
         .look(matte(ASPHALT))
-        .put(merged("paving", [paving(-1.0), paving(1.0)]))
+        .put(merge_parts("paving", [paving(-1.0), paving(1.0)]))
         .look(matte([0.52, 0.49, 0.45]))
         .put(markings())
         .look(matte([0.66, 0.65, 0.62]))
@@ -178,7 +181,7 @@ fn markings() -> Mesh {
         let paint = Vec3::new(0.06, 0.004, 0.9);
         parts.push(box_at([0.0, road_height(0.0) + 0.002, z], paint));
     }
-    merged("markings", parts)
+    merge_parts("markings", parts)
 }
 
 /// Returns the height of the road, metres: its centre is higher than its gutters.
@@ -199,9 +202,9 @@ fn tower() -> Mesh {
         }
     }
     let spire = [(0.0, 0.0), (5.6, 0.0), (1.2, 11.0), (0.0, 17.0)];
-    let roof = creased(&lathe(&spire, 8));
-    parts.push(moved(roof, at(middle.x, 29.6, middle.z)));
-    merged("tower", parts)
+    let roof = crease_mesh(&lathe(&spire, 8));
+    parts.push(transform_mesh(roof, translation(middle.x, 29.6, middle.z)));
+    merge_parts("tower", parts)
 }
 
 fn facades(mut stage: Stage, houses: &[House]) -> Stage {
@@ -245,14 +248,14 @@ fn details(mut stage: Stage, houses: &[House]) -> Stage {
         cornices.extend(house.places(house.storeys..house.storeys + 1));
         let roof = house.height() + 0.2;
         for _ in 0..2 {
-            let x = house.side * (FACADE + random.between(1.5, 4.0));
-            let z = house.begin - house.width() * random.between(0.1, 0.9);
-            chimneys.push(at(x, roof, z));
+            let x = house.side * (FACADE + random.number_between(1.5, 4.0));
+            let z = house.begin - house.width() * random.number_between(0.1, 0.9);
+            chimneys.push(translation(x, roof, z));
         }
         let has_shutters = random.chance(0.6);
         for place in house.places(1..house.storeys) {
             if random.chance(0.42) {
-                balconies.push(place * at(0.0, 0.4, 0.0));
+                balconies.push(place * translation(0.0, 0.4, 0.0));
             } else if has_shutters {
                 shuttered.push(place);
             }
@@ -284,9 +287,9 @@ fn above_the_street(mut stage: Stage) -> Stage {
     let mut washing: [Vec<Mesh>; CLOTHS.len()] = Default::default();
     for i in 0..26 {
         let z = 3.0 - 4.6 * i as f32;
-        let y = random.between(5.6, 6.3);
+        let y = random.number_between(5.6, 6.3);
         let from = Vec3::new(-FACADE, y + random.unit(), z);
-        let to = Vec3::new(FACADE, y, z - random.about(1.5));
+        let to = Vec3::new(FACADE, y, z - random.signed_number(1.5));
         wires.push(wire(from, to, 0.3, 0.012));
         wires.push(wire(from + 0.35 * Vec3::Y, to + 0.3 * Vec3::Y, 0.5, 0.008));
         if i % 3 == 0 {
@@ -295,15 +298,18 @@ fn above_the_street(mut stage: Stage) -> Stage {
         for piece in 0..7 {
             let t = 0.1 + 0.12 * piece as f32;
             let hung = from.lerp(to, t) - 1.2 * t * (1.0 - t) * Vec3::Y;
-            let color = random.between(0.0, CLOTHS.len() as f32 - 0.01) as usize;
-            let size = [random.between(0.5, 1.0), random.between(0.5, 1.2)];
-            washing[color].push(cloth(hung, size, random.about(0.2)));
+            let color = random.number_between(0.0, CLOTHS.len() as f32 - 0.01) as usize;
+            let size = [
+                random.number_between(0.5, 1.0),
+                random.number_between(0.5, 1.2),
+            ];
+            washing[color].push(cloth(hung, size, random.signed_number(0.2)));
         }
     }
     for (pieces, color) in washing.into_iter().zip(CLOTHS) {
-        stage = stage.put(merged("washing", pieces)).look(matte(color));
+        stage = stage.put(merge_parts("washing", pieces)).look(matte(color));
     }
-    stage.put(merged("wires", wires)).look(matte(IRON))
+    stage.put(merge_parts("wires", wires)).look(matte(IRON))
 }
 
 /// Returns a cloth of this width and length that hangs from a point of a line along x, blown aside
@@ -321,19 +327,19 @@ fn on_the_street(mut stage: Stage) -> Stage {
     let mut bollards = Vec::new();
     for i in 0..60 {
         let z = 6.0 - 1.8 * i as f32;
-        bollards.push(at(KERB + 0.3, RISE, z));
+        bollards.push(translation(KERB + 0.3, RISE, z));
     }
     let lamps = (0..14).map(|i| {
         let side = if i % 2 == 0 { -1.0 } else { 1.0 };
-        at(side * (KERB + 0.45), RISE, 1.0 - 8.5 * i as f32)
+        translation(side * (KERB + 0.45), RISE, 1.0 - 8.5 * i as f32)
     });
     let mut parked: [Vec<Affine3A>; 3] = Default::default();
     for i in 0..12 {
-        let z = -1.5 - 6.4 * i as f32 + random.about(0.6);
+        let z = -1.5 - 6.4 * i as f32 + random.signed_number(0.6);
         let color = i % parked.len();
         if !random.chance(0.2) {
             let place = Vec3::new(-KERB + 1.05, 0.03, z);
-            parked[color].push(turned(place, random.about(0.03)));
+            parked[color].push(turned_placement(place, random.signed_number(0.03)));
         }
     }
     let [paint, glass, wheels] = car();
@@ -353,7 +359,7 @@ fn on_the_street(mut stage: Stage) -> Stage {
         leaf: 0.2,
         has_twigs: true,
     });
-    let pits = (0..6).map(|i| at(KERB + 0.9, RISE, -6.0 - 15.0 * i as f32));
+    let pits = (0..6).map(|i| translation(KERB + 0.9, RISE, -6.0 - 15.0 * i as f32));
     let pits: Vec<Affine3A> = pits.collect();
     stage
         .put_many(glass, everywhere.clone())

@@ -19,7 +19,7 @@ const SCENES: [(&str, usize); 7] = [
 /// Rays across and down an image, for estimating its fraction in shadow.
 const RAYS: UVec2 = UVec2::new(64, 36);
 
-fn built(name: &str) -> Scene {
+fn build_scene(name: &str) -> Scene {
     (find(name).expect("built in").build)()
 }
 
@@ -41,21 +41,21 @@ fn each_has_an_ideal_and_a_wide_light() {
     let listed = all().iter().filter(|entry| entry.kind == Kind::Content);
     assert_eq!(listed.count(), 2 * SCENES.len());
     for (name, _) in SCENES {
-        let ideal = built(name);
-        let soft = built(&soft_name(name));
+        let ideal = build_scene(name);
+        let soft = build_scene(&soft_name(name));
         assert!(ideal.lights.iter().all(Light::is_ideal), "{name}");
         assert!(!soft.lights.iter().any(Light::is_ideal), "{name}");
         assert_eq!(ideal.lights.len(), soft.lights.len(), "{name}");
         assert_eq!(ideal.cameras[0].size, UVec2::new(1280, 720), "{name}");
         assert_eq!(without_light(ideal), without_light(soft), "{name}");
     }
-    assert_eq!(built("night-room").lights.len(), 3);
+    assert_eq!(build_scene("night-room").lights.len(), 3);
 }
 
 #[test]
 fn each_is_as_large_and_as_shady_as_content_is() {
     for (name, least) in SCENES {
-        let scene = built(name);
+        let scene = build_scene(name);
         let geometry = Geometry::bake(&scene).unwrap();
         let triangles = geometry.triangles().len();
         assert!(triangles >= least, "{name}: {triangles} triangles");
@@ -73,7 +73,7 @@ fn each_is_as_large_and_as_shady_as_content_is() {
 /// The figure alone, without floor and curtain, has as many triangles as the scene needs.
 #[test]
 fn the_dancer_is_large_without_her_stage() {
-    let scene = built("dancer");
+    let scene = build_scene("dancer");
     let names = [
         "skin", "hair", "bodice", "skirt", "shoes", "ribbons", "staff",
     ];
@@ -88,7 +88,7 @@ fn the_dancer_is_large_without_her_stage() {
 /// Returns the shadowed fraction of the visible points that face the light.
 fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
     let bvh = geometry.bvh();
-    let rays = scene.cameras[0].resized(RAYS).rays();
+    let rays = scene.cameras[0].with_size(RAYS).rays();
     let light = scene.lights[0];
     let mut facing = 0.0;
     let mut dark = 0.0;
@@ -99,7 +99,7 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
             let o = rays.origin + rays.origin_dx * right + rays.origin_dy * down;
             let d = rays.dir + rays.dir_dx * right + rays.dir_dy * down;
             let view = d.truncate().normalize();
-            let Some(seen) = seen(geometry, o.truncate(), view) else {
+            let Some(seen) = seen_surface(geometry, o.truncate(), view) else {
                 continue;
             };
             let to_light = match light.position() {
@@ -109,7 +109,7 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
             if seen.normal.dot(to_light) > 0.0 && is_reached(&light, to_light) {
                 facing += 1.0;
                 let above = seen.point + seen.lift * seen.normal;
-                if bvh.occluded(above, to_light, u32::MAX) {
+                if bvh.is_occluded(above, to_light, u32::MAX) {
                     dark += 1.0;
                 }
             }
@@ -130,7 +130,7 @@ fn is_reached(light: &Light, to_light: Vec3) -> bool {
 }
 
 /// The first hit of a ray.
-struct Seen {
+struct SeenSurface {
     point: Vec3,
     /// Unit normal towards the eye.
     normal: Vec3,
@@ -139,7 +139,7 @@ struct Seen {
 }
 
 /// Returns the first hit of a ray. Two neighbouring rays determine the normal.
-fn seen(geometry: &Geometry, o: Vec3, view: Vec3) -> Option<Seen> {
+fn seen_surface(geometry: &Geometry, o: Vec3, view: Vec3) -> Option<SeenSurface> {
     const ASIDE: f32 = 1.0e-4;
     let far = 1.0e4 * view;
     let distance = |ray: Vec3| geometry.bvh().nearest(geometry, o, ray, u32::MAX);
@@ -149,10 +149,10 @@ fn seen(geometry: &Geometry, o: Vec3, view: Vec3) -> Option<Seen> {
     let across_v = far + 1.0e4 * ASIDE * v;
     let t = distance(far)?;
     let point = o + far * t;
-    let beside_u = o + across_u * distance(across_u)?;
-    let beside_v = o + across_v * distance(across_v)?;
-    let across = (beside_u - point)
-        .cross(beside_v - point)
+    let offset_u = o + across_u * distance(across_u)?;
+    let offset_v = o + across_v * distance(across_v)?;
+    let across = (offset_u - point)
+        .cross(offset_v - point)
         .normalize_or_zero();
     let normal = if across.dot(view) > 0.0 {
         -across
@@ -160,7 +160,7 @@ fn seen(geometry: &Geometry, o: Vec3, view: Vec3) -> Option<Seen> {
         across
     };
     let lift = 1.0e-3 * (1.0 + 0.01 * point.distance(o));
-    Some(Seen {
+    Some(SeenSurface {
         point,
         normal,
         lift,

@@ -1,7 +1,7 @@
 //! Objects that several scenes share or that have one method of construction.
 
 use super::{
-    parts::{at, box_at, creased, merged, moved, stick},
+    parts::{box_at, crease_mesh, merge_parts, stick, transform_mesh, translation},
     random::Random,
 };
 use crate::{
@@ -111,7 +111,7 @@ pub(super) fn bench(width: f32) -> Mesh {
         let x = half * (2.0 * (i as f32 + 0.5) / slats as f32 - 1.0);
         parts.push(box_at([x, 0.74, 0.235], [0.025, 0.19, 0.012]));
     }
-    merged("bench", parts)
+    merge_parts("bench", parts)
 }
 
 /// Returns a chain that extends upwards from the origin.
@@ -119,18 +119,18 @@ pub(super) fn chain(length: f32) -> Mesh {
     let links = (length / LINK) as u32;
     let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
     let stretch = Affine3A::from_scale(Vec3::new(0.7, 1.35, 0.7));
-    let link = moved(
+    let link = transform_mesh(
         torus(0.06, 0.012, [10, 4]),
         stretch * Affine3A::from_quat(upright),
     );
     let quarter = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2);
     let mut parts = Vec::new();
     for i in 0..=links {
-        let up = at(0.0, LINK * i as f32, 0.0);
+        let up = translation(0.0, LINK * i as f32, 0.0);
         let place = if i % 2 == 0 { up } else { up * quarter };
-        parts.push(moved(link.clone(), place));
+        parts.push(transform_mesh(link.clone(), place));
     }
-    merged("chain", parts)
+    merge_parts("chain", parts)
 }
 
 /// Returns a ring with a bowl below it and candles on it. Three rods from 0.5 m above hold it.
@@ -151,7 +151,7 @@ pub(super) fn oil_lamp() -> Mesh {
     for i in 0..CANDLES {
         let (x, z) = on_circle(f64::from(i) / f64::from(CANDLES));
         let rim = Vec3::new(RADIUS * x, 0.0, RADIUS * z);
-        parts.push(moved(
+        parts.push(transform_mesh(
             pillar(0.02, 0.22, 10),
             Affine3A::from_translation(rim),
         ));
@@ -160,7 +160,7 @@ pub(super) fn oil_lamp() -> Mesh {
             parts.push(stick(rim, [0.2 * x, -0.13, 0.2 * z], 0.01));
         }
     }
-    merged("lamp", parts)
+    merge_parts("lamp", parts)
 }
 
 /// Returns a rock about 1 m across, partly in the ground.
@@ -202,9 +202,9 @@ pub(super) fn street_lamp() -> Mesh {
     for side in [-1.0, 1.0] {
         let end = Vec3::new(0.7 * side, 4.15, 0.0);
         parts.push(stick(4.0 * Vec3::Y, end, 0.025));
-        parts.push(moved(lantern(), Affine3A::from_translation(end)));
+        parts.push(transform_mesh(lantern(), Affine3A::from_translation(end)));
     }
-    merged("street lamp", parts)
+    merge_parts("street lamp", parts)
 }
 
 /// Returns a lantern that hangs below the origin.
@@ -224,5 +224,5 @@ fn lantern() -> Mesh {
         (0.0, -0.12),
     ];
     let solids = [lathe(&roof, 6), lathe(&glass, 6)];
-    merged("lantern", solids.map(|solid| creased(&solid)))
+    merge_parts("lantern", solids.map(|solid| crease_mesh(&solid)))
 }

@@ -3,7 +3,10 @@
 
 use super::{
     SIZE,
-    parts::{at, box_at, creased, merged, moved, scaled, stick, turned, wire},
+    parts::{
+        box_at, crease_mesh, merge_parts, scaled_placement, stick, transform_mesh, translation,
+        turned_placement, wire,
+    },
     plants::{fir, tuft},
     random::Random,
     things::rock,
@@ -49,7 +52,7 @@ pub(crate) fn valley_soft() -> Scene {
 fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let eye = on_ground(0.0, 0.0) + 3.2 * Vec3::Y;
     let stage = land(Stage::new(name));
-    let stage = grown(stones(huts(fence(poles(stage)))));
+    let stage = grow_plants(stones(huts(fence(poles(stage)))));
     stage
         .light(Light::Directional {
             direction: Vec3::new(0.80, -0.31, 0.22),
@@ -123,11 +126,11 @@ fn poles(stage: Stage) -> Stage {
             wires.push(wire(ends[0] + top, ends[1] + top, 0.9, 0.014));
         }
     }
-    let places = feet.iter().map(|foot| turned(*foot, 0.0));
+    let places = feet.iter().map(|foot| turned_placement(*foot, 0.0));
     stage
         .put_many(pole(), places)
         .look(matte(WOOD))
-        .put(merged("wires", wires))
+        .put(merge_parts("wires", wires))
         .look(matte(WIRE))
 }
 
@@ -156,9 +159,12 @@ fn pole() -> Mesh {
         stick([0.7, 7.9, 0.0], 7.1 * Vec3::Y, 0.03),
     ];
     for [x, y] in INSULATORS {
-        parts.push(moved(lathe(&cup, 12), at(x, y - 0.16, 0.0)));
+        parts.push(transform_mesh(
+            lathe(&cup, 12),
+            translation(x, y - 0.16, 0.0),
+        ));
     }
-    merged("pole", parts)
+    merge_parts("pole", parts)
 }
 
 /// Returns the x of the fence, which leads from the camera to the huts.
@@ -176,8 +182,8 @@ fn fence(stage: Stage) -> Stage {
         on_ground(fence_x(z), z)
     };
     for i in 0..COUNT {
-        let scale = Vec3::new(1.0, random.between(0.9, 1.1), 1.0);
-        posts.push(scaled(foot(i), random.about(0.3), scale));
+        let scale = Vec3::new(1.0, random.number_between(0.9, 1.1), 1.0);
+        posts.push(scaled_placement(foot(i), random.signed_number(0.3), scale));
         for y in [0.35, 0.7, 1.05] {
             let up = y * Vec3::Y;
             lines.push(wire(foot(i) + up, foot(i + 1) + up, 0.03, 0.006));
@@ -187,7 +193,7 @@ fn fence(stage: Stage) -> Stage {
     stage
         .put_many(post, posts)
         .look(matte(WOOD))
-        .put(merged("fence", lines))
+        .put(merge_parts("fence", lines))
         .look(matte(WIRE))
 }
 
@@ -205,7 +211,7 @@ const HUTS: [[f32; 3]; 9] = [
 ];
 
 fn huts(stage: Stage) -> Stage {
-    let places = HUTS.map(|hut| turned(on_ground(hut[0], hut[1]), hut[2]));
+    let places = HUTS.map(|hut| turned_placement(on_ground(hut[0], hut[1]), hut[2]));
     stage
         .put_many(hut_walls(), places)
         .look(matte(PLANKS))
@@ -218,7 +224,7 @@ fn huts(stage: Stage) -> Stage {
 /// Returns walls of upright planks under a gable, with a porch.
 fn hut_walls() -> Mesh {
     let gable = [(-2.6, 0.0), (2.6, 0.0), (2.6, 2.4), (0.0, 4.4), (-2.6, 2.4)];
-    let mut parts = vec![creased(&prism(&gable, 3.2, -3.2))];
+    let mut parts = vec![crease_mesh(&prism(&gable, 3.2, -3.2))];
     for i in 0..32 {
         let z = -3.1 + 0.2 * i as f32;
         for side in [-1.0, 1.0] {
@@ -236,7 +242,7 @@ fn hut_walls() -> Mesh {
             parts.push(stick(foot, foot + 0.8 * Vec3::Y, 0.02));
         }
     }
-    merged("hut walls", parts)
+    merge_parts("hut walls", parts)
 }
 
 /// Returns two slopes with eaves, battens on them, and the porch's roof.
@@ -245,21 +251,21 @@ fn hut_roof() -> Mesh {
     let slope = (4.4_f32 - 2.4).atan2(2.6);
     for side in [-1.0, 1.0] {
         let tilt = Affine3A::from_rotation_z(-side * slope);
-        let place = at(side * 1.5, 3.35, 0.0) * tilt;
+        let place = translation(side * 1.5, 3.35, 0.0) * tilt;
         let slab = box_at(Vec3::ZERO, [2.0, 0.06, 3.7]);
-        parts.push(moved(slab, place));
+        parts.push(transform_mesh(slab, place));
         for i in 0..10 {
             let x = 1.9 * (2.0 * i as f32 / 9.0 - 1.0);
             let batten = box_at([x, 0.08, 0.0], [0.04, 0.03, 3.72]);
-            parts.push(moved(batten, place));
+            parts.push(transform_mesh(batten, place));
         }
     }
     let porch = box_at(Vec3::ZERO, [2.8, 0.05, 0.9]);
-    parts.push(moved(
+    parts.push(transform_mesh(
         porch,
-        at(0.0, 2.45, 4.0) * Affine3A::from_rotation_x(0.18),
+        translation(0.0, 2.45, 4.0) * Affine3A::from_rotation_x(0.18),
     ));
-    merged("hut roof", parts)
+    merge_parts("hut roof", parts)
 }
 
 /// Returns the base, which reaches into the ground, and the chimney.
@@ -267,7 +273,7 @@ fn hut_stone() -> Mesh {
     let base = block([-2.8, -2.5, -3.4], [2.8, 0.1, 4.8]);
     let chimney = block([0.9, 3.0, -1.6], [1.5, 5.2, -1.0]);
     let crown = block([0.85, 5.2, -1.65], [1.55, 5.32, -0.95]);
-    merged("hut stone", [base, chimney, crown])
+    merge_parts("hut stone", [base, chimney, crown])
 }
 
 /// Reports whether a position is free: away from the camera, the fence and the huts.
@@ -279,13 +285,13 @@ fn is_free(x: f32, z: f32) -> bool {
 
 /// Returns up to `count` free positions. Most are near the camera, and none is farther than `reach`
 /// along z.
-fn strewn(seed: i32, count: u32, reach: f32) -> Vec<[f32; 2]> {
+fn strewn_places(seed: i32, count: u32, reach: f32) -> Vec<[f32; 2]> {
     let mut random = Random::new(seed);
     let mut out = Vec::new();
     for _ in 0..count {
         let near = random.unit();
         let z = 6.0 - reach * near * near;
-        let x = random.about(12.0 - 0.75 * z);
+        let x = random.signed_number(12.0 - 0.75 * z);
         if is_free(x, z) && x.abs() < HALF && z > FAR {
             out.push([x, z]);
         }
@@ -297,11 +303,11 @@ fn stones(mut stage: Stage) -> Stage {
     let mut random = Random::new(61);
     for kind in 0..4 {
         let mut places = Vec::new();
-        for [x, z] in strewn(70 + kind, 130, 320.0) {
+        for [x, z] in strewn_places(70 + kind, 130, 320.0) {
             let size = 0.15 + 2.2 * random.unit().powi(4);
             let grows = 1.0 - 0.01 * z;
-            let angle = random.about(3.1);
-            places.push(scaled(
+            let angle = random.signed_number(3.1);
+            places.push(scaled_placement(
                 on_ground(x, z),
                 angle,
                 Vec3::splat(size * grows.min(3.0)),
@@ -312,25 +318,25 @@ fn stones(mut stage: Stage) -> Stage {
     stage
 }
 
-fn grown(mut stage: Stage) -> Stage {
+fn grow_plants(mut stage: Stage) -> Stage {
     let mut random = Random::new(62);
     for kind in 0..3 {
         let mut firs = Vec::new();
-        for [x, z] in strewn(80 + kind, 420, 1900.0) {
+        for [x, z] in strewn_places(80 + kind, 420, 1900.0) {
             // Group them, away from the camera.
             let grove = fractal(Vec3::new(x, 4.0, z) / 90.0, 2);
             if z < -30.0 && grove > 0.02 {
-                let tall = random.between(5.0, 15.0);
-                let angle = random.about(3.1);
-                firs.push(scaled(on_ground(x, z), angle, Vec3::splat(tall)));
+                let tall = random.number_between(5.0, 15.0);
+                let angle = random.signed_number(3.1);
+                firs.push(scaled_placement(on_ground(x, z), angle, Vec3::splat(tall)));
             }
         }
         stage = stage.put_many(fir(kind), firs).look(matte(FIR));
         let mut tufts = Vec::new();
-        for [x, z] in strewn(90 + kind, 1300, 40.0) {
-            let angle = random.about(3.1);
-            let scale = random.between(0.6, 1.4);
-            tufts.push(scaled(on_ground(x, z), angle, Vec3::splat(scale)));
+        for [x, z] in strewn_places(90 + kind, 1300, 40.0) {
+            let angle = random.signed_number(3.1);
+            let scale = random.number_between(0.6, 1.4);
+            tufts.push(scaled_placement(on_ground(x, z), angle, Vec3::splat(scale)));
         }
         stage = stage
             .put_many(tuft(10 + kind, 26, 0.42), tufts)

@@ -4,7 +4,7 @@ use super::SMALL;
 use crate::{
     builtin::crowns::{Crown, crown},
     looks::{matte, netting, sprig},
-    primitives::{grid, pillar, quad, tiled},
+    primitives::{grid, pillar, quad, tile_mesh},
     stage::{Stage, sun},
 };
 use umbrage_core::Scene;
@@ -30,7 +30,7 @@ pub(crate) fn wire_fence() -> Scene {
     let posts = [-HALF, HALF].map(|x| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)));
     Stage::new("wire-fence")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
-        .put(tiled(quad(corners), meshes))
+        .put(tile_mesh(quad(corners), meshes))
         .look(netting(STEEL, 0.012 / MESH))
         .put_many(pillar(0.03, 1.3, 12), posts)
         .light(sun(0.35, -1.0, 0.9))

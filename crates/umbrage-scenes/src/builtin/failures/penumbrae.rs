@@ -39,7 +39,7 @@ const LAMP_HALF: f32 = 0.4;
 
 /// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor.
 /// Each box has its own penumbra width: (receiver - blocker) / blocker times that of the light.
-fn rising(name: &str, light: Light) -> Scene {
+fn rising_scene(name: &str, light: Light) -> Scene {
     let heights = [0.05, 0.25, 0.55, 0.95, 1.5];
     let places = heights.into_iter().enumerate().map(|(i, y)| {
         let x = 0.75 * i as f32 - 1.3;
@@ -59,7 +59,7 @@ fn rising(name: &str, light: Light) -> Scene {
 pub(crate) fn rising_boxes() -> Scene {
     let half_u = Vec3::X * LAMP_HALF;
     let half_v = Vec3::Z * LAMP_HALF;
-    rising(
+    rising_scene(
         "rising-boxes",
         Light::Rect {
             center: LAMP,
@@ -70,7 +70,7 @@ pub(crate) fn rising_boxes() -> Scene {
 }
 
 pub(crate) fn rising_boxes_disc() -> Scene {
-    rising(
+    rising_scene(
         "rising-boxes-disc",
         Light::Disc {
             center: LAMP,

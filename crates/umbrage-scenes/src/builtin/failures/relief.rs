@@ -3,7 +3,7 @@
 use super::SMALL;
 use crate::{
     looks::{Bricks, Look},
-    primitives::{block, grid, pillar, tiled},
+    primitives::{block, grid, pillar, tile_mesh},
     stage::{Stage, sun},
 };
 use umbrage_core::glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
@@ -26,7 +26,7 @@ const BEHIND: f32 = 0.005;
 /// A flat sheet of the wall's size in x and z.
 fn sheet() -> Mesh {
     let tiles = Vec2::from(HALF) * 2.0 / BRICKS.tile;
-    let mesh = tiled(grid(HALF, CELLS, |_, _| 0.0), tiles);
+    let mesh = tile_mesh(grid(HALF, CELLS, |_, _| 0.0), tiles);
     Mesh {
         name: "wall".to_owned(),
         tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); mesh.positions.len()],
@@ -42,7 +42,7 @@ fn upright(z: f32) -> Affine3A {
 
 /// Adds a floor in front of the wall, a ledge on it and a post in front of it. The sun is nearly
 /// parallel to the wall.
-fn around(stage: Stage) -> Scene {
+fn scene_around(stage: Stage) -> Scene {
     stage
         .put(grid([2.4, 1.5], [1, 1], |_, _| 0.0))
         .put(block([-0.3, 1.5, -0.02], [0.9, 1.58, 0.22]))
@@ -62,22 +62,25 @@ fn wall(name: &str, look: Look) -> Stage {
 
 /// Bricks as geometry that protrude by 5 cm. Each casts a shadow into the joint behind it.
 pub(crate) fn displaced_wall() -> Scene {
-    around(wall("displaced-wall", BRICKS.carved(SUBDIVISIONS)))
+    scene_around(wall("displaced-wall", BRICKS.carve_surface(SUBDIVISIONS)))
 }
 
 /// Bricks of the same relief as a normal map: the wall and its shadows are flat. A bias along the
 /// shading normal would bend them.
 pub(crate) fn normal_mapped_wall() -> Scene {
-    around(wall("normal-mapped-wall", BRICKS.bumpy()))
+    scene_around(wall("normal-mapped-wall", BRICKS.bumpy()))
 }
 
 /// The result of a depth pass without displacement. The relief of `displaced-wall` receives, and a
 /// flat wall right behind it, invisible to the camera, casts in its place. Bricks cast no shadow
 /// into the joints.
 pub(crate) fn without_depth_pass() -> Scene {
-    let stage =
-        wall("relief-without-depth-pass", BRICKS.carved(SUBDIVISIONS)).last_roles(false, true);
-    around(
+    let stage = wall(
+        "relief-without-depth-pass",
+        BRICKS.carve_surface(SUBDIVISIONS),
+    )
+    .last_roles(false, true);
+    scene_around(
         stage
             .put_many(sheet(), [upright(-0.5 * BRICKS.depth - BEHIND)])
             .look(BRICKS.flat())

@@ -71,16 +71,16 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
 /// Casters whose edges don't pair up: each face listed twice; a corner in the middle of a
 /// neighbour's edge; a lid without one of its triangles; a fin, so that three faces share an edge;
 /// two boxes with a common edge, so that four do; a side with reversed winding.
-fn broken(name: &str, light: Light) -> Scene {
+fn broken_scene(name: &str, light: Light) -> Scene {
     let intact = block([-0.35, 0.0, -0.35], [0.35, 0.8, 0.35]);
     // Casters with their position on the floor, x and z.
     let casters = [
-        (doubled(intact.clone()), -2.0_f32, -0.9),
+        (double_mesh(intact.clone()), -2.0_f32, -0.9),
         (with_t_junction(intact.clone()), 0.0, -1.1),
-        (holed(intact.clone()), 2.0, -0.9),
-        (finned(intact.clone()), -1.9, 0.9),
-        (touching(), 0.0, 0.8),
-        (flipped(intact), 1.9, 0.9),
+        (mesh_with_hole(intact.clone()), 2.0, -0.9),
+        (add_fin(intact.clone()), -1.9, 0.9),
+        (touching_mesh(), 0.0, 0.8),
+        (flip_triangle(intact), 1.9, 0.9),
     ];
     let mut stage = Stage::new(name).put(grid([4.5, 4.0], [1, 1], |_, _| 0.0));
     for (mesh, x, z) in casters {
@@ -94,14 +94,14 @@ fn broken(name: &str, light: Light) -> Scene {
 }
 
 pub(crate) fn broken_meshes() -> Scene {
-    broken("broken-meshes", sun(0.6, -1.0, -0.25))
+    broken_scene("broken-meshes", sun(0.6, -1.0, -0.25))
 }
 
 pub(crate) fn broken_meshes_lamp() -> Scene {
-    broken("broken-meshes-lamp", bulb(-0.9, 3.0, 0.1))
+    broken_scene("broken-meshes-lamp", bulb(-0.9, 3.0, 0.1))
 }
 
-fn doubled(mut mesh: Mesh) -> Mesh {
+fn double_mesh(mut mesh: Mesh) -> Mesh {
     mesh.triangles.extend_from_within(..);
     mesh
 }
@@ -134,14 +134,14 @@ fn with_t_junction(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-fn holed(mut mesh: Mesh) -> Mesh {
+fn mesh_with_hole(mut mesh: Mesh) -> Mesh {
     let lid = side(&mesh, Vec3::Y);
     mesh.triangles.remove(lid[0]);
     mesh
 }
 
 /// Adds a sheet on the lid's edge towards +x.
-fn finned(mut mesh: Mesh) -> Mesh {
+fn add_fin(mut mesh: Mesh) -> Mesh {
     let fin = quad([
         Vec3::new(0.35, 0.8, -0.35),
         Vec3::new(0.35, 0.8, 0.35),
@@ -158,7 +158,7 @@ fn finned(mut mesh: Mesh) -> Mesh {
 }
 
 /// Returns two boxes with a common upright edge.
-fn touching() -> Mesh {
+fn touching_mesh() -> Mesh {
     let mut mesh = block([-0.4, 0.0, -0.4], [0.0, 0.8, 0.0]);
     let other = block(Vec3::ZERO, [0.4, 0.8, 0.4]);
     let base = mesh.positions.len() as u32;
@@ -170,7 +170,7 @@ fn touching() -> Mesh {
     mesh
 }
 
-fn flipped(mut mesh: Mesh) -> Mesh {
+fn flip_triangle(mut mesh: Mesh) -> Mesh {
     for i in side(&mesh, Vec3::NEG_X) {
         mesh.triangles[i].swap(0, 1);
     }

@@ -24,21 +24,24 @@ pub(crate) fn hall() -> Scene {
     let mut columns = Vec::new();
     for i in 0..=BAYS {
         let x = BAY * i as f32 - LENGTH;
-        columns.push(moved(x, 0.0, -ROW));
-        columns.push(moved(x, 0.0, ROW));
+        columns.push(translation(x, 0.0, -ROW));
+        columns.push(translation(x, 0.0, ROW));
     }
     let mut arches = Vec::new();
     let mut walls = Vec::new();
     for i in 0..BAYS {
         let x = BAY * (i as f32 + 0.5) - LENGTH;
-        arches.push(moved(x, SPRING, -ROW));
-        arches.push(moved(x, SPRING, ROW));
-        walls.push(moved(x, 0.0, -WIDTH));
-        walls.push(moved(x, 0.0, WIDTH));
+        arches.push(translation(x, SPRING, -ROW));
+        arches.push(translation(x, SPRING, ROW));
+        walls.push(translation(x, 0.0, -WIDTH));
+        walls.push(translation(x, 0.0, WIDTH));
     }
     let roof = block([-LENGTH, HEIGHT, -WIDTH], [LENGTH, HEIGHT + 0.3, WIDTH]);
     let end = block([-0.3, 0.0, -WIDTH], [0.0, HEIGHT, WIDTH]);
-    let ends = [moved(-LENGTH, 0.0, 0.0), moved(LENGTH + 0.3, 0.0, 0.0)];
+    let ends = [
+        translation(-LENGTH, 0.0, 0.0),
+        translation(LENGTH + 0.3, 0.0, 0.0),
+    ];
     Stage::new("hall")
         .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
         .put_many(column(), columns)
@@ -50,7 +53,7 @@ pub(crate) fn hall() -> Scene {
         .shoot([-LENGTH + 1.2, 2.6, 1.1], [0.0, 2.2, -0.6], 62.0, SIZE)
 }
 
-fn moved(x: f32, y: f32, z: f32) -> Affine3A {
+fn translation(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }
 

@@ -35,7 +35,7 @@ impl Surface {
         if rounds > 0 {
             let mut shared = deltas.clone();
             for _ in 0..rounds {
-                shared = averaged(&shared, &edges);
+                shared = averaged_values(&shared, &edges);
             }
             for (delta, shared) in deltas.iter_mut().zip(shared) {
                 *delta -= shared;
@@ -125,7 +125,7 @@ fn deltas(
 }
 
 /// Averages the value of each position and its neighbours.
-fn averaged(values: &[f32], edges: &[(u32, u32)]) -> Vec<f32> {
+fn averaged_values(values: &[f32], edges: &[(u32, u32)]) -> Vec<f32> {
     let mut sums: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
     let mut counts = vec![1_u32; values.len()];
     for &(a, b) in edges {

@@ -20,17 +20,18 @@ impl DisplacementMap {
         let path = path.as_ref();
         let image =
             ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());
-        let image = image.ok_or_else(|| unwritable(path, &"its size doesn't fit its texels"))?;
+        let image =
+            image.ok_or_else(|| unwritable_file(path, &"its size doesn't fit its texels"))?;
         image
             .save_with_format(path, image::ImageFormat::Png)
-            .map_err(|e| unwritable(path, &e))?;
-        let metres = beside(path);
+            .map_err(|e| unwritable_file(path, &e))?;
+        let metres = metadata_path(path);
         let text = format!(
             "# Metres of a displacement map: bias + scale (2 h - 1), where h is 0 for black and 1 for white.\n\
              scale = {:?}\nbias = {:?}\n",
             self.scale, self.bias
         );
-        std::fs::write(&metres, text).map_err(|e| unwritable(&metres, &e))
+        std::fs::write(&metres, text).map_err(|e| unwritable_file(&metres, &e))
     }
 
     /// Reads the files of [`DisplacementMap::save`]. Other programs may have changed the image:
@@ -40,7 +41,7 @@ impl DisplacementMap {
     /// Returns an error if one of the two files can't be read or is invalid.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let [scale, bias] = read_metres(&beside(path))?;
+        let [scale, bias] = read_metres(&metadata_path(path))?;
         let image = load_image(path, &FilesOnDisk)?.to_rgba16();
         let size = UVec2::new(image.width(), image.height());
         let file = path.display().to_string();
@@ -54,7 +55,7 @@ impl DisplacementMap {
     }
 }
 
-fn unwritable(file: &Path, why: &dyn std::fmt::Display) -> SceneError {
+fn unwritable_file(file: &Path, why: &dyn std::fmt::Display) -> SceneError {
     SceneError::Unwritable {
         file: file.display().to_string(),
         why: format!("can't be written: {why}"),
@@ -64,7 +65,7 @@ fn unwritable(file: &Path, why: &dyn std::fmt::Display) -> SceneError {
 
 /// Returns `map.png.toml` for `map.png`: adjacent in a list of files, and never the name of a
 /// scene.
-fn beside(path: &Path) -> PathBuf {
+fn metadata_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".toml");
     PathBuf::from(name)
@@ -73,7 +74,7 @@ fn beside(path: &Path) -> PathBuf {
 /// Returns scale and bias, metres.
 fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
     let text = std::fs::read_to_string(path)
-        .map_err(|e| SceneError::unreadable(path, &e, &FilesOnDisk))?;
+        .map_err(|e| SceneError::unreadable_file(path, &e, &FilesOnDisk))?;
     parse_metres(&text).map_err(|fault| SceneError::Invalid {
         file: path.display().to_string(),
         fault,

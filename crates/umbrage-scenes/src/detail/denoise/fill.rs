@@ -6,7 +6,7 @@ use umbrage_core::glam::{UVec2, Vec2};
 use umbrage_core::{Invalid, Mesh};
 
 /// A vertex's position in the texture, texels, and its index.
-type Place = GeomWithData<[f32; 2], u32>;
+type FilledTexel = GeomWithData<[f32; 2], u32>;
 
 /// Returns the nearest vertex in the texture for each texel, rows from the top. Distances are from
 /// the centre of the texel, in texels.
@@ -30,7 +30,7 @@ pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Inv
 ///
 /// # Errors
 /// Returns an error if a coordinate is not finite.
-fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<Place>, Invalid> {
+fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<FilledTexel>, Invalid> {
     let mut known = HashSet::with_capacity(mesh.uvs.len());
     let mut places = Vec::with_capacity(mesh.uvs.len());
     for (vertex, uv) in mesh.uvs.iter().enumerate() {
@@ -46,7 +46,7 @@ fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<Place>, Invalid> {
         // Add 0, which turns -0 into 0.
         let bits = [place.x + 0.0, place.y + 0.0].map(f32::to_bits);
         if known.insert(bits) {
-            places.push(Place::new(place.to_array(), vertex as u32));
+            places.push(FilledTexel::new(place.to_array(), vertex as u32));
         }
     }
     Ok(places)

@@ -80,7 +80,7 @@ impl DisplacementMap {
     ///
     /// # Errors
     /// Returns an error if [`DisplacementMap::from_noisy`] does, or if the factor is not finite.
-    pub fn applied(&self, mesh: &Mesh, factor: f32) -> Result<Mesh, Invalid> {
+    pub fn apply_to_mesh(&self, mesh: &Mesh, factor: f32) -> Result<Mesh, Invalid> {
         let surface = Surface::new(mesh, 0)?;
         // Textures repeat, but opposite borders of a map are seldom neighbours. Inset by half a
         // texel to keep them apart.
@@ -92,7 +92,7 @@ impl DisplacementMap {
         inset.normals = surface.vertex_normals();
         inset.tangents = Vec::new();
         let (texture, lambda) = self.texture();
-        let mut moved = inset.displaced(&texture, factor * lambda)?;
+        let mut moved = inset.displace_mesh(&texture, factor * lambda)?;
         moved.uvs = mesh.uvs.clone();
         Ok(moved)
     }
@@ -165,11 +165,11 @@ impl DisplacementMap {
 ///
 /// # Errors
 /// Returns an error if [`DisplacementMap::from_noisy`] does.
-pub fn denoised(noisy: &Mesh, size: UVec2, passes: u32, rounds: u32) -> Result<Mesh, Invalid> {
+pub fn denoise_mesh(noisy: &Mesh, size: UVec2, passes: u32, rounds: u32) -> Result<Mesh, Invalid> {
     let mut mesh = noisy.clone();
     for _ in 0..passes {
         let map = DisplacementMap::from_noisy_keeping_shape(&mesh, size, rounds)?;
-        mesh = map.applied(&mesh, -1.0)?;
+        mesh = map.apply_to_mesh(&mesh, -1.0)?;
     }
     Ok(mesh)
 }

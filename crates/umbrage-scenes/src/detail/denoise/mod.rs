@@ -8,7 +8,7 @@
 //! 2. **The map.** Offsets from least to greatest become grey 0 to 65535 over the mesh's texture,
 //!    `delta = bias + scale (2 h - 1)`; texels between vertices have the value of the nearest
 //!    vertex.
-//! 3. **Denoising.** [`DisplacementMap::applied`] with -1 moves each vertex by minus the map's
+//! 3. **Denoising.** [`DisplacementMap::apply_to_mesh`] with -1 moves each vertex by minus the map's
 //!    offset.
 //!
 //! A map is saved as a PNG that painting programs can change, with its scale and bias in a second
@@ -16,13 +16,13 @@
 //! denoises while a scene is baked.
 //!
 //! ```
-//! use umbrage_scenes::denoise::{DisplacementMap, Solid, roughened};
+//! use umbrage_scenes::denoise::{DisplacementMap, Solid, roughen_mesh};
 //! use umbrage_core::glam::UVec2;
 //!
 //! let ring = Solid::Torus { major: 1.0, minor: 0.4 };
-//! let noisy = roughened(&ring.mesh(), 0.02, 7);
+//! let noisy = roughen_mesh(&ring.mesh(), 0.02, 7);
 //! let map = DisplacementMap::from_noisy(&noisy, UVec2::splat(256))?;
-//! let smooth = map.applied(&noisy, -1.0)?;
+//! let smooth = map.apply_to_mesh(&noisy, -1.0)?;
 //! assert!(ring.mean_distance(&smooth) < 0.5 * ring.mean_distance(&noisy));
 //! # Ok::<(), umbrage_core::Invalid>(())
 //! ```
@@ -67,5 +67,5 @@ mod solid;
 #[cfg(test)]
 mod tests;
 
-pub use map::{DisplacementMap, denoised};
-pub use solid::{Solid, roughened};
+pub use map::{DisplacementMap, denoise_mesh};
+pub use solid::{Solid, roughen_mesh};

@@ -2,7 +2,7 @@
 
 use crate::{
     builtin::noise::uniform,
-    primitives::{mapped, octasphere, torus},
+    primitives::{map_mesh, octasphere, torus},
 };
 use umbrage_core::glam::{IVec3, Vec3};
 use umbrage_core::{Mesh, WeldedVertices};
@@ -30,7 +30,7 @@ impl Solid {
     /// poles of the sphere.
     pub fn mesh(&self) -> Mesh {
         match *self {
-            Self::Sphere { radius } => mapped(&octasphere(radius, 5)),
+            Self::Sphere { radius } => map_mesh(&octasphere(radius, 5)),
             Self::Torus { major, minor } => torus(major, minor, [96, 48]),
         }
     }
@@ -63,7 +63,7 @@ impl Solid {
 /// `amplitude` metres. The offsets are uniform and depend only on the index of the position and
 /// `seed`: they are equal on every machine. Shading normals are dropped, since they are those of
 /// the clean shape.
-pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
+pub fn roughen_mesh(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let normals = places.normals(mesh);
     let mut out = mesh.clone();

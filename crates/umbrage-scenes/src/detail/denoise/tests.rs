@@ -13,8 +13,8 @@ const SIZE: UVec2 = UVec2::splat(256);
 
 /// Returns the remaining fraction of the mean distance to the clean surface.
 fn left(solid: Solid, amplitude: f32, seed: i32, passes: u32, rounds: u32) -> f64 {
-    let noisy = roughened(&solid.mesh(), amplitude, seed);
-    solid.mean_distance(&denoised(&noisy, SIZE, passes, rounds).unwrap())
+    let noisy = roughen_mesh(&solid.mesh(), amplitude, seed);
+    solid.mean_distance(&denoise_mesh(&noisy, SIZE, passes, rounds).unwrap())
         / solid.mean_distance(&noisy)
 }
 
@@ -24,13 +24,13 @@ fn noise_is_as_strong_as_stated_and_the_same_in_every_run() {
         let clean = solid.mesh();
         // Vertices are rounded to f32 near 1.
         assert!(solid.mean_distance(&clean) < 1e-7);
-        let noisy = roughened(&clean, 0.02, 7);
+        let noisy = roughen_mesh(&clean, 0.02, 7);
         assert!(
             (solid.mean_distance(&noisy) - 0.01).abs() < 3e-4,
             "the mean of uniform numbers is half of the greatest"
         );
-        assert_eq!(noisy, roughened(&clean, 0.02, 7));
-        assert_ne!(noisy, roughened(&clean, 0.02, 8));
+        assert_eq!(noisy, roughen_mesh(&clean, 0.02, 7));
+        assert_ne!(noisy, roughen_mesh(&clean, 0.02, 8));
     }
 }
 
@@ -56,7 +56,7 @@ fn the_documented_figures_are_measured() {
         }
     }
     let shrunk = SOLIDS
-        .map(|solid| 1e3 * solid.mean_distance(&denoised(&solid.mesh(), SIZE, 1, 0).unwrap()));
+        .map(|solid| 1e3 * solid.mean_distance(&denoise_mesh(&solid.mesh(), SIZE, 1, 0).unwrap()));
     if (shrunk[0] - 1.9).abs() > 0.051 || (shrunk[1] - 2.6).abs() > 0.051 {
         wrong.push(format!("shrinks by {shrunk:.3?} mm"));
     }
@@ -99,8 +99,9 @@ fn more_passes_take_more() {
 #[test]
 fn a_clean_shape_shrinks_less_if_its_shape_is_kept() {
     for solid in SOLIDS {
-        let [plain, kept] = [0, 8]
-            .map(|rounds| solid.mean_distance(&denoised(&solid.mesh(), SIZE, 1, rounds).unwrap()));
+        let [plain, kept] = [0, 8].map(|rounds| {
+            solid.mean_distance(&denoise_mesh(&solid.mesh(), SIZE, 1, rounds).unwrap())
+        });
         assert!(
             plain > 1e-3 && kept < 0.25 * plain,
             "{solid:?}: {plain}, {kept}"
@@ -110,10 +111,10 @@ fn a_clean_shape_shrinks_less_if_its_shape_is_kept() {
 
 #[test]
 fn the_wrong_sign_adds_noise() {
-    let noisy = roughened(&SOLIDS[0].mesh(), 0.02, 7);
+    let noisy = roughen_mesh(&SOLIDS[0].mesh(), 0.02, 7);
     let worse = DisplacementMap::from_noisy(&noisy, SIZE)
         .unwrap()
-        .applied(&noisy, 1.0)
+        .apply_to_mesh(&noisy, 1.0)
         .unwrap();
     assert!(SOLIDS[0].mean_distance(&worse) > 1.5 * SOLIDS[0].mean_distance(&noisy));
 }
@@ -121,12 +122,12 @@ fn the_wrong_sign_adds_noise() {
 #[test]
 fn seams_stay_closed() {
     for solid in SOLIDS {
-        let noisy = roughened(&solid.mesh(), 0.04, 7);
+        let noisy = roughen_mesh(&solid.mesh(), 0.04, 7);
         assert!(
             super::deltas::Surface::new(&noisy, 0).is_ok(),
             "noise doesn't tear it"
         );
-        let done = denoised(&noisy, SIZE, 2, 8).unwrap();
+        let done = denoise_mesh(&noisy, SIZE, 2, 8).unwrap();
         assert!(super::deltas::Surface::new(&done, 0).is_ok(), "{solid:?}");
         assert_eq!(
             (done.positions.len(), &done.uvs, &done.triangles),
@@ -137,7 +138,7 @@ fn seams_stay_closed() {
 
 #[test]
 fn a_map_tells_when_it_has_too_few_texels() {
-    let noisy = roughened(&SOLIDS[0].mesh(), 0.02, 7);
+    let noisy = roughen_mesh(&SOLIDS[0].mesh(), 0.02, 7);
     let error = |side| {
         let map = DisplacementMap::from_noisy(&noisy, UVec2::splat(side)).unwrap();
         map.largest_error(&noisy, 0).unwrap() / map.scale()
@@ -150,7 +151,7 @@ fn a_map_tells_when_it_has_too_few_texels() {
 #[test]
 fn maps_serve_as_materials() {
     let solid = SOLIDS[1];
-    let noisy = roughened(&solid.mesh(), 0.02, 7);
+    let noisy = roughen_mesh(&solid.mesh(), 0.02, 7);
     let map = DisplacementMap::from_noisy(&noisy, SIZE).unwrap();
     let (texture, lambda) = map.texture();
     let displacement = Some(Displacement {
@@ -185,9 +186,11 @@ fn maps_serve_as_materials() {
 fn saved_maps_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("noise.png");
-    let map =
-        DisplacementMap::from_noisy(&roughened(&SOLIDS[0].mesh(), 0.02, 7), UVec2::new(64, 32))
-            .unwrap();
+    let map = DisplacementMap::from_noisy(
+        &roughen_mesh(&SOLIDS[0].mesh(), 0.02, 7),
+        UVec2::new(64, 32),
+    )
+    .unwrap();
     map.save(&path).unwrap();
     assert_eq!(DisplacementMap::load(&path).unwrap(), map);
     assert_eq!(image::image_dimensions(&path).unwrap(), (64, 32));
@@ -289,11 +292,11 @@ fn what_cannot_be_measured_is_refused() {
     assert!(message(&tiled, SIZE).contains("beyond 0 to 1"));
     assert!(message(&sphere, UVec2::new(1, 64)).contains("is 1 x 64 texels; use 2 to 8192 a side"));
     assert!(
-        denoised(&sphere, UVec2::ZERO, 0, 0).is_ok_and(|mesh| mesh == sphere),
+        denoise_mesh(&sphere, UVec2::ZERO, 0, 0).is_ok_and(|mesh| mesh == sphere),
         "no pass changes nothing"
     );
     let map = DisplacementMap::from_noisy(&sphere, SIZE).unwrap();
-    assert!(map.applied(&sphere, f32::NAN).is_err());
+    assert!(map.apply_to_mesh(&sphere, f32::NAN).is_err());
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use super::{
     model::{F32, TestModel, U16, glb, words},
-    said, scene_of,
+    read_plain, scene_of,
 };
-use crate::{Files, FilesInMemory, OpenFile, damage::damaged, scene_of_file::SceneOfFile};
+use crate::{Files, FilesInMemory, OpenFile, damage::damaged_texts, scene_of_file::SceneOfFile};
 use serde_json::{Value, json};
 use std::{
     io::{self, Cursor},
@@ -317,7 +317,7 @@ fn numbers_that_are_none_are_refused() {
 fn of_files(files: &[(&str, &[u8])]) -> String {
     let first = files[0].0;
     let files: FilesInMemory = files.iter().map(|&(path, bytes)| (path, bytes)).collect();
-    said(first, &files).expect_err("no model").to_string()
+    read_plain(first, &files).expect_err("no model").to_string()
 }
 
 /// Files with a buffer `long.bin` that is longer than it should be read. Reading the excess returns
@@ -379,7 +379,7 @@ fn files_are_read_as_far_as_buffers_tell() {
             others: others.into_iter().collect(),
             bytes: bytes.to_vec(),
         };
-        let wanted = SceneOfFile::of(Path::new("a.gltf")).expect("a glTF file");
+        let wanted = SceneOfFile::of_path(Path::new("a.gltf")).expect("a glTF file");
         super::super::read(json.to_string().as_bytes(), &wanted, &files).map_err(|e| e.to_string())
     };
     let json: Value = serde_json::from_str(&text).expect("JSON");
@@ -471,7 +471,7 @@ fn files_that_are_cut_off_or_no_models_are_refused() {
 }
 
 #[test]
-fn small_files_that_ask_for_much_are_refused() {
+fn small_files_that_need_much_are_refused() {
     // Zeros without bytes.
     let zeros = error(|model| {
         let at = model.view(&[0]);
@@ -514,9 +514,9 @@ fn damaged_files_never_panic() {
     for (i, model) in super::model::first_inputs().into_iter().enumerate() {
         let text = model.text(None);
         scene_of(&model).unwrap_or_else(|e| panic!("input {i} is sound: {e}"));
-        for json in damaged(&text, 1_500) {
+        for json in damaged_texts(&text, 1_500) {
             let files: FilesInMemory = [("a.glb", glb(&json, &model.bytes))].into_iter().collect();
-            if let Ok(scene) = said("a.glb", &files) {
+            if let Ok(scene) = read_plain("a.glb", &files) {
                 // Numbers may only be out of range if baking reports it.
                 let _ = umbrage_core::Geometry::bake(&scene);
             }

@@ -2,7 +2,7 @@
 
 use super::{
     model::{PICTURE, SQUARE, TestModel},
-    said, scene_of,
+    read_plain, scene_of,
 };
 use crate::FilesInMemory;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
@@ -246,7 +246,7 @@ fn tangents_of_the_file_are_kept() {
 }
 
 /// Reads a square with or without an image of this name next to it.
-fn beside(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>, String> {
+fn with_image_file(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>, String> {
     let pbr = json!({ "baseColorTexture": { "index": 0 } });
     let mut model = square(json!({ "alphaMode": mode, "pbrMetallicRoughness": pbr }));
     model.json["images"] = json!([{ "uri": uri, "name": "bark" }]);
@@ -255,7 +255,7 @@ fn beside(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>,
     if let Some(picture) = picture {
         files.insert("looks/bark 1.png", picture);
     }
-    let scene = said("models/tree.glb", &files).map_err(|e| e.to_string())?;
+    let scene = read_plain("models/tree.glb", &files).map_err(|e| e.to_string())?;
     Ok(scene.textures)
 }
 
@@ -268,7 +268,8 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
         .expect("encoded");
     let jpeg = jpeg.into_inner();
     for picture in [PICTURE, &jpeg] {
-        let textures = beside("../looks/bark%201.png", Some(picture), "OPAQUE").expect("valid");
+        let textures =
+            with_image_file("../looks/bark%201.png", Some(picture), "OPAQUE").expect("valid");
         assert_eq!(textures.len(), 1, "whatever its name says");
         assert!(
             (textures[0].texels[0][0] - 1.0).abs() < 0.02,
@@ -277,32 +278,35 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
         );
     }
     // Without looks, a model is read like one of OBJ. An alpha test needs them.
-    assert_eq!(beside("bark.png", None, "OPAQUE"), Ok(Vec::new()));
-    let message = beside("bark.png", None, "MASK").expect_err("no mask");
+    assert_eq!(with_image_file("bark.png", None, "OPAQUE"), Ok(Vec::new()));
+    let message = with_image_file("bark.png", None, "MASK").expect_err("no mask");
     assert!(
         message.contains("material 0, alpha mask: needs the texture"),
         "{message}"
     );
     assert_eq!(
-        beside("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
+        with_image_file("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
         "node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG image; save it as one of the two"
     );
     let half = &PICTURE[..PICTURE.len() / 2];
-    let message = beside("../looks/bark%201.png", Some(half), "OPAQUE").expect_err("cut off");
+    let message =
+        with_image_file("../looks/bark%201.png", Some(half), "OPAQUE").expect_err("cut off");
     assert!(
         message.contains("image 0 `bark`, its bytes: can't be decoded"),
         "{message}"
     );
-    let message = beside("https://example.com/bark.png", None, "OPAQUE").expect_err("far away");
+    let message =
+        with_image_file("https://example.com/bark.png", None, "OPAQUE").expect_err("far away");
     assert!(
         message.contains("its URI: begins with `https:`"),
         "{message}"
     );
     assert_eq!(
-        beside("data:image/webp;base64,UklGRg==", None, "OPAQUE"),
+        with_image_file("data:image/webp;base64,UklGRg==", None, "OPAQUE"),
         Ok(Vec::new())
     );
-    let message = beside("data:image/png;base64,UklGRg==", None, "OPAQUE").expect_err("a lie");
+    let message =
+        with_image_file("data:image/png;base64,UklGRg==", None, "OPAQUE").expect_err("a lie");
     assert!(
         message.contains("are neither a PNG nor a JPEG image"),
         "{message}"

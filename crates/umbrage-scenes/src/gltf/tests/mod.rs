@@ -14,8 +14,8 @@ use std::path::Path;
 use umbrage_core::{Invalid, Scene};
 
 /// Reads a file with some others next to it, without the additions for a lone model.
-fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
-    let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
+fn read_plain(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
+    let wanted = SceneOfFile::of_path(Path::new(path)).expect("a glTF file");
     let bytes = files.bytes_of(&wanted.file);
     read(&bytes, &wanted, files)
 }
@@ -24,7 +24,7 @@ fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
 fn scene_of(model: &TestModel) -> Result<Scene, String> {
     let read = |file: &str, bytes: Vec<u8>| {
         let files = [(file, bytes), ("b in.bin", model.bytes.clone())];
-        said(file, &files.into_iter().collect()).map_err(|e| e.to_string())
+        read_plain(file, &files.into_iter().collect()).map_err(|e| e.to_string())
     };
     let in_chunk = read("model.glb", model.glb());
     let data = format!(

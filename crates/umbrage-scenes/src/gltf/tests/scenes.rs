@@ -1,6 +1,6 @@
 //! Tests of nodes, scenes, cameras and lights.
 
-use super::{model::TestModel, said, scene_of};
+use super::{model::TestModel, read_plain, scene_of};
 use crate::{FilesInMemory, scene_of_file::SceneOfFile};
 use serde_json::{Value, json};
 use std::{
@@ -44,7 +44,7 @@ fn a_scene_brings_light_if_one_of_its_lights_is_on() {
     let mut model = TestModel::square();
     let brings_light = |model: &TestModel, path: &str| {
         let files: FilesInMemory = [("a.glb", model.glb())].into_iter().collect();
-        let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
+        let wanted = SceneOfFile::of_path(Path::new(path)).expect("a glTF file");
         super::super::brings_light(&wanted, &files).map_err(|e| e.to_string())
     };
     assert_eq!(brings_light(&model, "a.glb"), Ok(false));
@@ -65,7 +65,7 @@ fn a_scene_brings_light_if_one_of_its_lights_is_on() {
     let message = brings_light(&model, "a.glb").expect_err("a negative light");
     assert!(message.contains("intensity"), "{message}");
     let missing = super::super::brings_light(
-        &SceneOfFile::of(Path::new("b.glb")).expect("a glTF file"),
+        &SceneOfFile::of_path(Path::new("b.glb")).expect("a glTF file"),
         &FilesInMemory::default(),
     );
     assert!(missing.is_err());
@@ -96,7 +96,7 @@ fn a_file_s_scenes_are_named_behind_its_path() {
     model.add("scenes", json!({ "name": "night", "nodes": [far] }));
     let files: FilesInMemory = [("a#b.glb", model.glb())].into_iter().collect();
     let x = |path: &str| {
-        let scene = said(path, &files).expect("there is such a scene");
+        let scene = read_plain(path, &files).expect("there is such a scene");
         (
             scene.name,
             scene.instances[0].world_from_local.translation.x,
@@ -106,7 +106,7 @@ fn a_file_s_scenes_are_named_behind_its_path() {
     assert_eq!(x("a#b.glb#0"), ("a#b-0".into(), 0.0));
     assert_eq!(x("a#b.glb#1"), ("a#b-1".into(), 7.0));
     assert_eq!(x("a#b.glb#night"), ("a#b-night".into(), 7.0));
-    let message = said("a#b.glb#day", &files)
+    let message = read_plain("a#b.glb#day", &files)
         .expect_err("no such scene")
         .to_string();
     assert_eq!(

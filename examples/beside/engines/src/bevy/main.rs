@@ -29,7 +29,7 @@ impl Rival for BevyProgram {
         Self::start(&judged.scene, &judged.geometry, &ShadowSource::Nothing)
     }
 
-    fn lit(&mut self) -> Result<Vec<f32>> {
+    fn lit_fractions(&mut self) -> Result<Vec<f32>> {
         self.picture()
     }
 

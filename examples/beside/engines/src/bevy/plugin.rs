@@ -191,7 +191,7 @@ struct MeshPlace {
 }
 
 impl MeshPlace {
-    fn of(mesh: &AssetId<Mesh>, allocator: &MeshAllocator) -> Self {
+    fn of_mesh(mesh: &AssetId<Mesh>, allocator: &MeshAllocator) -> Self {
         let vertices = allocator.mesh_vertex_slice(mesh);
         let indices = allocator.mesh_index_slice(mesh);
         Self {
@@ -320,7 +320,7 @@ fn draw_masks(
         return Ok(());
     };
     // Rebuild the set if casters, their buffers or the sun changed.
-    let place = |caster: &SeenCaster| MeshPlace::of(&caster.mesh, &allocator);
+    let place = |caster: &SeenCaster| MeshPlace::of_mesh(&caster.mesh, &allocator);
     let places: Vec<MeshPlace> = seen.casters.iter().map(place).collect();
     let moved_buffers = allocator.meshes_displaced_by_slab_growth().next().is_some();
     let is_stale = shadows.made.as_ref().is_none_or(|made| {

@@ -75,7 +75,7 @@ impl Rival for ThreeDProgram {
         Ok(program)
     }
 
-    fn lit(&mut self) -> Result<Vec<f32>> {
+    fn lit_fractions(&mut self) -> Result<Vec<f32>> {
         self.picture(&self.sun())
     }
 

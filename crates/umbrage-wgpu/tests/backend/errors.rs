@@ -2,7 +2,7 @@
 
 use crate::{
     kernels::Broken,
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
 #[test]
 fn broken_wgsl_names_the_fault_and_does_no_harm() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let broken = stage.recipe_with(16, Arc::new(Broken(stage.numbers(Vec4::ZERO))));
     let error = gpu
@@ -24,7 +24,7 @@ fn broken_wgsl_names_the_fault_and_does_no_harm() {
 
 #[test]
 fn maps_beyond_the_limit_are_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let most = gpu.limits().image_side;
     let error = gpu
@@ -40,7 +40,7 @@ fn maps_beyond_the_limit_are_refused() {
 
 #[test]
 fn memory_that_is_not_there_is_an_error_and_does_no_harm() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let limits = gpu.limits();
     let mut recipe = stage.recipe(16);
@@ -114,7 +114,7 @@ fn hardware_only_never_gives_a_software_driver() {
 
 #[test]
 fn a_view_without_anything_to_see_is_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let view = View {
         geometry: None,
@@ -142,7 +142,7 @@ fn a_view_without_anything_to_see_is_refused() {
 
 #[test]
 fn receivers_of_another_size_are_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let receivers = umbrage_core::Receivers::empty(UVec2::new(3, 4));
     let error = gpu
@@ -177,7 +177,7 @@ fn the_name_tells_adapter_and_api() {
 
 #[test]
 fn a_lost_device_is_an_error_from_then_on() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     stage.render(&mut gpu, &stage.recipe(16));
     gpu.device().0.destroy();

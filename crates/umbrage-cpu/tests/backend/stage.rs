@@ -188,11 +188,11 @@ pub(crate) fn difference(a: &Shadows, b: &Shadows) -> Option<&'static str> {
 }
 
 pub(crate) fn render(cpu: &mut Cpu) -> Shadows {
-    play(cpu, &recipe())
+    execute_recipe(cpu, &recipe())
 }
 
 /// Executes a recipe on a backend.
-pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
+pub(crate) fn execute_recipe(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
     let camera = camera();
     let light = light();
     let geometry = geometry();
@@ -201,14 +201,14 @@ pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
 }
 
 /// Returns the result of a recipe. Panics if threads or instructions change any bit of it.
-pub(crate) fn same_on_all_players(recipe: &Recipe) -> Shadows {
-    let expected = play(
+pub(crate) fn same_on_all_backends(recipe: &Recipe) -> Shadows {
+    let expected = execute_recipe(
         &mut Cpu::with_options(&CpuOptions::default().threads(1)).unwrap(),
         recipe,
     );
     for (threads, simd) in [(1, Simd::Baseline), (4, Simd::Native), (3, Simd::Baseline)] {
         let options = CpuOptions::default().threads(threads).simd(simd);
-        let found = play(&mut Cpu::with_options(&options).unwrap(), recipe);
+        let found = execute_recipe(&mut Cpu::with_options(&options).unwrap(), recipe);
         assert_eq!(difference(&expected, &found), None, "{options:?}");
     }
     expected

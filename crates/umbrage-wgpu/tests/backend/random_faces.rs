@@ -1,7 +1,7 @@
 //! Differential tests of peeling and counting many faces, compared with drawing each face
 //! separately.
 
-use crate::scene::{Stage, gpu};
+use crate::scene::{BackendScene, gpu};
 use glam::{DMat4, UVec2, Vec3, Vec4};
 use std::sync::Arc;
 use umbrage_core::{Cast, CastMode, Faces, Format, ImageDesc, LightSpace, Recipe, Source};
@@ -54,7 +54,7 @@ fn image(label: &'static str, layers: u32, format: Format) -> ImageDesc {
 }
 
 /// Renders the depths of each triangle separately.
-fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
+fn render_alone(stage: &BackendScene, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
     let mut casts = Vec::new();
     for (layer, triangle) in (0..).zip(triangles()) {
         casts.push(Cast {
@@ -77,13 +77,13 @@ fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
 
 #[test]
 fn peels_are_the_least_the_second_least_and_so_on() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     for (space, format) in [
         (stage.camera.space(), Format::Depth32),
-        (stage.tilted(), Format::Depth32),
+        (stage.tilted_space(), Format::Depth32),
         (stage.camera.space(), Format::Depth16),
     ] {
-        let alone = alone(&stage, space, format);
+        let alone = render_alone(&stage, space, format);
         let all = triangles();
         let nearest = Cast {
             source: faces(&all),
@@ -127,7 +127,7 @@ fn peels_are_the_least_the_second_least_and_so_on() {
 
 /// Returns 1 for a visible front face, -1 for a visible back face: counter-clockwise on screen is
 /// front.
-fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
+fn facing_sign(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
     let [a, b, c] = triangle
         .map(|v| clip_from_world * v.as_dvec4())
         .map(|v| glam::DVec3::new(v.x, v.y, v.w));
@@ -136,9 +136,9 @@ fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
 
 #[test]
 fn counts_are_backs_minus_fronts_that_are_not_before() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let space = stage.camera.space();
-    let alone = alone(&stage, space, Format::Depth32);
+    let alone = render_alone(&stage, space, Format::Depth32);
     let all = triangles();
     let mode = CastMode::StencilDepthFail { depth: 0 };
     let recipe = Recipe {
@@ -173,7 +173,7 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
             .iter()
             .zip(&alone)
             .filter(|(_, z)| z[texel] < 1.0 && z[texel] >= stored);
-        let sum: i32 = fails.map(|(t, _)| -facing(clip_from_world, t)).sum();
+        let sum: i32 = fails.map(|(t, _)| -facing_sign(clip_from_world, t)).sum();
         assert_eq!(
             images[1].texels[texel],
             sum.rem_euclid(256) as f32,

@@ -3,7 +3,7 @@
 use crate::{
     embedded::Embedded,
     foreign::{Foreign, read},
-    scene::Stage,
+    scene::BackendScene,
 };
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
@@ -27,9 +27,11 @@ impl ShadowTechnique for OneMap {
 
     fn recipe(&self, _: &View<'_>) -> Result<Recipe, RecipeError> {
         if self.0 == 0 {
-            return Err(RecipeError::unsupported("it has no texels".to_owned()));
+            return Err(RecipeError::unsupported_because(
+                "it has no texels".to_owned(),
+            ));
         }
-        Ok(Stage::new().recipe(self.0))
+        Ok(BackendScene::new().recipe(self.0))
     }
 
     fn follows_camera(&self, _: &Light) -> bool {
@@ -90,8 +92,8 @@ impl Lit {
         report
     }
 
-    fn unserved(&self) -> Vec<(LightId, Unserved)> {
-        self.set.unserved().collect()
+    fn unserved_lights(&self) -> Vec<(LightId, Unserved)> {
+        self.set.unserved_lights().collect()
     }
 
     fn mask(&mut self, light: LightId) -> Vec<f32> {
@@ -140,14 +142,14 @@ fn lights_go_through_their_states() {
     let [first, second, third] = [3.0, 2.0, 1.0].map(|priority| lit.add(64, priority));
     assert_eq!(lit.frame().redrawn, 1);
     let states = [(second, Unserved::Waiting), (third, Unserved::OverBudget)];
-    assert_eq!(lit.unserved(), states);
+    assert_eq!(lit.unserved_lights(), states);
     assert_eq!(lit.frame().redrawn, 1, "the second one's turn");
-    assert_eq!(lit.unserved(), states[1..]);
+    assert_eq!(lit.unserved_lights(), states[1..]);
 
     let refuse = lit.set.set_technique(first, Arc::new(OneMap(0)));
     refuse.expect("is there");
     lit.frame();
-    let unserved = lit.unserved();
+    let unserved = lit.unserved_lights();
     let [(refused, Unserved::Refused(why))] = &unserved[..] else {
         panic!("{unserved:?}");
     };
@@ -161,13 +163,13 @@ fn lights_go_through_their_states() {
     other.expect("is there");
     lit.frame();
     assert_eq!(
-        lit.unserved(),
+        lit.unserved_lights(),
         states[1..],
         "the first one comes first again"
     );
     lit.set.remove_light(second).expect("is there");
     lit.frame();
-    assert_eq!(lit.unserved(), []);
+    assert_eq!(lit.unserved_lights(), []);
 
     let moved = Affine3A::from_translation(Vec3::X);
     lit.set.move_caster(lit.caster, moved).expect("is there");
@@ -175,7 +177,7 @@ fn lights_go_through_their_states() {
     assert_eq!((report.redrawn, report.waiting), (1, 1));
     assert_eq!(lit.frame().redrawn, 1, "the one that waited");
     assert_eq!(
-        lit.unserved(),
+        lit.unserved_lights(),
         [],
         "what was drawn before is shown meanwhile"
     );

@@ -2,7 +2,7 @@
 
 use crate::{
     kernels::Same,
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ pub(crate) fn desc(label: &'static str, format: Format) -> ImageDesc {
 
 /// Returns a recipe that counts the volumes around the surfaces visible from above, with a filter
 /// that copies the counts.
-pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
+pub(crate) fn counting_recipe(stage: &BackendScene, volumes: Vec<Faces>) -> Recipe {
     let mut casts = vec![Cast::nearest(0, 0, stage.space())];
     for faces in volumes {
         casts.push(Cast {
@@ -106,8 +106,8 @@ fn counts(shadows: &Shadows) -> [f32; 3] {
 }
 
 fn render(gpu: &mut Gpu, volumes: Vec<Faces>) -> [f32; 3] {
-    let stage = Stage::new();
-    counts(&stage.render(gpu, &counting(&stage, volumes)))
+    let stage = BackendScene::new();
+    counts(&stage.render(gpu, &counting_recipe(&stage, volumes)))
 }
 
 #[test]
@@ -159,25 +159,25 @@ fn counts_wrap_at_256() {
 
 #[test]
 fn depth_is_what_it_is_without_counting() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let plain = stage.render(&mut gpu, &stage.recipe(SIDE));
-    let counted = stage.render(&mut gpu, &counting(&stage, vec![column(-0.5, 0.5)]));
+    let counted = stage.render(&mut gpu, &counting_recipe(&stage, vec![column(-0.5, 0.5)]));
     assert_eq!(counted.images[0].texels, plain.images[0].texels);
     assert_eq!(counted.mask, plain.mask, "kernels load the depth");
 }
 
 #[test]
 fn a_second_frame_starts_from_zero_and_makes_nothing() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let recipe = counting(&stage, vec![column(-0.5, 0.5)]);
+    let recipe = counting_recipe(&stage, vec![column(-0.5, 0.5)]);
     stage.render(&mut gpu, &recipe);
     let first = gpu.counters();
     assert_eq!(counts(&stage.render(&mut gpu, &recipe)), [0.0, 1.0, 0.0]);
     assert_eq!(gpu.counters(), first);
     // Count against unwritten depth: everything is at depth 1, behind all faces.
-    let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
+    let mut recipe = counting_recipe(&stage, vec![column(-0.5, 0.5)]);
     recipe.casts.remove(0);
     assert!(
         stage.render(&mut gpu, &recipe).images[1]
@@ -189,9 +189,9 @@ fn a_second_frame_starts_from_zero_and_makes_nothing() {
 
 #[test]
 fn casters_can_be_counted_in_layers() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let mut recipe = counting(&stage, vec![]);
+    let mut recipe = counting_recipe(&stage, vec![]);
     (
         recipe.images[0].layers,
         recipe.images[1].layers,
@@ -215,9 +215,9 @@ fn casters_can_be_counted_in_layers() {
 
 #[test]
 fn two_counts_of_one_depth_are_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
+    let mut recipe = counting_recipe(&stage, vec![column(-0.5, 0.5)]);
     recipe.images.push(desc("more counts", Format::Stencil8));
     let other = Cast {
         image: 3,

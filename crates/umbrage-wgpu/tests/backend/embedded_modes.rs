@@ -1,11 +1,11 @@
 //! Tests of peeling, counting, faces and colour images on a caller's device.
 
 use crate::{
-    counting::{column, counting, desc},
+    counting::{column, counting_recipe, desc},
     embedded::Embedded,
     foreign::{Foreign, read, read_four},
     scene::gpu,
-    shading::shaded,
+    shading::shaded_recipe,
 };
 use glam::Vec4;
 use umbrage_core::{BackendError, Cast, CastMode, Faces, Format, Recipe, Source};
@@ -17,7 +17,7 @@ use umbrage_wgpu::{
 /// Returns a recipe that peels one layer of casters off another, and counts faces and casters
 /// against the first.
 fn modes(e: &Embedded) -> Recipe {
-    let mut recipe = counting(&e.stage, vec![column(-0.5, 1.5)]);
+    let mut recipe = counting_recipe(&e.stage, vec![column(-0.5, 1.5)]);
     recipe.images.push(desc("peeled", Format::Depth32));
     recipe.casts.push(Cast {
         mode: CastMode::DepthPeel(0),
@@ -35,7 +35,11 @@ fn counting_device() -> Foreign {
 }
 
 /// Returns the results: depth behind depth, and the counts loaded by a filter.
-fn drawn(e: &Embedded, renderer: &ShadowRenderer, encoder: wgpu::CommandEncoder) -> [Vec<f32>; 2] {
+fn draw_masks(
+    e: &Embedded,
+    renderer: &ShadowRenderer,
+    encoder: wgpu::CommandEncoder,
+) -> [Vec<f32>; 2] {
     let texture = |id: usize| {
         renderer
             .image(id)
@@ -50,8 +54,8 @@ fn drawn(e: &Embedded, renderer: &ShadowRenderer, encoder: wgpu::CommandEncoder)
 }
 
 #[test]
-fn callers_may_draw_casters_while_the_player_draws_faces() {
-    let e = Embedded::on(counting_device());
+fn callers_may_draw_casters_while_the_backend_draws_faces() {
+    let e = Embedded::on_device(counting_device());
     let Foreign { device, queue } = &e.foreign;
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
@@ -76,7 +80,7 @@ fn callers_may_draw_casters_while_the_player_draws_faces() {
         [(false, false), (true, false), (false, false)],
         "the faces are none of the caller's"
     );
-    let [peeled, counts] = drawn(&e, &renderer, encoder);
+    let [peeled, counts] = draw_masks(&e, &renderer, encoder);
     assert_eq!(
         (&peeled, &counts),
         (&expected[3].texels, &expected[1].texels)
@@ -89,8 +93,8 @@ fn callers_may_draw_casters_while_the_player_draws_faces() {
 }
 
 #[test]
-fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
-    let e = Embedded::on(counting_device());
+fn the_backend_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
+    let e = Embedded::on_device(counting_device());
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
     let mut renderer = e.renderer(RendererOptions::default());
@@ -107,7 +111,7 @@ fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
             .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         renderer.encode(&mut encoder).expect("it was prepared");
-        let [peeled, counts] = drawn(&e, &renderer, encoder);
+        let [peeled, counts] = draw_masks(&e, &renderer, encoder);
         assert_eq!(
             (&peeled, &counts),
             (&expected[3].texels, &expected[1].texels)
@@ -119,7 +123,7 @@ fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
 
 #[test]
 fn a_device_that_cannot_count_says_so() {
-    let e = Embedded::on(Foreign::new());
+    let e = Embedded::on_device(Foreign::new());
     let mut renderer = e.renderer(RendererOptions::default());
     let recipe = modes(&e);
     let error = renderer
@@ -136,9 +140,9 @@ fn a_device_that_cannot_count_says_so() {
 
 #[test]
 fn a_picture_on_a_foreign_device_is_the_same() {
-    let e = Embedded::on(Foreign::new());
+    let e = Embedded::on_device(Foreign::new());
     let casters = [e.casters()];
-    let recipe = shaded(&e.stage);
+    let recipe = shaded_recipe(&e.stage);
     let expected = e
         .stage
         .render(&mut gpu(), &recipe)
@@ -172,7 +176,7 @@ fn a_picture_on_a_foreign_device_is_the_same() {
 
 #[test]
 fn missing_input_is_named() {
-    let e = Embedded::on(Foreign::new());
+    let e = Embedded::on_device(Foreign::new());
     let Foreign { device, queue } = &e.foreign;
     let casters = [e.casters()];
     let mut renderer = e.renderer(RendererOptions::default());
@@ -184,7 +188,7 @@ fn missing_input_is_named() {
         ..e.frame(&casters)
     };
     let error = renderer
-        .prepare(device, queue, &shaded(&e.stage), &frame)
+        .prepare(device, queue, &shaded_recipe(&e.stage), &frame)
         .expect_err("no ids");
     assert!(
         error
@@ -224,7 +228,7 @@ fn faces_beyond_a_buffer_are_refused() {
         max_buffer_size: most,
         ..Limits::downlevel_defaults()
     };
-    let e = Embedded::on(Foreign::with(Features::empty(), limits));
+    let e = Embedded::on_device(Foreign::with(Features::empty(), limits));
     let vertices = vec![Vec4::W; (most / 16 + 1) as usize];
     let faces = Faces {
         vertices,

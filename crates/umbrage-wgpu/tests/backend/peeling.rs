@@ -1,13 +1,13 @@
 //! Tests of depth peeling.
 
-use crate::scene::{Stage, gpu};
+use crate::scene::{BackendScene, gpu};
 use glam::Vec3;
 use std::sync::Arc;
 use umbrage_core::{Cast, CastMode, Faces, Format, Image, LightSpace, Recipe, Source};
 use umbrage_wgpu::Gpu;
 
 /// Returns a recipe with three layers of depth, peeled one after the other, each in its own image.
-fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
+fn peels(stage: &BackendScene, space: LightSpace, format: Format) -> Recipe {
     let mut recipe = stage.recipe(40);
     recipe.images[0].format = format;
     recipe.images = vec![recipe.images[0]; 3];
@@ -20,7 +20,7 @@ fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
 }
 
 /// Renders the depth of the floor alone.
-fn floor(stage: &Stage, gpu: &mut Gpu, space: LightSpace, format: Format) -> Image {
+fn floor(stage: &BackendScene, gpu: &mut Gpu, space: LightSpace, format: Format) -> Image {
     let vertices = stage
         .geometry
         .positions()
@@ -52,10 +52,10 @@ fn floor(stage: &Stage, gpu: &mut Gpu, space: LightSpace, format: Format) -> Ima
 
 #[test]
 fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     for format in [Format::Depth32, Format::Depth16] {
-        for space in [stage.space(), stage.tilted(), stage.camera.space()] {
+        for space in [stage.space(), stage.tilted_space(), stage.camera.space()] {
             let floor = floor(&stage, &mut gpu, space, format);
             let images = stage.render(&mut gpu, &peels(&stage, space, format)).images;
             let mut plates = 0;
@@ -83,7 +83,7 @@ fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
 
 #[test]
 fn behind_a_layer_that_nothing_wrote_is_nothing() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let mut recipe = peels(&stage, stage.space(), Format::Depth32);
     let full = stage.render(&mut gpu, &recipe).images;
@@ -96,10 +96,10 @@ fn behind_a_layer_that_nothing_wrote_is_nothing() {
 
 #[test]
 fn a_second_frame_makes_nothing() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     for format in [Format::Depth32, Format::Depth16] {
-        let recipe = peels(&stage, stage.tilted(), format);
+        let recipe = peels(&stage, stage.tilted_space(), format);
         let images = stage.render(&mut gpu, &recipe).images;
         let first = gpu.counters();
         assert_eq!(stage.render(&mut gpu, &recipe).images, images);

@@ -2,21 +2,21 @@
 
 use crate::{
     foreign::{Foreign, read, read_four},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{Mat4, Vec3, Vec4};
 use umbrage_core::{NO_TRIANGLE, Receivers};
 use umbrage_wgpu::{DepthBuffer, GBufferFromDepth, wgpu::TextureFormat};
 
 /// Positions, normals, and the number of pixels that have them.
-struct Seen {
+struct SeenPixels {
     positions: Vec<Vec4>,
     normals: Vec<Vec4>,
 }
 
 /// Computes a G-buffer. `reverse` maps z to 1 - z, `mirror` flips the world's x, as in a
 /// left-handed engine.
-fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
+fn unproject(stage: &BackendScene, r: &Receivers, reverse_mirror: [bool; 2]) -> SeenPixels {
     let [reverse, mirror] = reverse_mirror;
     let foreign = Foreign::new();
     let depth: Vec<f32> = r
@@ -62,7 +62,7 @@ fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
     let position = gbuffer.position.texture();
     let normal = gbuffer.normal.texture();
     let positions = read_four(&foreign, encoder, position);
-    Seen {
+    SeenPixels {
         positions,
         normals: read_four(&foreign, foreign.encoder(), normal),
     }
@@ -86,7 +86,7 @@ fn inner(r: &Receivers, i: usize) -> bool {
 
 #[test]
 fn positions_and_normals_come_from_depth() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let r = stage
         .render(&mut gpu(), &stage.recipe(8))
         .receivers
@@ -131,7 +131,7 @@ fn positions_and_normals_come_from_depth() {
 
 #[test]
 fn a_singular_camera_is_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let foreign = Foreign::new();
     let depth = foreign.texture(
         TextureFormat::R32Float,

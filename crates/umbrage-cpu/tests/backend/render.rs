@@ -2,7 +2,7 @@
 //! simple geometry.
 
 use crate::stage::{
-    SIZE, bits, camera, difference, geometry, light, recipe, render, same_on_all_players,
+    SIZE, bits, camera, difference, geometry, light, recipe, render, same_on_all_backends,
 };
 use umbrage_core::{
     Backend, Image, NO_TRIANGLE, Recipe, Shadows, Simd, Snapping, View, glam::UVec2,
@@ -11,7 +11,7 @@ use umbrage_cpu::{Cpu, CpuOptions};
 
 #[test]
 fn threads_and_instructions_change_no_bit() {
-    let expected = same_on_all_players(&recipe());
+    let expected = same_on_all_backends(&recipe());
     assert!(
         expected.mask.iter().any(|&v| v < 1.0) && expected.mask.contains(&1.0),
         "shadow and light are both visible"
@@ -96,7 +96,7 @@ fn replayed_stages_give_what_the_whole_gave() {
     let mask = cpu.replay_receive(&view, &recipe, &whole.images).unwrap();
     assert_eq!(bits(&mask), bits(&whole.mask));
     let mut other = whole.images.clone();
-    other[1] = Image::filled(other[1].desc, 0.0);
+    other[1] = Image::filled_with(other[1].desc, 0.0);
     assert_ne!(
         bits(&cpu.replay_receive(&view, &recipe, &other).unwrap()),
         bits(&whole.mask)

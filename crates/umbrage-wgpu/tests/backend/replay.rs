@@ -2,7 +2,7 @@
 
 use crate::{
     kernels::{Halve, Numbers, reference},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{Mat4, UVec2, Vec4};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use umbrage_core::{Filter, FilterKernel, Format, Image, ImageDesc, Inputs, Recip
 
 #[test]
 fn the_lookup_replays_from_given_depth() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let recipe = stage.recipe(64);
     let shadows = stage.render(&mut gpu, &recipe);
@@ -32,7 +32,7 @@ fn the_lookup_replays_from_given_depth() {
 
 #[test]
 fn a_filter_replays_from_given_images() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let halve = Halve(Numbers {
         clip_from_world: Mat4::IDENTITY,
         numbers: Vec4::ZERO,
@@ -57,7 +57,7 @@ fn a_filter_replays_from_given_images() {
     let mut images: Vec<Image> = recipe
         .images
         .iter()
-        .map(|&d| Image::filled(d, 0.0))
+        .map(|&d| Image::filled_with(d, 0.0))
         .collect();
     (0..)
         .zip(&mut images[1].texels)
@@ -65,7 +65,7 @@ fn a_filter_replays_from_given_images() {
     let replayed = gpu()
         .replay_filter(&recipe, 0, &images)
         .expect("the recipe is valid");
-    let mut expected = Image::filled(output, 0.0);
+    let mut expected = Image::filled_with(output, 0.0);
     let inputs = [images[1].view()];
     for layer in 0..2 {
         for (y, row) in (0..).zip(expected.layer_mut(layer).chunks_exact_mut(14)) {
@@ -86,9 +86,9 @@ fn a_filter_replays_from_given_images() {
 
 #[test]
 fn images_of_another_shape_are_refused() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let recipe = stage.recipe(64);
-    let images = vec![Image::filled(stage.recipe(32).images[0], 0.0)];
+    let images = vec![Image::filled_with(stage.recipe(32).images[0], 0.0)];
     let error = gpu()
         .replay_receive(&stage.view(), &recipe, &images)
         .expect_err("32 is not 64");

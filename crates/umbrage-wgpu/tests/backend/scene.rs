@@ -16,7 +16,7 @@ pub(crate) fn gpu() -> Gpu {
 }
 
 /// The scene to render.
-pub(crate) struct Stage {
+pub(crate) struct BackendScene {
     pub(crate) geometry: Geometry,
     pub(crate) camera: Camera,
     pub(crate) light: Light,
@@ -31,7 +31,7 @@ fn square(name: &str, half: f32, y: f32) -> Mesh {
     Mesh::new(name, positions, vec![[0, 1, 2], [0, 2, 3]]).expect("a square is a mesh")
 }
 
-impl Stage {
+impl BackendScene {
     pub(crate) fn new() -> Self {
         let place = |mesh, casts, receives| Instance {
             casts,
@@ -78,7 +78,7 @@ impl Stage {
     }
 
     /// Returns a tilted light space for the same scene: depth changes from texel to texel.
-    pub(crate) fn tilted(&self) -> LightSpace {
+    pub(crate) fn tilted_space(&self) -> LightSpace {
         let extents = Extents {
             left: -6.0,
             right: 6.0,

@@ -1,6 +1,6 @@
 //! Tests of shaded images.
 
-use crate::stage::{bits, camera, geometry, light, play, recipe, same_on_all_players};
+use crate::stage::{bits, camera, execute_recipe, geometry, light, recipe, same_on_all_backends};
 use std::sync::Arc;
 use umbrage_core::{
     Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span, View,
@@ -46,7 +46,7 @@ fn shading() -> Recipe {
 
 #[test]
 fn every_pixel_that_shows_a_triangle_is_coloured() {
-    let shadows = same_on_all_players(&shading());
+    let shadows = same_on_all_backends(&shading());
     let picture = shadows.picture.unwrap();
     let receivers = shadows.receivers.unwrap();
     let mut lit = [0; 2];
@@ -83,7 +83,7 @@ fn every_pixel_that_shows_a_triangle_is_coloured() {
 
 #[test]
 fn without_shading_there_is_no_picture() {
-    assert!(play(&mut Cpu::new(), &recipe()).picture.is_none());
+    assert!(execute_recipe(&mut Cpu::new(), &recipe()).picture.is_none());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use umbrage_plan::truth::{self, TruthOptions};
 
 /// Both halves of an effect.
 #[derive(Clone, Debug)]
-pub struct PlayedEffect {
+pub struct MeasuredEffect {
     /// Result with the artefact.
     pub fault: Side,
     /// Result with the fix.
@@ -35,11 +35,11 @@ pub struct Side {
 ///
 /// # Errors
 /// Errors if a preset's scene is missing, its technique doesn't support it, or a backend fails.
-pub fn play(
+pub fn measure(
     effect: &Effect,
     backends: &mut [Box<dyn Backend + Send>],
-) -> Result<PlayedEffect, LabError> {
-    Ok(PlayedEffect {
+) -> Result<MeasuredEffect, LabError> {
+    Ok(MeasuredEffect {
         fault: side(&effect.fault, backends)?,
         cure: side(&effect.cure, backends)?,
     })
@@ -49,7 +49,7 @@ pub fn play(
 fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Side, LabError> {
     let scene = (preset.scene)();
     let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
-    let stage = color::Stage::new(&scene, fit)?;
+    let stage = color::ColorScene::new(&scene, fit)?;
     let view = stage.view()?;
     // Trace truth with fewer samples than a comparison: the gallery shows artefacts, not
     // thousandths.
@@ -59,7 +59,7 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Sid
     };
     let geometry = view
         .geometry
-        .ok_or_else(|| unusable(preset, "has no triangles"))?;
+        .ok_or_else(|| unusable_preset(preset, "has no triangles"))?;
     let mut finder = Cpu::new();
     let truth = truth::trace(
         view.camera,
@@ -71,32 +71,32 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Sid
     )?;
     // Render the recipe on every backend, and measure each mask.
     let recipe = match stage.recipe(&(preset.technique)(), &truth.receivers) {
-        Err(RecipeError::Unsupported(why)) => return Err(unusable(preset, &why).into()),
+        Err(RecipeError::Unsupported(why)) => return Err(unusable_preset(preset, &why).into()),
         planned => planned?,
     };
-    let mut played: Vec<Shadows> = Vec::new();
+    let mut rendered: Vec<Shadows> = Vec::new();
     let mut errors = Vec::new();
     for backend in backends {
         let shadows = backend.render(&view, &recipe)?;
         let of_mask = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
         errors.push((backend.kind(), of_mask));
-        played.push(shadows);
+        rendered.push(shadows);
     }
-    let Some(first) = played.first() else {
+    let Some(first) = rendered.first() else {
         return Err(Invalid::new("gallery", "has no backend", "pass at least one").into());
     };
-    let color =
-        color::png(truth.size, first).ok_or_else(|| unusable(preset, "returned no image"))?;
+    let color = color::png(truth.size, first)
+        .ok_or_else(|| unusable_preset(preset, "returned no image"))?;
     Ok(Side {
         size: truth.size,
         picture: color?,
         error: png::error(truth.size, &first.mask, &truth.visibility, &truth.pixels)?,
         errors,
-        differing: differing(first, &played),
+        differing: count_differing(first, &rendered),
     })
 }
 
-fn unusable(preset: &Preset, why: &str) -> Invalid {
+fn unusable_preset(preset: &Preset, why: &str) -> Invalid {
     Invalid::new(
         format!("preset `{}`", preset.label),
         why,
@@ -105,10 +105,10 @@ fn unusable(preset: &Preset, why: &str) -> Invalid {
 }
 
 /// Returns the number of pixels on which any mask differs in any bit from the first.
-fn differing(first: &Shadows, played: &[Shadows]) -> u64 {
+fn count_differing(first: &Shadows, rendered: &[Shadows]) -> u64 {
     let mut count = 0;
     for (i, visibility) in first.mask.iter().enumerate() {
-        let differs = played
+        let differs = rendered
             .iter()
             .any(|shadows| shadows.mask[i].to_bits() != visibility.to_bits());
         count += u64::from(differs);

@@ -1,6 +1,6 @@
 //! Tests of casts of all sources and modes, and of images of all formats.
 
-use crate::stage::{bits, geometry, play, recipe, same_on_all_players, space};
+use crate::stage::{bits, execute_recipe, geometry, recipe, same_on_all_backends, space};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Cull, Faces, Filter, FilterKernel, Format, Geometry, Image, ImageDesc, Inputs,
@@ -128,7 +128,7 @@ fn every_mode() -> Recipe {
 
 #[test]
 fn threads_and_instructions_change_no_bit_of_any_mode() {
-    let shadows = same_on_all_players(&every_mode());
+    let shadows = same_on_all_backends(&every_mode());
     for image in &shadows.images {
         let mut values = bits(&image.texels);
         values.sort_unstable();
@@ -149,7 +149,7 @@ fn threads_and_instructions_change_no_bit_of_any_mode() {
 
 #[test]
 fn the_second_layer_lies_behind_the_first() {
-    let images = play(&mut Cpu::new(), &every_mode()).images;
+    let images = execute_recipe(&mut Cpu::new(), &every_mode()).images;
     let pairs = || images[DEPTH].texels.iter().zip(&images[SECOND].texels);
     assert!(pairs().all(|(a, b)| a < b || *b == 1.0));
     assert!(
@@ -165,7 +165,7 @@ fn sixteen_bits_are_the_same_depth_in_whole_steps() {
         image: STEPS,
         ..recipe.casts[DEPTH].clone()
     };
-    let images = play(&mut Cpu::new(), &recipe).images;
+    let images = execute_recipe(&mut Cpu::new(), &recipe).images;
     for (z, steps) in images[DEPTH].texels.iter().zip(&images[STEPS].texels) {
         // Half a step, plus the rounding of the division to f32.
         assert!(
@@ -179,7 +179,7 @@ fn sixteen_bits_are_the_same_depth_in_whole_steps() {
 
 #[test]
 fn counts_are_the_volumes_that_end_behind_the_surface() {
-    let shadows = play(&mut Cpu::new(), &every_mode());
+    let shadows = execute_recipe(&mut Cpu::new(), &every_mode());
     let counts = &shadows.images[COUNTS].texels;
     let of = |n: f32| counts.iter().filter(|&&c| c == n).count();
     // The pyramid is behind the sheet, front and back.
@@ -193,7 +193,7 @@ fn counts_are_the_volumes_that_end_behind_the_surface() {
 
 #[test]
 fn bytes_are_rounded_to_what_shaders_load() {
-    let shadows = play(&mut Cpu::new(), &every_mode());
+    let shadows = execute_recipe(&mut Cpu::new(), &every_mode());
     let texels = &shadows.images[BYTES].texels;
     let k = |v: f32| (v * 255.0).round() as i32;
     assert!(
@@ -242,13 +242,13 @@ fn what_is_read_before_it_is_drawn_is_clear() {
     let mut recipe = every_mode();
     recipe.casts.swap(0, 1);
     let mut cpu = Cpu::new();
-    let first = play(&mut cpu, &recipe).images;
+    let first = execute_recipe(&mut cpu, &recipe).images;
     assert!(
         first[SECOND].texels.iter().all(|&z| z == 1.0),
         "nothing is behind the far plane"
     );
     assert_eq!(
-        bits(&play(&mut cpu, &recipe).images[SECOND].texels),
+        bits(&execute_recipe(&mut cpu, &recipe).images[SECOND].texels),
         bits(&first[SECOND].texels)
     );
 }
@@ -262,8 +262,8 @@ fn replayed_casts_give_what_the_whole_gave() {
         source: Source::Faces(faces()),
         ..recipe.casts[SECOND].clone()
     });
-    let whole = play(&mut cpu, &recipe).images;
-    let spoilt = |image: &Image| Image::filled(image.desc, 0.625);
+    let whole = execute_recipe(&mut cpu, &recipe).images;
+    let spoilt = |image: &Image| Image::filled_with(image.desc, 0.625);
     let mut images: Vec<Image> = whole.iter().map(spoilt).collect();
     for (index, cast) in recipe.casts.iter().enumerate() {
         images[cast.image] = cpu
@@ -292,7 +292,7 @@ fn errors_tell_what_cannot_be_cast() {
     let mut cpu = Cpu::new();
     let geometry = geometry();
     let recipe = every_mode();
-    let images = play(&mut cpu, &recipe).images;
+    let images = execute_recipe(&mut cpu, &recipe).images;
     let refused = |result: Result<Image, umbrage_core::BackendError>, text: &str| {
         let error = result.unwrap_err().to_string();
         assert!(error.contains(text), "{error}");

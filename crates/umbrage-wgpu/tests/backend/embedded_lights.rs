@@ -30,7 +30,7 @@ fn light(e: &Embedded, space: LightSpace, side: u32) -> Recipe {
 fn lights(e: &Embedded) -> [Recipe; 2] {
     [
         light(e, e.stage.space(), 64),
-        light(e, e.stage.tilted(), 64),
+        light(e, e.stage.tilted_space(), 64),
     ]
 }
 
@@ -70,7 +70,7 @@ fn pixels(e: &Embedded, mask: &Texture) -> Vec<f32> {
 }
 
 /// Returns the mask of a recipe executed by a separate renderer.
-fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
+fn render_alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
     let mut renderer = e.renderer(RendererOptions::default());
     let mut encoder = e.foreign.encoder();
     let mask = encode(e, &mut renderer, &mut encoder, recipe);
@@ -81,8 +81,8 @@ fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
 fn two_lights_in_one_encoder_get_their_own_shadows() {
     let e = Embedded::new();
     let [above, aslant] = lights(&e);
-    let of_above = alone(&e, &above);
-    let of_aslant = alone(&e, &aslant);
+    let of_above = render_alone(&e, &above);
+    let of_aslant = render_alone(&e, &aslant);
     assert_ne!(of_above, of_aslant, "lights that shine alike prove nothing");
     for (first, second, expected) in [
         (&above, &aslant, [&of_above, &of_aslant]),
@@ -107,7 +107,7 @@ fn encoders_may_be_submitted_in_any_order() {
     submit(&e, second);
     submit(&e, first);
     for (mask, recipe) in masks.iter().zip(&recipes) {
-        assert_eq!(pixels(&e, mask), alone(&e, recipe));
+        assert_eq!(pixels(&e, mask), render_alone(&e, recipe));
     }
 }
 
@@ -145,7 +145,7 @@ fn forward_shaders_may_read_the_maps_of_both() {
     });
     submit(&e, encoder);
     for (image, recipe) in images.iter().zip(&recipes) {
-        assert_eq!(pixels(&e, image), alone(&e, recipe));
+        assert_eq!(pixels(&e, image), render_alone(&e, recipe));
     }
 }
 
@@ -171,7 +171,9 @@ fn faces_stay_until_they_are_drawn() {
         recipe
     };
     let parts = [0..2, 2..4];
-    let expected = parts.clone().map(|triangles| alone(&e, &part(triangles)));
+    let expected = parts
+        .clone()
+        .map(|triangles| render_alone(&e, &part(triangles)));
     assert_ne!(expected[0], expected[1]);
     let mut renderer = e.renderer(RendererOptions::default());
     let mut encoder = e.foreign.encoder();
@@ -195,7 +197,7 @@ fn later_frames_of_two_lights_make_nothing() {
     let e = Embedded::new();
     // Use two sizes, so that each light has to find its own textures again.
     let above = light(&e, e.stage.space(), 64);
-    let aslant = light(&e, e.stage.tilted(), 32);
+    let aslant = light(&e, e.stage.tilted_space(), 32);
     let mut renderer = e.renderer(RendererOptions::default());
     let both = [above, aslant];
     let first = frame(&e, &mut renderer, &both);
@@ -225,7 +227,7 @@ fn lights_that_are_submitted_one_by_one_share_all() {
         let mask = encode(&e, &mut renderer, &mut encoder, recipe);
         submit(&e, encoder);
         assert_eq!(renderer.counters().textures, 2, "light {i}");
-        assert_eq!(pixels(&e, &mask), alone(&e, recipe));
+        assert_eq!(pixels(&e, &mask), render_alone(&e, recipe));
     }
 }
 
@@ -243,7 +245,7 @@ fn encoders_that_are_dropped_hold_nothing() {
 #[test]
 fn another_device_is_refused() {
     let [foreign, other] = Foreign::two();
-    let e = Embedded::on(foreign);
+    let e = Embedded::on_device(foreign);
     let mut renderer =
         ShadowRenderer::new(&other.device, RendererOptions::default()).expect("group 0 is there");
     let casters = [e.casters()];
@@ -265,7 +267,7 @@ fn another_device_is_refused() {
 fn all_encoders_count() {
     let e = Embedded::new();
     let [above, aslant] = lights(&e);
-    let expected = [alone(&e, &above), alone(&e, &aslant)];
+    let expected = [render_alone(&e, &above), render_alone(&e, &aslant)];
     let mut renderer = e.renderer(RendererOptions::default());
     let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
     prepare(&e, &mut renderer, &above);

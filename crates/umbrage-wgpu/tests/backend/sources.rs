@@ -1,6 +1,6 @@
 //! Tests of the sources of casts: casters, all geometry, and a technique's faces.
 
-use crate::scene::{Stage, gpu};
+use crate::scene::{BackendScene, gpu};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
@@ -9,7 +9,7 @@ use umbrage_core::{
 };
 
 /// Returns some triangles of the stage, every vertex times `w`.
-fn faces(stage: &Stage, triangles: std::ops::Range<usize>, w: f32) -> Arc<Faces> {
+fn faces(stage: &BackendScene, triangles: std::ops::Range<usize>, w: f32) -> Arc<Faces> {
     let vertices = stage
         .geometry
         .positions()
@@ -22,7 +22,7 @@ fn faces(stage: &Stage, triangles: std::ops::Range<usize>, w: f32) -> Arc<Faces>
     })
 }
 
-fn casting(stage: &Stage, space: LightSpace, source: Source) -> Recipe {
+fn casting_recipe(stage: &BackendScene, space: LightSpace, source: Source) -> Recipe {
     Recipe {
         casts: vec![Cast {
             source,
@@ -34,7 +34,7 @@ fn casting(stage: &Stage, space: LightSpace, source: Source) -> Recipe {
 
 #[test]
 fn everything_is_more_than_the_casters() {
-    let mut stage = Stage::new();
+    let mut stage = BackendScene::new();
     let whole = stage.recipe(40);
     let mut gpu = gpu();
     let expected = stage.render(&mut gpu, &whole).images;
@@ -44,7 +44,7 @@ fn everything_is_more_than_the_casters() {
     let everything = stage
         .render(
             &mut gpu,
-            &casting(&stage, stage.space(), Source::Everything),
+            &casting_recipe(&stage, stage.space(), Source::Everything),
         )
         .images;
     assert_eq!(everything, expected);
@@ -52,18 +52,18 @@ fn everything_is_more_than_the_casters() {
 
 #[test]
 fn faces_round_as_casters_do() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    for space in [stage.tilted(), stage.camera.space()] {
+    for space in [stage.tilted_space(), stage.camera.space()] {
         let expected = stage
-            .render(&mut gpu, &casting(&stage, space, Source::Casters))
+            .render(&mut gpu, &casting_recipe(&stage, space, Source::Casters))
             .images;
         // Powers of two scale exactly, and division by w is exact, too.
         for w in [1.0, 4.0] {
             let source = Source::Faces(faces(&stage, 0..4, w));
             assert_eq!(
                 stage
-                    .render(&mut gpu, &casting(&stage, space, source))
+                    .render(&mut gpu, &casting_recipe(&stage, space, source))
                     .images,
                 expected,
                 "w = {w}"
@@ -72,7 +72,7 @@ fn faces_round_as_casters_do() {
         let fewer = Source::Faces(faces(&stage, 0..3, 1.0));
         assert_ne!(
             stage
-                .render(&mut gpu, &casting(&stage, space, fewer))
+                .render(&mut gpu, &casting_recipe(&stage, space, fewer))
                 .images,
             expected,
             "a triangle is missing"
@@ -82,7 +82,7 @@ fn faces_round_as_casters_do() {
 
 #[test]
 fn faces_reach_to_infinity() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let side = 40;
     let near = 0.5;
     let far = 1e6;
@@ -106,7 +106,10 @@ fn faces_reach_to_infinity() {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
     });
     let images = stage
-        .render(&mut gpu(), &casting(&stage, space, Source::Faces(ground)))
+        .render(
+            &mut gpu(),
+            &casting_recipe(&stage, space, Source::Faces(ground)),
+        )
         .images;
     for (i, &depth) in images[0].texels.iter().enumerate() {
         let y = 1.0 - (f64::from(i as u32 / side) + 0.5) / 20.0;
@@ -128,17 +131,17 @@ fn faces_reach_to_infinity() {
 
 #[test]
 fn faces_are_uploaded_once() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let kept = Source::Faces(faces(&stage, 0..4, 1.0));
-    let recipe = casting(&stage, stage.space(), kept);
+    let recipe = casting_recipe(&stage, stage.space(), kept);
     stage.render(&mut gpu, &recipe);
     let first = gpu.counters();
     let image = stage.render(&mut gpu, &recipe).images;
     assert_eq!(gpu.counters(), first);
     // Execute techniques that compute new faces each frame.
     for triangles in [0..3, 1..4, 0..2] {
-        let recipe = casting(
+        let recipe = casting_recipe(
             &stage,
             stage.space(),
             Source::Faces(faces(&stage, triangles, 1.0)),
@@ -154,7 +157,7 @@ fn faces_are_uploaded_once() {
 
 #[test]
 fn no_faces_leave_the_image_as_it_was() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let mut recipe = stage.recipe(40);
     let before = stage.render(&mut gpu, &recipe).images;

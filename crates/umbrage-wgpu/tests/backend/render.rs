@@ -2,7 +2,7 @@
 
 use crate::{
     kernels::{Everything, Halve, Paint, reference},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{UVec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use umbrage_core::{
 
 #[test]
 fn the_map_holds_floor_and_plate() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let shadows = stage.render(&mut gpu(), &stage.recipe(40));
     // Texels are 0.25 m: the floor covers 32 of 40 each way, the plate 8. Seen from y = 5, with
     // 1..9 m mapped to 0..1.
@@ -41,7 +41,7 @@ fn the_map_holds_floor_and_plate() {
 
 #[test]
 fn the_mask_is_what_the_rust_half_says() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let shadows = stage.render(&mut gpu(), &stage.recipe(64));
     let receivers = shadows.receivers.as_ref().expect("the view had none");
     let mask = reference(&stage.compare(), &shadows.images, receivers);
@@ -62,7 +62,7 @@ fn the_mask_is_what_the_rust_half_says() {
 
 #[test]
 fn receivers_are_bit_equal_to_the_rust_resolve() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let shadows = stage.render(&mut gpu(), &stage.recipe(8));
     let r = shadows.receivers.expect("the view had none");
     let rays = stage.camera.rays();
@@ -98,7 +98,7 @@ fn receivers_are_bit_equal_to_the_rust_resolve() {
 
 #[test]
 fn given_receivers_give_the_same_mask() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let first = stage.render(&mut gpu, &stage.recipe(64));
     let receivers = first.receivers.expect("the view had none");
@@ -112,7 +112,7 @@ fn given_receivers_give_the_same_mask() {
 
 #[test]
 fn without_casters_all_is_lit() {
-    let mut stage = Stage::new();
+    let mut stage = BackendScene::new();
     stage.geometry = stage.geometry.without_casters();
     let shadows = stage.render(&mut gpu(), &stage.recipe(64));
     assert!(shadows.mask.iter().all(|&v| v == 1.0));
@@ -120,7 +120,7 @@ fn without_casters_all_is_lit() {
 }
 
 /// Returns a recipe with two filters, a layered image, a table, and an unwritten image.
-fn everything(stage: &Stage) -> Recipe {
+fn everything(stage: &BackendScene) -> Recipe {
     let image = |label| ImageDesc {
         label,
         size: UVec2::new(5, 3),
@@ -162,7 +162,7 @@ fn everything(stage: &Stage) -> Recipe {
 
 #[test]
 fn filters_layers_and_tables_reach_the_kernel() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let shadows = stage.render(&mut gpu(), &everything(&stage));
     let texel = |image: usize, x: usize, y: usize, layer: usize| {
         <[f32; 4]>::try_from(&shadows.images[image].texels[4 * ((layer * 3 + y) * 5 + x)..][..4])
@@ -183,7 +183,7 @@ fn filters_layers_and_tables_reach_the_kernel() {
 
 #[test]
 fn images_that_nothing_writes_start_clean_every_time() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let mut recipe = stage.recipe(16);
     let full = stage.render(&mut gpu, &recipe);
@@ -195,14 +195,14 @@ fn images_that_nothing_writes_start_clean_every_time() {
 
 #[test]
 fn a_second_cast_into_a_layer_keeps_the_nearest() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let mut recipe = stage.recipe(40);
     let mut shifted = recipe.casts[0].clone();
     // Shift by 8 texels to the right: the plate now covers twice the area.
     shifted.space = shifted
         .space
-        .nudged(glam::Vec2::new(8.0, 0.0), 0.0, UVec2::splat(40));
+        .nudge_by(glam::Vec2::new(8.0, 0.0), 0.0, UVec2::splat(40));
     recipe.casts.push(shifted);
     let shadows = stage.render(&mut gpu, &recipe);
     let plate = shadows.images[0]
@@ -215,7 +215,7 @@ fn a_second_cast_into_a_layer_keeps_the_nearest() {
 
 #[test]
 fn nothing_is_made_on_the_second_frame() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let everything = everything(&stage);
     stage.render(&mut gpu, &everything);
@@ -236,7 +236,7 @@ fn nothing_is_made_on_the_second_frame() {
 
 #[test]
 fn stages_are_timed() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     let timings = stage.render(&mut gpu, &stage.recipe(64)).timings;
     assert!(

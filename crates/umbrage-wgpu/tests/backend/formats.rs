@@ -3,7 +3,7 @@
 
 use crate::{
     kernels::{Paint, Same, kernel},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ fn desc(label: &'static str, format: Format) -> ImageDesc {
 }
 
 /// Returns a recipe that casts into 32 and into 16 bits, with a filter that copies the latter.
-fn two_depths(stage: &Stage) -> Recipe {
+fn two_depths(stage: &BackendScene) -> Recipe {
     let same = Same(stage.numbers(Vec4::ZERO));
     Recipe {
         images: vec![
@@ -30,7 +30,7 @@ fn two_depths(stage: &Stage) -> Recipe {
             desc("loaded", Format::R32),
         ],
         casts: (0..2)
-            .map(|image| Cast::nearest(image, 0, stage.tilted()))
+            .map(|image| Cast::nearest(image, 0, stage.tilted_space()))
             .collect(),
         filters: vec![Filter {
             kernel: Arc::new(same),
@@ -44,7 +44,7 @@ fn two_depths(stage: &Stage) -> Recipe {
 
 #[test]
 fn depth_of_16_bits_is_rounded_depth_of_32() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let [fine, coarse, loaded] =
         <[Image; 3]>::try_from(stage.render(&mut gpu(), &two_depths(&stage)).images)
             .expect("three images were requested");
@@ -79,7 +79,7 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
 /// times a float.
 #[test]
 fn the_pinned_driver_rounds_depth_by_a_known_rule() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: only its tolerance is tested");
@@ -87,7 +87,7 @@ fn the_pinned_driver_rounds_depth_by_a_known_rule() {
     }
     let mut fine = vec![];
     let mut coarse = vec![];
-    for space in [stage.tilted(), stage.camera.space()] {
+    for space in [stage.tilted_space(), stage.camera.space()] {
         let mut recipe = two_depths(&stage);
         recipe.casts.iter_mut().for_each(|cast| cast.space = space);
         let images = stage.render(&mut gpu, &recipe).images;
@@ -107,7 +107,7 @@ fn the_pinned_driver_rounds_depth_by_a_known_rule() {
 /// On that driver, a unit of constant bias is two steps of 16 bits.
 #[test]
 fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: the API leaves the unit to it");
@@ -126,7 +126,7 @@ fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
 
 #[test]
 fn bytes_of_colour_are_what_shaders_load() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     // Paint x, y, layer and 1, all times 1/100: at most 1 for all of the 50 columns.
     let paint = Paint(stage.numbers(Vec4::splat(0.01)));
     let same = Same(stage.numbers(Vec4::ZERO));
@@ -186,7 +186,7 @@ impl FilterKernel for Scatter {
 /// The pinned driver rounds bytes of colour like depth.
 #[test]
 fn the_pinned_driver_rounds_colour_by_a_known_rule() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: only its tolerance is tested");
@@ -247,7 +247,7 @@ impl FilterKernel for Spread {
 /// independent of its texture conversion.
 #[test]
 fn filters_write_the_nearest_step_of_16_bits() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let spread = |output| Filter {
         kernel: Arc::new(Spread(stage.numbers(Vec4::ZERO))),
         inputs: vec![],
@@ -293,8 +293,8 @@ fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
 }
 
 /// Returns what a filter loads from a given image.
-fn replayed(given: &Image, loaded: Format) -> Image {
-    let stage = Stage::new();
+fn loaded_image(given: &Image, loaded: Format) -> Image {
+    let stage = BackendScene::new();
     let same = Same(stage.numbers(Vec4::ZERO));
     let output = ImageDesc {
         format: loaded,
@@ -311,9 +311,9 @@ fn replayed(given: &Image, loaded: Format) -> Image {
         ..stage.recipe(4)
     };
     let images = [
-        Image::filled(recipe.images[0], 1.0),
+        Image::filled_with(recipe.images[0], 1.0),
         given.clone(),
-        Image::filled(output, 0.0),
+        Image::filled_with(output, 0.0),
     ];
     gpu()
         .replay_filter(&recipe, 0, &images)
@@ -344,7 +344,7 @@ fn given_images_of_all_formats_are_loaded_as_given() {
                 count,
                 unit,
             );
-            let once = replayed(&given, loaded);
+            let once = loaded_image(&given, loaded);
             for (have, wanted) in once.texels.iter().zip(&given.texels) {
                 // Drivers differ in the last bit of a step's float.
                 assert!(
@@ -352,7 +352,7 @@ fn given_images_of_all_formats_are_loaded_as_given() {
                     "{format:?}: {have} for {wanted}"
                 );
             }
-            let again = replayed(
+            let again = loaded_image(
                 &Image {
                     desc: given.desc,
                     texels: once.texels.clone(),
@@ -370,7 +370,7 @@ fn given_images_of_all_formats_are_loaded_as_given() {
 
 #[test]
 fn counts_that_nothing_writes_are_zero() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut recipe = stage.recipe(8);
     recipe.images.push(desc("counts", Format::Stencil8));
     let images = stage.render(&mut gpu(), &recipe).images;

@@ -1,7 +1,7 @@
 //! Tests of invalid buffers, textures and matrices of the caller. Each is reported as an error of
 //! this crate before wgpu reports its own.
 
-use crate::{embedded::Embedded, foreign::Foreign, scene::Stage};
+use crate::{embedded::Embedded, foreign::Foreign, scene::BackendScene};
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{
@@ -11,7 +11,7 @@ use umbrage_wgpu::{
 };
 
 /// Checks that a frame is rejected with an `Invalid` error that contains `words`.
-fn refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
+fn check_refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
     let mut renderer = e.renderer(RendererOptions::default());
     let prepared = renderer.prepare(
         &e.foreign.device,
@@ -26,7 +26,7 @@ fn refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
 
 fn refused_caster(e: &Embedded, caster: Drawable<'_>, words: &str) {
     let casters = [e.casters(), caster];
-    refused(e, &e.frame(&casters), words);
+    check_refused(e, &e.frame(&casters), words);
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn buffers_need_their_usages() {
         vertices: &elsewhere,
         ..e.casters()
     }];
-    refused(
+    check_refused(
         &e,
         &FrameInputs {
             everything: &everything,
@@ -212,7 +212,7 @@ fn gbuffers_can_be_read() {
             "receivers' {what} texture: was created without the usage `TextureUsages::TEXTURE_BINDING`"
         )
     };
-    refused(
+    check_refused(
         &e,
         &frame(GBuffer {
             position: &floats,
@@ -220,7 +220,7 @@ fn gbuffers_can_be_read() {
         }),
         &without("position"),
     );
-    refused(
+    check_refused(
         &e,
         &frame(GBuffer {
             normal: &floats,
@@ -228,7 +228,7 @@ fn gbuffers_can_be_read() {
         }),
         &without("normal"),
     );
-    refused(
+    check_refused(
         &e,
         &frame(GBuffer {
             triangle: Some(&ids),
@@ -248,7 +248,7 @@ fn refused_depth(foreign: &Foreign, source: &DepthBuffer<'_>, words: &str) {
 
 #[test]
 fn depth_buffers_can_be_read() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let foreign = Foreign::new();
     let size = stage.camera.size;
     let bytes = vec![0; 4 * (size.x * size.y) as usize];
@@ -293,7 +293,7 @@ fn depth_buffers_can_be_read() {
 /// Covers perspective, usual and reversed, with and without a far plane.
 #[test]
 fn empty_depth_is_not_the_nearest() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let foreign = Foreign::new();
     let depth: TextureView = foreign.texture(
         TextureFormat::R32Float,
@@ -331,14 +331,14 @@ fn empty_depth_is_not_the_nearest() {
 /// accepted.
 #[test]
 fn flat_cameras_take_either_empty_depth() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let foreign = Foreign::new();
     let depth: TextureView = foreign.texture(
         TextureFormat::R32Float,
         stage.camera.size,
         &vec![0; 97 * 61 * 4],
     );
-    for space in [stage.space(), stage.tilted()] {
+    for space in [stage.space(), stage.tilted_space()] {
         // Invert in 32 bits, as programs do.
         let world_from_clip = space.clip_from_world().inverse();
         for empty in [0.0, 1.0] {

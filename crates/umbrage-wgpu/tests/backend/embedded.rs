@@ -2,7 +2,7 @@
 
 use crate::{
     foreign::{Foreign, read},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Geometry, Receivers};
@@ -14,7 +14,7 @@ use umbrage_wgpu::{
 
 /// A stage in the caller's own buffers: 16-bit indices, padded vertices, with a shift and a scale.
 pub(crate) struct Embedded {
-    pub(crate) stage: Stage,
+    pub(crate) stage: BackendScene,
     pub(crate) foreign: Foreign,
     vertices: umbrage_wgpu::wgpu::Buffer,
     indices: umbrage_wgpu::wgpu::Buffer,
@@ -29,11 +29,11 @@ const SHIFT: Vec3 = Vec3::new(1.0, -2.0, 3.0);
 
 impl Embedded {
     pub(crate) fn new() -> Self {
-        Self::on(Foreign::new())
+        Self::on_device(Foreign::new())
     }
 
-    pub(crate) fn on(foreign: Foreign) -> Self {
-        let stage = Stage::new();
+    pub(crate) fn on_device(foreign: Foreign) -> Self {
+        let stage = BackendScene::new();
         let shadows = stage.render(&mut gpu(), &stage.recipe(64));
         let receivers = shadows.receivers.expect("the view had none");
         let (vertices, indices) = buffers(&stage.geometry);
@@ -277,7 +277,7 @@ fn a_second_frame_makes_nothing() {
         recipe.casts[0].space =
             recipe.casts[0]
                 .space
-                .nudged(glam::Vec2::splat(step as f32), 0.0, UVec2::splat(64));
+                .nudge_by(glam::Vec2::splat(step as f32), 0.0, UVec2::splat(64));
         let casters = [casters];
         renderer
             .prepare(

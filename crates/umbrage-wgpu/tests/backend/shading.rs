@@ -2,7 +2,7 @@
 
 use crate::{
     kernels::{Numbers, kernel},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::Vec4;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl ShadeKernel for Reads {
 
 const BACKGROUND: [f32; 4] = [0.1, -2.0, 3.5, 0.25];
 
-fn kernel_of(stage: &Stage) -> Reads {
+fn kernel_of(stage: &BackendScene) -> Reads {
     let Numbers {
         clip_from_world, ..
     } = stage.numbers(Vec4::ZERO);
@@ -46,7 +46,7 @@ fn kernel_of(stage: &Stage) -> Reads {
     })
 }
 
-pub(crate) fn shaded(stage: &Stage) -> Recipe {
+pub(crate) fn shaded_recipe(stage: &BackendScene) -> Recipe {
     let rows: Vec<[u32; 4]> = (0..4).map(|i| [0, 0, 7 * i, 0]).collect();
     Recipe {
         tables: vec![Table {
@@ -89,9 +89,9 @@ pub(crate) fn reference(
 
 #[test]
 fn the_picture_is_what_the_rust_half_says() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let shadows = stage.render(&mut gpu, &shaded(&stage));
+    let shadows = stage.render(&mut gpu, &shaded_recipe(&stage));
     let picture = shadows.picture.expect("the recipe shades");
     let r = shadows.receivers.expect("the view had none");
     let expected = reference(&kernel_of(&stage), &r, &shadows.mask);
@@ -122,24 +122,27 @@ fn the_picture_is_what_the_rust_half_says() {
 
 #[test]
 fn given_receivers_give_the_same_picture() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let first = stage.render(&mut gpu, &shaded(&stage));
+    let first = stage.render(&mut gpu, &shaded_recipe(&stage));
     let receivers = first.receivers.expect("the view had none");
     let second = gpu
-        .render(&stage.view().with_receivers(&receivers), &shaded(&stage))
+        .render(
+            &stage.view().with_receivers(&receivers),
+            &shaded_recipe(&stage),
+        )
         .expect("it rendered before");
     assert_eq!(first.picture, second.picture);
 }
 
 #[test]
 fn a_second_picture_makes_nothing_and_a_mask_alone_has_none() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut gpu = gpu();
-    let recipe = shaded(&stage);
+    let recipe = shaded_recipe(&stage);
     let first = stage.render(&mut gpu, &recipe);
     let counters = gpu.counters();
-    let mut second = shaded(&stage);
+    let mut second = shaded_recipe(&stage);
     second.tables = recipe.tables.clone();
     if let Some(shade) = &mut second.shade {
         shade.background = [9.0; 4];

@@ -52,44 +52,44 @@ impl Still<'_> {
         technique: &TechniquePreset,
         backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {
-        let played = match self.play(self.case_truth, technique, backends) {
-            Ok(played) => played,
+        let executed = match self.render_all_lights(self.case_truth, technique, backends) {
+            Ok(executed) => executed,
             Err(why) => return Ok(no_mask(technique, why)),
         };
         let mut judgements = Vec::new();
         for criterion in self.criteria {
-            if criterion.measure == Measure::Fill && !played.casts {
+            if criterion.measure == Measure::Fill && !executed.casts {
                 judgements.push(Judgement::not_measured(CASTS_NOTHING));
                 continue;
             }
             if criterion.measure == Measure::CascadeSeams {
-                let seams = self.cascade_seams(&played);
+                let seams = self.cascade_seams(&executed);
                 judgements.push(seams.map_or(Judgement::not_measured(NO_SEAM), |figure| {
                     criterion.limits.judgement(figure)
                 }));
                 continue;
             }
-            match self.figure(criterion.measure, &played, technique, backends) {
+            match self.figure(criterion.measure, &executed, technique, backends) {
                 Ok(figure) => judgements.push(criterion.limits.judgement(figure)),
                 Err(why) => return Ok(no_mask(technique, why)),
             }
         }
-        let mut out = cell(technique, CellOutcome::of(judgements));
-        out.disagreeing = played.disagreeing;
+        let mut out = cell(technique, CellOutcome::from_judgements(judgements));
+        out.disagreeing = executed.disagreeing;
         if out.verdict() > Some(Verdict::NotMeasured) {
-            out.picture = Some(pictures::beside(self.case_truth, &played.mask)?);
+            out.picture = Some(pictures::side_by_side(self.case_truth, &executed.mask)?);
         }
         Ok(out)
     }
 
     /// Returns the figure of [`Measure::CascadeSeams`]; `None` if no two cascades meet.
-    fn cascade_seams(&self, played: &RenderedOnAll) -> Option<f64> {
+    fn cascade_seams(&self, executed: &RenderedOnAll) -> Option<f64> {
         let truth = &self.case_truth.truth;
         cascade_seams::excess(
             truth.size,
-            &played.mask,
+            &executed.mask,
             &truth.visibility,
-            played.cascades.as_ref()?,
+            executed.cascades.as_ref()?,
             |i| self.case_truth.counts(i),
         )
     }
@@ -99,24 +99,24 @@ impl Still<'_> {
     fn figure(
         &self,
         measure: Measure,
-        played: &RenderedOnAll,
+        executed: &RenderedOnAll,
         technique: &dyn ShadowTechnique,
         backends: &SharedBackends<'_>,
     ) -> Result<f64, NoMask> {
         match (measure, self.reference) {
-            (Measure::Fill, _) => Ok(played.fill),
+            (Measure::Fill, _) => Ok(executed.fill),
             (Measure::ScaleDrift(_), Some(reference)) => {
-                let at_one = self.play(reference, technique, backends)?;
+                let at_one = self.render_all_lights(reference, technique, backends)?;
                 let rmse_at_one = rmse(reference, &at_one.mask);
-                Ok((rmse(self.case_truth, &played.mask) - rmse_at_one).abs())
+                Ok((rmse(self.case_truth, &executed.mask) - rmse_at_one).abs())
             }
-            (measure, _) => Ok(measure.figure(self.case_truth, &played.mask)),
+            (measure, _) => Ok(measure.figure(self.case_truth, &executed.mask)),
         }
     }
 
     /// Returns the mean mask over the case's lights on the first backend, and the number of pixels
     /// on which the others differ from it.
-    fn play(
+    fn render_all_lights(
         &self,
         case_truth: &CaseTruth,
         technique: &dyn ShadowTechnique,
@@ -124,7 +124,7 @@ impl Still<'_> {
     ) -> Result<RenderedOnAll, NoMask> {
         let mut all: Option<RenderedOnAll> = None;
         for light in &case_truth.lights {
-            let one = self.under(light, case_truth, technique, backends)?;
+            let one = self.render_under_light(light, case_truth, technique, backends)?;
             all = Some(match all {
                 None => one,
                 Some(sum) => sum.plus(one),
@@ -139,7 +139,7 @@ impl Still<'_> {
     }
 
     /// Renders a technique under one light.
-    fn under(
+    fn render_under_light(
         &self,
         light: &Light,
         case_truth: &CaseTruth,
@@ -148,7 +148,7 @@ impl Still<'_> {
     ) -> Result<RenderedOnAll, NoMask> {
         let view = case_truth.view(light);
         let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
-        let rendered = all_backends::render(&mut backends.lock().playing, &view, &recipe)?;
+        let rendered = all_backends::render(&mut backends.lock().backends, &view, &recipe)?;
         Ok(RenderedOnAll {
             mask: rendered.mask,
             fill: self.fill(&recipe, &view),
@@ -174,7 +174,7 @@ impl Still<'_> {
     /// Returns the number of fragments that casts draw for an image of [`SCREEN`] pixels, millions.
     /// Casts into images of the camera's size grow with its pixels.
     fn fill(&self, recipe: &Recipe, view: &View<'_>) -> f64 {
-        let covered = Work::of(view, recipe, self.catalogue).covered as f64 * 1e-6;
+        let covered = Work::of_recipe(view, recipe, self.catalogue).covered as f64 * 1e-6;
         let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
         if draws_the_picture(recipe, view.camera) {
             covered * SCREEN / pixels

@@ -3,7 +3,7 @@
 use crate::{
     foreign::{Foreign, read},
     kernels::{Numbers, kernel},
-    scene::{Stage, gpu},
+    scene::{BackendScene, gpu},
 };
 use glam::{UVec2, Vec2, Vec4};
 use std::sync::Arc;
@@ -102,21 +102,21 @@ fn recipe(map: &Image, kernel: Arc<dyn ReceiveKernel>) -> Recipe {
         images: vec![map.desc],
         casts: vec![],
         receive,
-        ..Stage::new().recipe(8)
+        ..BackendScene::new().recipe(8)
     }
 }
 
 fn numbers(layer: u32) -> Numbers {
-    Stage::new().numbers(Vec4::splat(layer as f32))
+    BackendScene::new().numbers(Vec4::splat(layer as f32))
 }
 
-fn ask(
+fn run_lookup(
     gpu: &mut Gpu,
     map: &Image,
     questions: &Receivers,
     kernel: Arc<dyn ReceiveKernel>,
 ) -> Vec<f32> {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let mut camera = stage.camera;
     camera.size = questions.size;
     let view =
@@ -127,7 +127,7 @@ fn ask(
 
 /// Returns the comparison results of the four texels around a position, in the order of gathering
 /// (whether `depth` is at most the stored one), and the position's fractions in x and y.
-fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
+fn texels_around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
     let size = map.desc.size.as_vec2();
     let last = map.desc.size.as_ivec2() - 1;
     let c = ((uv * size).min(size) - 0.5).max(Vec2::ZERO);
@@ -166,10 +166,10 @@ fn comparisons_blend_four_texels() {
     for (layers, layer) in [(1, 0), (3, 0), (3, 2)] {
         for format in [Format::Depth32, Format::Depth16] {
             let map = map(layers, format);
-            let answers = ask(gpu, &map, &questions, Arc::new(Sampled(numbers(layer))));
+            let answers = run_lookup(gpu, &map, &questions, Arc::new(Sampled(numbers(layer))));
             let expected = |i: usize, layer| {
                 let p = questions.position(i);
-                let (lit, at) = around(&map, layer, p.truncate(), p.z);
+                let (lit, at) = texels_around(&map, layer, p.truncate(), p.z);
                 blend(lit, at)
             };
             let wrong = |layer| {
@@ -197,10 +197,10 @@ fn gathered_comparisons_come_in_wgsl_order() {
     let questions = questions();
     for (layers, layer) in [(1, 0), (3, 2)] {
         let map = map(layers, Format::Depth32);
-        let answers = ask(gpu, &map, &questions, Arc::new(Gathered(numbers(layer))));
+        let answers = run_lookup(gpu, &map, &questions, Arc::new(Gathered(numbers(layer))));
         let expected = |i: usize| {
             let p = questions.position(i);
-            let ([a, b, c, d], at) = around(&map, layer, p.truncate(), p.z);
+            let ([a, b, c, d], at) = texels_around(&map, layer, p.truncate(), p.z);
             // Skip positions that are equally near to two texels within rounding, where drivers may
             // gather either.
             let clear = [at.x, at.y].iter().all(|&s| s > 1e-3 && s < 1.0 - 1e-3);
@@ -228,7 +228,7 @@ fn kernels_that_compare_load_as_others_do() {
         questions.y[i] = noise(2 * i + 1);
     }
     let map = map(2, Format::Depth32);
-    let answers = ask(gpu, &map, &questions, Arc::new(Loaded(numbers(1))));
+    let answers = run_lookup(gpu, &map, &questions, Arc::new(Loaded(numbers(1))));
     for (i, answer) in answers.iter().enumerate() {
         let p = questions.position(i).truncate() * map.desc.size.as_vec2();
         assert_eq!(*answer, map.view().load(p.x as i32, p.y as i32, 1));
@@ -238,7 +238,7 @@ fn kernels_that_compare_load_as_others_do() {
 
 #[test]
 fn pasted_text_compares_on_a_foreign_device() {
-    let stage = Stage::new();
+    let stage = BackendScene::new();
     let foreign = Foreign::new();
     let recipe = stage.recipe_with(64, Arc::new(Sampled(numbers(0))));
     let q = questions();
