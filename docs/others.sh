@@ -48,14 +48,14 @@ balconies contact 4 "$street/truth.png" "$street"/contact-{0-0.005,60-0.005,60-0
 
 cargo run --release --example panes -- docs/others
 
-engines=(cargo run --release --manifest-path examples/beside/engines/Cargo.toml)
+engines=(cargo run --release --manifest-path examples/rivals/engines/Cargo.toml)
 if [[ "$with_bevy" == yes ]]; then
-  "${engines[@]}" --ignore-rust-version --features bevy --bin beside_bevy -- street thin-plate street-soft --out "$report/bevy"
+  "${engines[@]}" --ignore-rust-version --features bevy --bin rival_bevy -- street thin-plate street-soft --out "$report/bevy"
   balconies bevy 3 "$report"/bevy/street.{truth,Bevy-as-far-as-is-seen,Bevy-as-far-as-is-seen-contact-shadows}.png \
     "$report"/bevy/street.{umbrage-pcf-3x3-4-cascades-of-2048,umbrage-exact}.png
 fi
 
 if [[ "$with_three_d" == yes ]]; then
-  "${engines[@]}" --features three_d --bin beside_three_d -- street thin-plate --out "$report/three_d"
+  "${engines[@]}" --features three_d --bin rival_three_d -- street thin-plate --out "$report/three_d"
   balconies three_d 2 "$report"/three_d/street.{truth,three-d-2048,umbrage-pcf-3x3-2048,umbrage-pcf-3x3-4-cascades-of-2048}.png
 fi

@@ -4,12 +4,16 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
+mkdir -p "$report"
 gallery() {
   cargo run --profile measure --example gallery -- "$@"
 }
 cargo xtask compare teapot-lamp --map-sizes 512 --out "$report"
 rows=("$report"/teapot-lamp/{hard-512-bias-none,hard-512-bias-slope-.05-.005,pcf-7x7-512-bias-adaptive}.cpu)
 gallery sheet docs/teapot-lamp.png --columns 4 "$report/teapot-lamp/truth.png" "${rows[@]/%/.png}" - "${rows[@]/%/.error.png}"
+printf 'technique = "pcf"\nradius = 1\n[map]\nsize = 1024\nlayout = { cascades = { count = 4 } }\n' > "$report/cascades.preset.toml"
+cargo xtask compare street --color --technique none --preset "$report/cascades.preset.toml" --size 800x450 --backend cpu --out "$report/readme"
+gallery sheet docs/readme.png --columns 2 "$report"/readme/street/cascades.cpu.{color,error}.png
 gallery causes
 gallery lists
 gallery penumbrae

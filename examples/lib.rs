@@ -2,7 +2,7 @@
 //! user of the library, and the artefacts of the documentation.
 
 /// Techniques of other renderers that the library doesn't have. `docs/others.md` compares them.
-pub mod beside {
+pub mod rivals {
     pub mod contact;
     pub mod panes;
 }

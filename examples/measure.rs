@@ -4,7 +4,7 @@
 
 use std::process::ExitCode;
 use umbrage::Invalid;
-use umbrage_examples::{beside::contact::ContactShadows, variance::Variance};
+use umbrage_examples::{rivals::contact::ContactShadows, variance::Variance};
 use umbrage_lab::cli::Program;
 use umbrage_plan::catalogue::CatalogueEntry;
 

@@ -7,7 +7,7 @@ fn depth_at(l: ShadowCoord, x: i32, y: i32) -> f32 {
     return l.depth;
 }
 
-fn is_lit_beside(is_outside: bool) -> bool {
+fn is_lit_outside(is_outside: bool) -> bool {
     if EDGE_REPEATS {
         return false;
     }
@@ -19,5 +19,5 @@ fn tap(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 {
     // Load in any case, to avoid a branch per tap.
     let nearest = clamp(at, vec2i(0), vec2i(size - 1));
     let is_lit = depth_at(l, x, y) <= stored_depth(nearest, l.layer);
-    return select(0.0, 1.0, is_lit | is_lit_beside(any(at != nearest)));
+    return select(0.0, 1.0, is_lit | is_lit_outside(any(at != nearest)));
 }

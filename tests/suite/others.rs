@@ -8,7 +8,8 @@ use umbrage::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_examples::{
-    beside::{
+    judge::JudgedScene,
+    rivals::{
         contact::ContactShadows,
         panes::{
             Glass, Panes,
@@ -16,7 +17,6 @@ use umbrage_examples::{
             transmitted_light,
         },
     },
-    judge::JudgedScene,
 };
 use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::gpu::gpu;

@@ -28,7 +28,7 @@ fn blended_moments(at: vec2f, layer: i32) -> vec4f {
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let size = f32(size_0().x);
     let is_inside = l.texel.x >= 0.0 && l.texel.y >= 0.0 && l.texel.x < size && l.texel.y < size;
-    if is_lit_beside(!is_inside) {
+    if is_lit_outside(!is_inside) {
         return 1.0;
     }
     if l.depth > 1.0 {

@@ -43,11 +43,11 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     let folder = &options.pack;
     check_folder(folder)?;
     let mut programs = build()?;
-    let bevy = root().join("examples/beside/engines/target/release/beside_bevy");
+    let bevy = root().join("examples/rivals/engines/target/release/rival_bevy");
     if bevy.is_file() {
-        programs.push(("beside_bevy".to_owned(), bevy));
+        programs.push(("rival_bevy".to_owned(), bevy));
     } else {
-        println!("skipped Bevy: examples/beside/engines is not built; see its README");
+        println!("skipped Bevy: examples/rivals/engines is not built; see its README");
     }
     write_folder(folder, &programs)?;
     download_loader(&folder.join("loader"))?;

@@ -63,7 +63,7 @@ for part in ${*:-adapter agreement times light-set prices nets lists soft stabil
     soft) limit 90 soft "$bin/xtask-measure" bench --soft --runs 1 ;;
     stability) limit 150 stability "$bin/xtask-measure" stability --backend wgpu --out "$out/stability" ;;
     bevy)
-      if [ -x "$bin/beside_bevy" ]; then limit 120 bevy "$bin/beside_bevy" street street-soft --frames 15 --out "$out/bevy"; else echo "not packed"; fi
+      if [ -x "$bin/rival_bevy" ]; then limit 120 bevy "$bin/rival_bevy" street street-soft --frames 15 --out "$out/bevy"; else echo "not packed"; fi
       ;;
     *) echo "error: there is no part $part; the parts are listed at the head of run.sh"; exit 2 ;;
   esac

@@ -1,7 +1,7 @@
 //! Limits on words and comments of the prose: comments, strings and Markdown. The words are right in
 //! other places, but a text that needs them often is hard to read for others of the field.
 
-use super::files::Source;
+use super::files::SourceFile;
 
 /// Words, and how often 100,000 lines of Rust and Markdown may have them.
 const WORDS: [(&[&str], usize); 7] = [
@@ -40,7 +40,7 @@ pub(super) struct Prose {
 
 impl Prose {
     /// Counts the words and comments of a file.
-    pub(super) fn add(&mut self, source: &Source) {
+    pub(super) fn add(&mut self, source: &SourceFile) {
         let is_rust = source.extension() == "rs";
         if source.path == OWN_PATH || !(is_rust || source.extension() == "md") {
             return;
@@ -133,11 +133,11 @@ fn count(text: &str, words: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{Prose, Source};
+    use super::{Prose, SourceFile};
 
     fn faults(path: &str, line: &str, times: usize) -> usize {
         let mut prose = Prose::default();
-        prose.add(&Source {
+        prose.add(&SourceFile {
             path: path.to_owned(),
             text: format!("{line}\n").repeat(times),
         });
@@ -158,12 +158,12 @@ mod tests {
     fn a_few_are_allowed_over_many_lines() {
         let mut prose = Prose::default();
         let lines = format!("{}// asked\n", "x();\n".repeat(4_999));
-        prose.add(&Source {
+        prose.add(&SourceFile {
             path: "a.rs".to_owned(),
             text: lines,
         });
         assert!(prose.faults().is_empty());
-        prose.add(&Source {
+        prose.add(&SourceFile {
             path: "b.rs".to_owned(),
             text: "// asked\n".to_owned(),
         });

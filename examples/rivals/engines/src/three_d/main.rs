@@ -6,7 +6,7 @@ mod program;
 mod sun;
 
 use anyhow::{Result, ensure};
-use beside_engines::{Rival, judge::JudgedScene, median};
+use rival_engines::{Rival, judge::JudgedScene, median};
 use program::{INTENSITY, ThreeDProgram};
 use std::{sync::Arc, time::Instant};
 use sun::UmbrageSun;
@@ -43,7 +43,7 @@ enum Moves {
 }
 
 fn main() -> Result<()> {
-    beside_engines::run::<ThreeDProgram>()
+    rival_engines::run::<ThreeDProgram>()
 }
 
 impl Rival for ThreeDProgram {

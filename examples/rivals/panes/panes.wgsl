@@ -8,9 +8,9 @@ struct PanesUniforms {
 }
 
 // Returns whether the receiver is in front of the stored depth, like `tap` for the first image.
-fn is_before(stored: f32, l: ShadowCoord, at: vec2i, is_beside: bool) -> bool {
+fn is_before(stored: f32, l: ShadowCoord, at: vec2i, is_outside_map: bool) -> bool {
     let is_lit = depth_at(l, at.x, at.y) <= stored;
-    return is_lit | is_lit_beside(is_beside);
+    return is_lit | is_lit_outside(is_outside_map);
 }
 
 fn through(is_before: bool, at: vec2i, pane: u32) -> f32 {
@@ -36,11 +36,11 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
         for (var dx = -radius; dx <= radius; dx++) {
             let at = vec2i(x + dx, y + dy);
             let nearest = clamp(at, vec2i(0), vec2i(size - 1));
-            let is_beside = any(at != nearest);
+            let is_outside_map = any(at != nearest);
             var share = tap(size, l, at.x, at.y);
-            share = share * through(is_before(load_1(nearest, l.layer).x, l, at, is_beside), at, 0u);
-            share = share * through(is_before(load_2(nearest, l.layer).x, l, at, is_beside), at, 1u);
-            share = share * through(is_before(load_3(nearest, l.layer).x, l, at, is_beside), at, 2u);
+            share = share * through(is_before(load_1(nearest, l.layer).x, l, at, is_outside_map), at, 0u);
+            share = share * through(is_before(load_2(nearest, l.layer).x, l, at, is_outside_map), at, 1u);
+            share = share * through(is_before(load_3(nearest, l.layer).x, l, at, is_outside_map), at, 2u);
             lit = lit + share;
         }
     }

@@ -14,12 +14,12 @@ use umbrage::{
     techniques::{MapFilter as _, Pcf, ShadowMap},
 };
 use umbrage_examples::{
-    beside::panes::{
+    judge::JudgedScene,
+    rivals::panes::{
         FULLY_TRANSPARENT, Glass, Panes,
         scenes::{self, GLASS},
         transmitted_light,
     },
-    judge::JudgedScene,
     sheet::{Sheet, color_image},
 };
 use umbrage_plan::truth::TruthOptions;

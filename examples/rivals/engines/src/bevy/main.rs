@@ -6,7 +6,7 @@ mod plugin;
 
 use anyhow::Result;
 use app::{BevyProgram, BevyShadows, ShadowSource};
-use beside_engines::{Rival, judge::JudgedScene, median};
+use rival_engines::{Rival, judge::JudgedScene, median};
 use bevy::light::ShadowFilteringMethod as Filter;
 use std::sync::Arc;
 use umbrage::{
@@ -15,7 +15,7 @@ use umbrage::{
 };
 
 fn main() -> Result<()> {
-    beside_engines::run::<BevyProgram>()
+    rival_engines::run::<BevyProgram>()
 }
 
 impl Rival for BevyProgram {

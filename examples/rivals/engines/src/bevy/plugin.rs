@@ -78,7 +78,7 @@ pub struct ReadsMask {
 
 impl MaterialExtension for ReadsMask {
     fn fragment_shader() -> ShaderRef {
-        "embedded://beside_bevy/bevy/mask.wesl".into()
+        "embedded://rival_bevy/bevy/mask.wesl".into()
     }
 }
 

@@ -4,7 +4,7 @@ use crate::plugin::{
     AngularDiameter, Casts, MaskOf, MaskedMaterial, ReadsMask, SunShadows, UmbragePlugin,
 };
 use anyhow::{Result, ensure};
-use beside_engines::{mesh_parts, sun};
+use rival_engines::{mesh_parts, sun};
 use bevy::{
     a11y::AccessibilityPlugin,
     app::{PluginsState, TerminalCtrlCHandlerPlugin},

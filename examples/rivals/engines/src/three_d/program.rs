@@ -2,7 +2,7 @@
 
 use crate::context::{headless, renderer_name};
 use anyhow::{Context as _, Result, ensure};
-use beside_engines::{mesh_parts, sun};
+use rival_engines::{mesh_parts, sun};
 use glutin::api::egl::context::PossiblyCurrentContext;
 use three_d::{
     Camera, ClearState, Context, CpuMesh, DepthTexture2D, DirectionalLight, Gm, HasContext as _,
