@@ -82,7 +82,7 @@ fn what_a_scene_file_names_must_be_there() {
     };
     assert_eq!(
         refused("wood.png"),
-        "scene.toml:8: `object.texture`: wood.png: can't be read: is not among the given files; give it together with the file \
+        "scene.toml:8: `object.texture`: wood.png: can't be read: is not among the given files; provide it together with the file \
          that names it"
     );
     assert!(
