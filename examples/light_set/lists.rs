@@ -1,4 +1,4 @@
-//! Cost of shadows if all casters move, on frames of real size: redrawing a map, and rebuilding
+//! Cost of shadows if all casters move, on full-size scenes: redrawing a map, and rebuilding
 //! lists on the device.
 
 use super::{open, time_frame};

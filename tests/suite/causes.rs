@@ -90,7 +90,7 @@ fn each_cause_shows_alone_on_its_scene() {
 /// The reference's own technique has no error of any kind, except for the noise of its rays under
 /// an area light.
 #[test]
-fn truth_rendered_has_no_cause() {
+fn the_reference_has_no_errors() {
     for CauseExample {
         scene: name,
         cause: expected,

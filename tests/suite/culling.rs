@@ -367,7 +367,7 @@ struct Decided {
 
 /// Reports whether a point is in the light's cone. Shading darkens points outside, and fits ignore
 /// them.
-fn shone_on(light: &Light, p: Vec3) -> bool {
+fn is_in_cone(light: &Light, p: Vec3) -> bool {
     match *light {
         Light::Spot {
             position,
@@ -386,7 +386,7 @@ fn compare(seen: &Seen, whole: &Recipe, culled: &Recipe) -> Result<Decided, Stri
     let mut out = Decided::default();
     for i in 0..a.len() {
         let position = seen.receivers.position(i);
-        if !seen.receivers.receives[i] || !shone_on(&seen.scene.lights[0], position) {
+        if !seen.receivers.receives[i] || !is_in_cone(&seen.scene.lights[0], position) {
             continue;
         }
         out.pixels += 1;

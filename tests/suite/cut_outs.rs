@@ -512,7 +512,7 @@ fn runs_may_reach_beyond_casters_with_holes() {
 
 /// Alpha-tested texels are counted separately: those of the card, and no others.
 #[test]
-fn work_counts_texels_that_need_holes() {
+fn work_counts_alpha_tested_texels() {
     let with_holes = card(Some(is_chequered));
     let mut among_whole_casters = with_holes.clone();
     let adjacent = Affine3A::from_translation(Vec3::new(2.5, 0.8, 0.0));

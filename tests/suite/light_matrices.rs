@@ -184,7 +184,7 @@ fn suite(scale: f32, offset: Vec3) -> String {
 }
 
 #[test]
-fn check_fitted() {
+fn fitted_matrices_are_unchanged() {
     insta::assert_snapshot!("fitted_scale_1", suite(1.0, Vec3::ZERO));
     insta::assert_snapshot!("fitted_scale_1e-3", suite(1e-3, Vec3::ZERO));
     insta::assert_snapshot!("fitted_scale_1e4", suite(1e4, Vec3::ZERO));

@@ -16,14 +16,14 @@
 //! | feature | what it adds | what it builds |
 //! |---|---|---|
 //! | `wgpu` (default) | `umbrage::gpu` | wgpu |
-//! | `cpu` | `umbrage::cpu`: the CPU backend | |
+//! | `cpu` | `umbrage::cpu`: the CPU backend | rayon, pulp |
 //! | `parallel` | threads, where the CPU prepares much | rayon |
 //! | `simd` | vector instructions | pulp |
 //! | `presets` | settings as TOML | serde, toml |
 //! | `rays` | the techniques `traced` and `soft` | obvhs, rdst |
-//! | `scenes` | `umbrage::scenes`: built-in scenes, scene files, OBJ models | image, tobj, rstar |
+//! | `scenes` | `umbrage::scenes`: built-in scenes, scene files, OBJ models | image, tobj, rstar, toml, serde, rayon, obvhs |
 //! | `gltf` | glTF models | gltf, zune-jpeg |
-//! | `plan` | `umbrage::auto`: finds the cheapest technique for a scene | the CPU backend's needs |
+//! | `plan` | `umbrage::auto`: finds the cheapest technique for a scene | rayon, pulp, obvhs, serde, toml |
 //!
 //! # A mask without a device
 //!

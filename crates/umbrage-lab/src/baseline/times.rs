@@ -257,7 +257,7 @@ impl Suspect {
         let now = (*fresh.first()?)?;
         if self.lacks_calm_runs(fresh)
             || now.ratio.tenth <= bound(&then.ratio)?
-            || as_quick(&then, &now, APART)
+            || is_as_fast(&then, &now, APART)
             || !is_calm(&then, &now)
         {
             return None;
@@ -298,7 +298,7 @@ impl Suspect {
         let then = row.then;
         let usual = now.ratio.runs >= MIN_RUNS
             && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
-        usual || as_quick(&then, now, APART) || !is_calm(&then, now)
+        usual || is_as_fast(&then, now, APART) || !is_calm(&then, now)
     }
 
     /// Returns the logarithms of its rows' changes. Rows with a run as fast as the baseline's
@@ -309,7 +309,7 @@ impl Suspect {
             let Some(now) = now else {
                 continue;
             };
-            if as_quick(&row.then, now, AS_QUICK) {
+            if is_as_fast(&row.then, now, AS_QUICK) {
                 out.push(0.0);
             } else {
                 out.extend(change(&row.then.ratio, &now.ratio));
@@ -321,7 +321,7 @@ impl Suspect {
 
 /// Reports whether a run is as fast as the baseline's fastest, up to a factor. Never on a device,
 /// whose clock changes milliseconds.
-fn as_quick(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
+fn is_as_fast(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
     then.device_units.is_none() && now.least_ms < factor * then.least_ms
 }
 

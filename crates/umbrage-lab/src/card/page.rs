@@ -135,7 +135,7 @@ fn add_times(text: &mut String, card: &Card, times: &[CardTime]) {
         "at full clock"
     };
     *text += &format!(
-        "## Milliseconds on {}, {clock}\n\nCasts, filters and lookup of one frame. Times in brackets had no steady yardstick and are at an unknown clock.\n\n| technique |",
+        "## Milliseconds on {}, {clock}\n\nCasts, filters and lookup of one frame. Times in brackets were measured while the clock varied.\n\n| technique |",
         card.adapter
     );
     for frame in &frames {

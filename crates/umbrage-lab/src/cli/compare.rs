@@ -91,9 +91,10 @@ pub(crate) struct CompareArguments {
     /// Folder for the report. Default: target/compare in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Preview: small images, few samples, few runs, no expensive techniques
+    /// Preview: small images, few samples, few runs
     ///
-    /// Without a SCENE it runs a few small scenes with representative settings.
+    /// Without a SCENE it runs four scenes with representative settings, and omits expensive
+    /// techniques.
     #[arg(long)]
     pub(crate) quick: bool,
     /// Measure every setting of every technique, and every pixel, on full-size scenes, too
@@ -157,9 +158,8 @@ fn parse_soft_error(text: &str) -> Result<f32, String> {
 /// or a figure is worse than the baseline's.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
     let out = program.folder(arguments.out.as_deref(), "compare");
-    // Read all other input first: errors must not come after minutes of measuring.
+    // Read and check all input first, so that errors don't come after minutes of measuring.
     let except = Except::new(arguments.baseline_except.iter().cloned());
-    // Measure the scenes, and write the report.
     let baseline = match &arguments.baseline {
         Some(path) => Some(read_baseline(path, &out, &except).map_err(|e| Usage(e.to_string()))?),
         None => None,
@@ -182,6 +182,7 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     for backend in &backends.backends {
         println!("{}", device_line(&**backend));
     }
+    // Measure the scenes, and write the report.
     let plan = ComparisonPlan::new(&inputs, &options);
     let report = Report::create(&out, plan, &places, arguments.arrays)?;
     measure(
@@ -439,13 +440,14 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     let checks = all.clone().filter(|entry| entry.suite);
     if arguments.quick {
         println!(
-            "a few small scenes with headline settings; without --quick there are more of both, \
-             and `cargo xtask compare model.glb` takes a scene of yours"
+            "--quick: four scenes in small images with representative settings; without it there \
+             are more scenes and settings. To measure your own scene: cargo xtask compare model.glb"
         );
-    } else if let Some(techniques) = left_out(program, arguments) {
+    }
+    if let Some(techniques) = left_out(program, arguments) {
         println!(
-            "the suite's checks omit {techniques}; name them by --technique, or name a scene, to \
-             include them"
+            "quick runs and the suite's checks omit {techniques}; name them by --technique, or \
+             name a scene, to include them"
         );
     }
     let mut suite = Vec::new();

@@ -9,7 +9,7 @@
 //!   `work.csv`: the counted work and the time of each row. `results.json`: the [`Comparison`].
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours
 //!   `.color.png`: images of the Pareto fronts, each technique's best row, and faults, and of one
-//!   backend's rows on frames of real size. Comparisons of up to three scenes have images of all
+//!   backend's rows on full-size scenes. Comparisons of up to three scenes have images of all
 //!   rows, and `.lookups.png`: the number of lookups of each map texel. If a technique has several
 //!   settings, the names contain them.
 //! * `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,

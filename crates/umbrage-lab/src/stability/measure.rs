@@ -258,22 +258,24 @@ impl Measure {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
                 SHARE.raised_by(2.0 * ideal)
             }
-            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).capped_by_none(without_shadow()),
+            Self::Rmse => {
+                VerdictLimits::over_ideal(ideal, STEP).capped_by_no_shadow(without_shadow())
+            }
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
-                VerdictLimits::over_ideal(ideal, 1e3 * pixel).capped_by_none(without_shadow())
+                VerdictLimits::over_ideal(ideal, 1e3 * pixel).capped_by_no_shadow(without_shadow())
             }
             Self::LostShadow
             | Self::ContactLeak(..)
             | Self::LeakAround(..)
             | Self::WrongNear(_) => {
-                VerdictLimits::over_ideal(ideal, BAND_SHARE).capped_by_none(without_shadow())
+                VerdictLimits::over_ideal(ideal, BAND_SHARE).capped_by_no_shadow(without_shadow())
             }
             Self::EdgeDisplacement => {
-                VerdictLimits::over_ideal(ideal, HALF_PIXEL).capped_by_none(without_shadow())
+                VerdictLimits::over_ideal(ideal, HALF_PIXEL).capped_by_no_shadow(without_shadow())
             }
             Self::Seams => {
-                VerdictLimits::over_ideal(ideal, SMALL_SHARE).capped_by_none(without_shadow())
+                VerdictLimits::over_ideal(ideal, SMALL_SHARE).capped_by_no_shadow(without_shadow())
             }
             Self::PenumbraRmse => VerdictLimits::new(
                 penumbra::ray_noise(&case_truth.truth.visibility, RAYS, counts),

@@ -138,7 +138,7 @@ impl Moving {
     /// truth's own change.
     pub fn limits(&self, measure: Measure, limits: VerdictLimits) -> VerdictLimits {
         match measure {
-            Measure::ChangeError => limits.capped_by_none(change(&self.truth, &self.marked)),
+            Measure::ChangeError => limits.capped_by_no_shadow(change(&self.truth, &self.marked)),
             _ => limits,
         }
     }

@@ -7,7 +7,7 @@ use umbrage_techniques::TechniquePreset;
 /// Returns the settings to run for every technique of the catalogue, or only the named ones.
 ///
 /// They are the textbook setting (the first with a slope bias or a polygon offset, else the first),
-/// and those that represent the technique in a comparison of frames of real size
+/// and those that represent the technique in a comparison of full-size scenes
 /// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)). So a
 /// comparison's rows have their own verdicts. With another fit than the tight one, techniques
 /// without a map are omitted: the fit doesn't affect them.

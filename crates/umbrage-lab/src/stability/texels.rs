@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn next_to_the_map_and_edge_on_there_is_no_answer() {
+    fn points_off_the_map_or_edge_on_have_no_position() {
         assert_eq!(
             texels().moved_position(Vec3::new(5.2, 0.0, 0.0), Vec3::Y, to_center),
             None

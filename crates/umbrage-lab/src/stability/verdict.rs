@@ -89,7 +89,7 @@ impl VerdictLimits {
 
     /// Returns limits capped by the figure of no shadow at all, `none`: a pass has at most half of
     /// it, and more than three quarters of it fail, however coarse the map.
-    pub fn capped_by_none(self, none: f64) -> Self {
+    pub fn capped_by_no_shadow(self, none: f64) -> Self {
         if none > 0.0 {
             Self {
                 pass: self.pass.min(0.5 * none),
@@ -154,9 +154,15 @@ mod tests {
         let judged = [0.0, 2.0, 2.1, 8.0, 8.1, f64::NAN, f64::INFINITY].map(|v| limits.judge(v));
         use Verdict::{Degraded as D, Fails as F, Pass as P};
         assert_eq!(judged, [P, P, D, D, F, F, F]);
-        assert_eq!(limits.capped_by_none(2.0), VerdictLimits::new(1.0, 1.5));
         assert_eq!(
-            [limits.capped_by_none(100.0), limits.capped_by_none(0.0)],
+            limits.capped_by_no_shadow(2.0),
+            VerdictLimits::new(1.0, 1.5)
+        );
+        assert_eq!(
+            [
+                limits.capped_by_no_shadow(100.0),
+                limits.capped_by_no_shadow(0.0)
+            ],
             [limits; 2]
         );
         assert_eq!(limits.times(0.5), VerdictLimits::new(1.0, 4.0));

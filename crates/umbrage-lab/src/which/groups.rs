@@ -108,7 +108,7 @@ fn size_of(scene: &SceneResult) -> usize {
     fits.unwrap_or(SIZES.len() - 1)
 }
 
-/// Returns the groups that have frames of real size, ordered by light, extent and size.
+/// Returns the groups that have full-size scenes, ordered by light, extent and size.
 pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
     let mut out = Vec::new();
     for (light, (kind, _)) in LIGHTS.iter().enumerate() {

@@ -29,7 +29,7 @@ const PICTURES: &str = "which";
 /// command that regenerates the page.
 ///
 /// # Errors
-/// Errors if a folder has no such results, if none of them are frames of real size, or if a file
+/// Errors if a folder has no such results, if none of them are full-size scenes, or if a file
 /// cannot be read or written.
 pub fn write(
     compared: &Path,
@@ -41,7 +41,7 @@ pub fn write(
     let stability = StabilitySource::read(stability)?;
     let groups = groups::groups(&scenes);
     if groups.is_empty() {
-        let why = "has no frames of real size with errors";
+        let why = "has no full-size scenes with errors";
         let help = "pass the folder of a `compare` of the built-in suite";
         let what = format!("folder `{}`", compared.display());
         return Err(Invalid::new(what, why, help).into());

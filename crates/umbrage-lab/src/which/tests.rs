@@ -239,7 +239,7 @@ fn folders_without_such_results_are_refused() {
         let error = write(&at(compared), &at(stability), &at("out"), "").expect_err("refused");
         error.to_string()
     };
-    assert!(refused("compared", "stability").contains("no frames of real size"));
+    assert!(refused("compared", "stability").contains("no full-size scenes"));
     let no_scenes = refused("none", "stability");
     assert!(
         no_scenes.contains("contains no scenes") && no_scenes.contains("`compare` wrote"),

@@ -77,7 +77,7 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::sweep(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// Returns few representative settings for comparisons of frames of real size: a program would
+    /// Returns few representative settings for comparisons of full-size scenes: a program would
     /// start with these.
     ///
     /// Defaults to the default settings, on the middle map.

@@ -57,7 +57,7 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
 }
 
 /// Blur of moment maps that are compared on maps of all sides, texels to each side: 3x3, which has
-/// the least error in most frames of real size.
+/// the least error in most full-size scenes.
 const NARROW_BLUR: u32 = 1;
 /// Blur of moment maps that are compared at the middle side only, texels to each side.
 const WIDE_BLUR: u32 = 3;

@@ -1,10 +1,10 @@
 #!/bin/sh
 # Prints rows for recorded.csv: of some work.csv of one machine, each row with the least of its times.
 #
-# cargo xtask compare nave nave-soft street street-soft ... --out target/times-1      (frames of real size, nothing beside; 2 and 3 likewise)
+# cargo xtask compare nave nave-soft street street-soft ... --out target/times-1      (full-size scenes, nothing beside; 2 and 3 likewise)
 # sh crates/umbrage-plan/src/cost/record.sh content target/times-*/work.csv >> crates/umbrage-plan/src/cost/recorded.csv
 #
-# The first argument is the section: `content` for frames of real size, `check` for small scenes. All rows of frames of real size are
+# The first argument is the section: `content` for full-size scenes, `check` for small scenes. All rows of full-size scenes are
 # kept, and whichever of the others one appends. `cargo test -p umbrage-plan recorded` then tells the prices that fit.
 set -eu
 if [ $# -lt 2 ]; then

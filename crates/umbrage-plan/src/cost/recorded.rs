@@ -2,7 +2,7 @@
 //!
 //! `recorded.csv` has lines of the `work.csv` of one whole `cargo xtask compare` on the idle
 //! machine that [`CostModel::CPU`] names, each with the least times of its runs. It has all rows of
-//! frames of real size. It also has a seventh of the rows of small scenes with 100 triangles or
+//! full-size scenes. It also has a seventh of the rows of small scenes with 100 triangles or
 //! more. `record.sh` makes such lines from one or several `work.csv` files.
 
 use super::{
@@ -81,7 +81,7 @@ fn recorded_rows() -> Vec<RecordedRow> {
     out
 }
 
-/// Returns the rows of frames of real size, by scene and backend.
+/// Returns the rows of full-size scenes, by scene and backend.
 fn frames(rows: &[RecordedRow]) -> BTreeMap<[&str; 2], Vec<&RecordedRow>> {
     let mut out: BTreeMap<[&str; 2], Vec<&RecordedRow>> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.section == "content") {

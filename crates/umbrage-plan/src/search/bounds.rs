@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn grain_alone_needs_nothing() {
+    fn grain_alone_is_no_bound() {
         let grain = Bounds {
             max_grain: Some(0.1),
             ..Bounds::default()

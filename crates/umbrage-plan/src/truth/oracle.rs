@@ -100,7 +100,7 @@ impl<'a> Oracle<'a> {
         // each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
         let to_light = self.to_light(o, length);
-        let is_facing = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
+        let is_facing = normal.dot(to_light) > 0.0 && !self.is_outside_cone(o);
         let is_lit = is_facing && !self.is_shadowed(o, to_light, hit.id);
         f64::from(u8::from(is_lit))
     }
@@ -201,7 +201,7 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    fn outside_cone(&self, o: DVec3) -> bool {
+    fn is_outside_cone(&self, o: DVec3) -> bool {
         match *self.light {
             Light::Spot {
                 position,

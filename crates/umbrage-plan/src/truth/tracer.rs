@@ -123,7 +123,7 @@ impl<'a> Tracer<'a> {
         PointTruth {
             visibility,
             error: standard_error(&blocks, visibility),
-            unlit: count.above == 0 || self.outside_cone(o),
+            unlit: count.above == 0 || self.is_outside_cone(o),
         }
     }
 
@@ -135,7 +135,7 @@ impl<'a> Tracer<'a> {
             dot3(point.normal, segment(&self.light, o, uv, far)) > 0.0
         };
         // Only penumbrae use more samples, and some of those are above.
-        self.outside_cone(o) || !(0..self.samples).any(is_above)
+        self.is_outside_cone(o) || !(0..self.samples).any(is_above)
     }
 
     /// Returns the start of a point's rays. `lift` multiplies their offset.
@@ -266,7 +266,7 @@ impl<'a> Tracer<'a> {
         self.bvh.is_clear(self.geometry, &planes)
     }
 
-    fn outside_cone(&self, p: Vec3) -> bool {
+    fn is_outside_cone(&self, p: Vec3) -> bool {
         let Some(cone) = &self.cone else {
             return false;
         };

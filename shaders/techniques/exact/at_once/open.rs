@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(open.parts(0, 0), 0xff);
         open.close_rays(1, 0xff);
         assert_eq!(open.parts(0, 0), 0b1111_1101);
-        // Close all blocks of the second to last group one by one, then the last one by its group.
+        // Close all blocks of the last group but one, then that one.
         for block in 64..69 {
             open.close_rays(block, 0xff);
         }

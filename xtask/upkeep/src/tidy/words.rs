@@ -1,5 +1,4 @@
-//! Limits on words and comments of the prose: comments, strings and Markdown. The words are right in
-//! other places, but a text that needs them often is hard to read for others of the field.
+//! Limits on words in prose (whole-line comments, strings and Markdown), and on the form of comments.
 
 use super::files::SourceFile;
 
@@ -16,7 +15,7 @@ const WORDS: [(&[&str], usize); 7] = [
     (&["none if", "none where"], 6),
     (&["anew"], 0),
 ];
-/// How a documentation comment must not begin: use a noun phrase or a third-person verb.
+/// Words that must not begin a documentation comment: use a noun phrase or a third-person verb.
 const OPENERS: [&str; 8] = ["What", "How", "Where", "Which", "Of", "Its", "As", "By"];
 /// The greatest width of a comment line, columns.
 const MAX_WIDTH: usize = 100;

@@ -111,7 +111,7 @@ function firstScreen() {
 
 // Returns the rank correlation of counted costs with times, over scenes and backends.
 function costRankTile() {
-  // Exclude small checks if there are frames of real size.
+  // Exclude small checks if there are full-size scenes.
   const content = scenes.filter((s) => s.section === "content");
   const all = (content.length ? content : scenes).flatMap((s) => s.cost_ranks.map((r) => ({ place: `${s.name} on ${r.backend}`, correlation: r.correlation })));
   if (!all.length) return [];

@@ -471,7 +471,7 @@ fn files_that_are_cut_off_or_no_models_are_refused() {
 }
 
 #[test]
-fn small_files_that_need_much_are_refused() {
+fn small_files_that_need_much_memory_are_refused() {
     // Zeros without bytes.
     let zeros = error(|model| {
         let at = model.view(&[0]);
