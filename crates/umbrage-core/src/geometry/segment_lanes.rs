@@ -216,7 +216,7 @@ impl FourSegments {
     /// Returns segments with the same vectors from other origins, one lane per segment.
     #[inline(always)]
     #[must_use]
-    pub fn from_origins(&self, origin: [Vec4; 3]) -> Self {
+    pub fn with_origins(&self, origin: [Vec4; 3]) -> Self {
         Self {
             origin,
             turned_origin: turned_lanes(origin, self.axis),

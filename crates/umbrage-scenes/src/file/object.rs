@@ -82,7 +82,7 @@ pub(super) fn read_all(
         for part in parts {
             let world_from_local = part.placement_of(world_from_model);
             let material = match &filter {
-                Some((filter, _)) => filtered.from_object(part.material, *filter, scene),
+                Some((filter, _)) => filtered.filtered_material(part.material, *filter, scene),
                 None => own.or(part.material),
             };
             scene.instances.push(Instance {
@@ -110,7 +110,7 @@ struct FilteredMaterials {
 
 impl FilteredMaterials {
     /// Returns the material of a part with this alpha filter.
-    fn from_object(
+    fn filtered_material(
         &mut self,
         material: Option<usize>,
         filter: AlphaFilter,

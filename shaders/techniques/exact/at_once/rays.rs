@@ -519,7 +519,7 @@ impl FaceRays {
             let [x, y, z] = &self.blocks[block].origin;
             let origin = [four(x, first), four(y, first), four(z, first)];
             let segments = match rays {
-                Rays::Parallel(rays) => rays.from_origins(origin),
+                Rays::Parallel(rays) => rays.with_origins(origin),
                 Rays::Towards(lamp) => {
                     // Compute the segment to a point as in `segment`.
                     let to_lamp = |k: usize| (Vec4::splat(lamp[k]) - origin[k]) * SHORT;
