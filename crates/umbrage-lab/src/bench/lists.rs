@@ -37,7 +37,7 @@ const SMALL: usize = 300_000;
 /// Times lists in the named speed and content scenes (all of them without names), for each ideal
 /// light.
 ///
-/// Passes each result to `tell` when it is complete. Without a graphics adapter only the CPU is
+/// Passes each result to `on_pair` when it is complete. Without a graphics adapter only the CPU is
 /// timed.
 ///
 /// # Errors
@@ -46,7 +46,7 @@ pub fn lists(
     runs: usize,
     scenes: &[String],
     mut gpu: Option<&mut Gpu>,
-    mut tell: impl FnMut(Pair),
+    mut on_pair: impl FnMut(Pair),
 ) -> Result<(), LabError> {
     let repetitions = Repetitions { warm_up: 1, runs };
     let mut cpu = Cpu::new();
@@ -74,11 +74,11 @@ pub fn lists(
                 repetitions,
             };
             for pair in stage.on_cpu(&mut cpu)? {
-                tell(pair);
+                on_pair(pair);
             }
             if let Some(gpu) = gpu.as_deref_mut() {
                 for pair in stage.on_gpu(gpu, &mut cpu)? {
-                    tell(pair);
+                    on_pair(pair);
                 }
             }
         }

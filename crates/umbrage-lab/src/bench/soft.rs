@@ -36,7 +36,7 @@ const GPU_BAR: f64 = 3.0;
 /// Times `soft` in the named content scenes (all of them without names), for each light with an
 /// extent.
 ///
-/// Passes each result to `tell` when it is complete. Without a graphics adapter only the CPU is
+/// Passes each result to `on_pair` when it is complete. Without a graphics adapter only the CPU is
 /// timed.
 ///
 /// # Errors
@@ -45,7 +45,7 @@ pub fn soft(
     runs: usize,
     scenes: &[String],
     mut gpu: Option<&mut Gpu>,
-    mut tell: impl FnMut(Pair),
+    mut on_pair: impl FnMut(Pair),
 ) -> Result<(), LabError> {
     let repetitions = Repetitions { warm_up: 0, runs };
     let wanted = |entry: &&SceneEntry| {
@@ -77,7 +77,7 @@ pub fn soft(
                 pixels: pixels_of(&receivers),
                 cpu: Cpu::new(),
             };
-            stage.time(gpu.as_deref_mut(), &mut tell)?;
+            stage.time(gpu.as_deref_mut(), &mut on_pair)?;
         }
     }
     Ok(())
@@ -109,7 +109,7 @@ impl SoftBench<'_> {
     fn time(
         &mut self,
         mut gpu: Option<&mut Gpu>,
-        tell: &mut impl FnMut(Pair),
+        on_pair: &mut impl FnMut(Pair),
     ) -> Result<(), LabError> {
         // Find the number of rays with the same error, and time both.
         let truth = self.answers(&plan(
@@ -133,13 +133,13 @@ impl SoftBench<'_> {
                 self.repetitions,
                 [&soft, &traced],
             )?;
-            tell(self.pair(&what, &who, on_cpu, CPU_BAR));
+            on_pair(self.pair(&what, &who, on_cpu, CPU_BAR));
             if number == 0
                 && let Some(gpu) = gpu.as_deref_mut()
                 && fits_memory(gpu.render(&self.view, &traced))?
             {
                 let on_gpu = turns(gpu, &self.view, self.repetitions, [&soft, &traced])?;
-                tell(self.pair(&format!("on wgpu, {what}"), &who, on_gpu, GPU_BAR));
+                on_pair(self.pair(&format!("on wgpu, {what}"), &who, on_gpu, GPU_BAR));
             }
         }
         Ok(())

@@ -101,7 +101,7 @@ impl SpeedScene {
     }
 }
 
-/// Runs all benchmarks. Passes each result to `tell` when it is complete. Without a graphics
+/// Runs all benchmarks. Passes each result to `on_pair` when it is complete. Without a graphics
 /// adapter only rays are compared.
 ///
 /// # Errors
@@ -109,7 +109,7 @@ impl SpeedScene {
 pub fn run(
     options: BenchOptions,
     gpu: Option<&mut Gpu>,
-    mut tell: impl FnMut(Pair),
+    mut on_pair: impl FnMut(Pair),
 ) -> Result<(), LabError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().threads(options.threads))?;
     let repetitions = Repetitions {
@@ -124,16 +124,16 @@ pub fn run(
     if let Some(gpu) = gpu {
         for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
-            tell(depth(&stage, repetitions, &mut cpu, gpu)?);
+            on_pair(depth(&stage, repetitions, &mut cpu, gpu)?);
         }
         for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
             for (radius, bar) in [(1, 5.0), (3, 8.0)] {
-                tell(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
+                on_pair(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
             }
-            tell(soft(&stage.with_extent(), repetitions, &mut cpu, gpu)?);
+            on_pair(soft(&stage.with_extent(), repetitions, &mut cpu, gpu)?);
             for pair in by_hand(&stage, repetitions, gpu)? {
-                tell(pair);
+                on_pair(pair);
             }
         }
     }
@@ -153,7 +153,7 @@ pub fn run(
                 repetitions,
             )
         });
-        tell(pair);
+        on_pair(pair);
     }
     Ok(())
 }

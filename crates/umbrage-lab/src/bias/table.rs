@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Maximum ratio of errors at which the default bias counts as good as manual tuning.
+/// Maximum ratio of errors at which the default bias counts as equal to manual tuning.
 pub(super) const GOOD: f64 = 1.1;
 /// Number of worst rows on the page.
 const WORST: usize = 12;

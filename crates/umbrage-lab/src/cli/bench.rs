@@ -50,7 +50,7 @@ pub(crate) struct BenchArguments {
 /// Prints each ratio when it is measured, then a table of all.
 pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     let mut pairs = Vec::new();
-    let tell = |pair: Pair| {
+    let on_pair = |pair: Pair| {
         println!("{}: {:.2} x", pair.work, pair.ratio);
         if let Some(fault) = &pair.fault {
             println!("  FAULT: {fault}");
@@ -64,7 +64,7 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
             arguments.runs as usize,
             &arguments.scenes,
             gpu.as_mut(),
-            tell,
+            on_pair,
         )?;
     } else if arguments.soft {
         check_scenes(&arguments.scenes)?;
@@ -73,10 +73,10 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
             arguments.runs as usize,
             &arguments.scenes,
             gpu.as_mut(),
-            tell,
+            on_pair,
         )?;
     } else {
-        run_suite(arguments, tell)?;
+        run_suite(arguments, on_pair)?;
     }
     println!("\n{}", table(&pairs));
     let missed = pairs.iter().filter(|p| !p.is_met()).count();
@@ -115,13 +115,13 @@ fn adapter() -> Option<Gpu> {
     }
 }
 
-fn run_suite(arguments: &BenchArguments, tell: impl FnMut(Pair)) -> Result<()> {
+fn run_suite(arguments: &BenchArguments, on_pair: impl FnMut(Pair)) -> Result<()> {
     let mut gpu = adapter();
     let options = BenchOptions {
         runs: arguments.runs as usize,
         ..BenchOptions::default()
     };
-    run(options, gpu.as_mut(), tell)?;
+    run(options, gpu.as_mut(), on_pair)?;
     Ok(())
 }
 

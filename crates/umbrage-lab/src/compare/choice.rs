@@ -182,7 +182,7 @@ impl SettingGroup {
 
     /// Returns at most `count` settings, in order of increasing time.
     ///
-    /// By priority these are [`Self::choice`], settings of other techniques with the least product
+    /// Their order: [`Self::choice`], settings of other techniques with the least product
     /// of error and time, and settings of the front with the least error.
     pub fn shortlist(&self, count: usize) -> Vec<usize> {
         let Some(choice) = self.choice() else {

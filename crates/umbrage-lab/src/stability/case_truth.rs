@@ -298,7 +298,7 @@ const DIRECTIONS: [DVec2; 8] = [
 /// Marks the open pixels: fully lit or fully dark, with the same visibility at sixteen points
 /// around them on the receiver's plane. Eight points are [`OPEN_TEXELS`] away, eight half as far.
 ///
-/// Where the ground rises beyond the receiver's triangle, these points are below it and dark. So
+/// If the ground rises beyond the receiver's triangle, these points are below it and dark. So
 /// creases count as edges: errors there show in RMSE and shimmer, not as acne.
 fn open(
     texels: Option<&Texels>,

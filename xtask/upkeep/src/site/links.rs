@@ -206,7 +206,7 @@ mod tests {
         let pages = MarkdownPages::read(root()).expect("readable");
         assert!(pages.of_site().len() > 15, "the site's pages");
         let links: usize = pages.0.values().map(|page| page.links.len()).sum();
-        assert!(links > 250, "{links}");
+        assert!(links > 300, "{links}");
         pages.check(root()).expect("no broken links");
     }
 
