@@ -20,7 +20,6 @@ use umbrage::{
     glam::{UVec2, Vec3},
     light_sample::{LightSampler, ray_origin, segment, unit_square},
     math::dot3,
-    scenes::Kind,
     techniques::Exact,
 };
 use umbrage_lab::bench::{Paired, Repetitions, measure_pairs};
@@ -59,7 +58,7 @@ fn main() -> anyhow::Result<()> {
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
         let entries = umbrage::scenes::all().iter();
-        let large = entries.filter(|entry| matches!(entry.kind, Kind::Speed | Kind::Content));
+        let large = entries.filter(|entry| entry.kind.is_full_size());
         names.extend(large.map(|entry| entry.name.to_owned()));
     }
 

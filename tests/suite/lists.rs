@@ -11,7 +11,6 @@ use umbrage_core::{
     math::dot3,
 };
 use umbrage_cpu::Cpu;
-use umbrage_scenes::Kind;
 use umbrage_techniques::{Exact, Traced};
 use umbrage_tests::{
     driver_model::{is_chosen, runs_all_cases},
@@ -211,7 +210,7 @@ fn lists_of_whole_casters_are_separated_from_those_with_holes() {
 fn built_in_scenes_have_the_answers_of_rays() {
     let mut rendered = 0;
     for entry in umbrage_scenes::all() {
-        if matches!(entry.kind, Kind::Content | Kind::Speed) {
+        if entry.kind.is_full_size() {
             continue;
         }
         let scene = (entry.build)();

@@ -10,7 +10,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_scenes::{Kind, all};
+use umbrage_scenes::all;
 use umbrage_techniques::{
     MapFilter as _, MapTechnique, Pcf, PcfDisc, Pcss, ShadowMap, TechniquePreset,
 };
@@ -109,7 +109,7 @@ fn cases() -> &'static [SoftCase] {
     static CASES: LazyLock<Vec<SoftCase>> = LazyLock::new(|| {
         let scenes = all()
             .iter()
-            .filter(|entry| !matches!(entry.kind, Kind::Speed | Kind::Content))
+            .filter(|entry| !entry.kind.is_full_size())
             .map(|entry| (entry.name, (entry.build)()));
         let soft = scenes.filter(|(_, scene)| !scene.lights[0].is_ideal());
         soft.map(|(name, scene)| SoftCase::new(name, scene))

@@ -185,8 +185,10 @@ const ALL: &[SceneEntry] = &[
     failure("two-plates", Failure::LightBleeding, bleeding::two_plates, "the shadow of a high plate across that of a low plate").by_name_only(),
 
     speed("hall", hall::hall, "an interior of 57,000 triangles"),
+    speed("hall-soft", hall::hall_soft, "the interior under an area sun"),
     speed("statue", statue::statue, "a model of 69,000 triangles"),
     speed("town", town::town, "10,000 boxes along streets"),
+    speed("town-soft", town::town_soft, "the town under an area sun"),
     speed("terrain", terrain::terrain, "hills of a million triangles"),
 
     content("nave", nave::nave, "a church from inside, with the sun in its windows"),

@@ -42,6 +42,13 @@ pub enum Kind {
     Content,
 }
 
+impl Kind {
+    /// Reports whether scenes of this kind have the triangles and the image size of a game's frame.
+    pub fn is_full_size(self) -> bool {
+        matches!(self, Self::Speed | Self::Content)
+    }
+}
+
 /// The failures that built-in scenes provoke. The numbers are those of the project's catalogue of
 /// failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use umbrage_core::{
     glam::{UVec2, Vec3},
 };
 use umbrage_cpu::Cpu;
-use umbrage_scenes::{Kind, SceneEntry};
+use umbrage_scenes::SceneEntry;
 use umbrage_techniques::{Exact, Hard, MapFilter as _, MapTechnique, ShadowMap, Traced};
 use umbrage_wgpu::Gpu;
 
@@ -52,7 +52,7 @@ pub fn lists(
     let mut cpu = Cpu::new();
     let wanted = |entry: &&SceneEntry| {
         let is_named = scenes.iter().any(|name| name == entry.name);
-        let is_large = matches!(entry.kind, Kind::Speed | Kind::Content);
+        let is_large = entry.kind.is_full_size();
         is_named || (scenes.is_empty() && is_large)
     };
     for entry in umbrage_scenes::all().iter().filter(wanted) {

@@ -498,7 +498,7 @@ fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> Scene
         fit: entry.fit,
         ..SceneInput::new(scene, entry.summary)
     };
-    if entry.kind != Kind::Content {
+    if !entry.kind.is_full_size() {
         return check;
     }
     SceneInput {

@@ -1,12 +1,17 @@
 //! Groups scenes by kind of light and size, and selects the best setting within each budget.
 
+use super::card::{CARD_MOTIONS, time_by_card};
 use crate::{
+    card::Card,
     compare::{CostBasis, FrameMotion, MIN_ERROR, Relative, SceneResult, Section, relative},
     report::MeasuredScene,
 };
 
-/// Motions that the page distinguishes, and their labels.
-pub(super) const MOTIONS: [(FrameMotion, &str); 3] = [
+/// A motion that the page distinguishes, and its label.
+pub(super) type LabelledMotion = (FrameMotion, &'static str);
+
+/// Motions of a backend that was measured by a comparison.
+pub(super) const MOTIONS: [LabelledMotion; 3] = [
     (FrameMotion::Still, "nothing moves"),
     (FrameMotion::CameraMoves, "the camera moves"),
     (FrameMotion::AllMoves, "all moves"),
@@ -18,6 +23,9 @@ pub(super) const BUDGETS: [f64; 5] = [1.25, 2.0, 5.0, 20.0, f64::INFINITY];
 
 /// Greatest ratio to the least error at which a faster setting is preferred.
 pub(super) const AS_GOOD: f64 = 1.1;
+
+/// Relative error above which the page recommends no setting: half as wrong as no shadow.
+pub(super) const POOR: f64 = 0.5;
 
 /// Class of scene sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,15 +64,30 @@ pub(super) struct Answer {
     pub(super) settings: String,
 }
 
-/// Answers on one backend.
+impl Answer {
+    /// Returns the setting without its results.
+    pub(super) fn from_setting(setting: &Relative) -> Self {
+        Self {
+            technique: setting.technique.clone(),
+            settings: setting.settings.clone(),
+        }
+    }
+}
+
+/// Answers on one backend or graphics card.
 #[derive(Clone, Debug)]
 pub(super) struct OfBackend {
+    /// Kind of the backend, or the card's name.
     pub(super) backend: String,
+    /// Motions that were measured.
+    pub(super) motions: &'static [LabelledMotion],
+    /// Results of the group's scenes that were measured.
+    pub(super) scenes: Vec<SceneResult>,
     /// Index of the answer for each budget and motion; `None` if no setting within the budget is
     /// better than no shadow.
-    pub(super) table: Vec<[Option<usize>; MOTIONS.len()]>,
+    pub(super) table: Vec<Vec<Option<usize>>>,
     /// Results of each setting, for each motion.
-    pub(super) settings: [Vec<Relative>; MOTIONS.len()],
+    pub(super) settings: Vec<Vec<Relative>>,
     /// Basis of the budgets: measured times or counted costs.
     pub(super) clock: CostBasis,
 }
@@ -109,7 +132,14 @@ fn size_of(scene: &SceneResult) -> usize {
 }
 
 /// Returns the groups that have full-size scenes, ordered by light, extent and size.
-pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
+///
+/// Times on software drivers are not representative of cards, so wgpu's are omitted if
+/// `omits_wgpu`. `card` adds its times.
+pub(super) fn groups(
+    scenes: &[MeasuredScene],
+    omits_wgpu: bool,
+    card: Option<&Card>,
+) -> Vec<WhichGroup> {
     let mut out = Vec::new();
     for (light, (kind, _)) in LIGHTS.iter().enumerate() {
         for is_ideal in [true, false] {
@@ -123,8 +153,10 @@ pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
                 let places: Vec<usize> = (0..scenes.len())
                     .filter(|&i| is_of(&scenes[i].result))
                     .collect();
-                let of_group: Vec<&SceneResult> =
-                    places.iter().map(|&i| &scenes[i].result).collect();
+                let results: Vec<SceneResult> = places
+                    .iter()
+                    .map(|&i| without_backends(&scenes[i].result, omits_wgpu))
+                    .collect();
                 let mut group = WhichGroup {
                     light,
                     is_ideal,
@@ -133,7 +165,10 @@ pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
                     backends: Vec::new(),
                     answers: Vec::new(),
                 };
-                group.add_answers(&of_group);
+                if let Some(card) = card {
+                    group.add_answers(&time_by_card(&results, card), &CARD_MOTIONS);
+                }
+                group.add_answers(&results, &MOTIONS);
                 if !group.answers.is_empty() {
                     out.push(group);
                 }
@@ -143,27 +178,39 @@ pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
     out
 }
 
+/// Returns a scene's results without those of wgpu, if they are to be omitted.
+fn without_backends(scene: &SceneResult, omits_wgpu: bool) -> SceneResult {
+    let mut scene = scene.clone();
+    scene
+        .rows
+        .retain(|row| !(omits_wgpu && row.backend == "wgpu"));
+    scene
+}
+
 impl WhichGroup {
-    fn add_answers(&mut self, scenes: &[&SceneResult]) {
-        let by_motion = MOTIONS.map(|(motion, _)| {
-            let moving = scenes.iter().map(|&scene| SceneResult {
+    /// Adds the answers of each backend of some scenes.
+    fn add_answers(&mut self, scenes: &[SceneResult], motions: &'static [LabelledMotion]) {
+        let under_motion = |motion| {
+            let moving = scenes.iter().map(|scene| SceneResult {
                 motion,
                 ..scene.clone()
             });
             let moving: Vec<SceneResult> = moving.collect();
             relative(&moving.iter().collect::<Vec<_>>())
-        });
-        let mut backends: Vec<String> = Vec::new();
+        };
+        let by_motion: Vec<Vec<Relative>> = motions.iter().map(|m| under_motion(m.0)).collect();
+        let mut backends: Vec<&String> = Vec::new();
         for setting in by_motion.iter().flatten() {
-            if !backends.contains(&setting.backend) {
-                backends.push(setting.backend.clone());
+            if !backends.contains(&&setting.backend) {
+                backends.push(&setting.backend);
             }
         }
         for backend in backends {
-            let settings = by_motion.clone().map(|mut all| {
-                all.retain(|setting| setting.backend == backend);
-                all
-            });
+            let of_backend = |all: &Vec<Relative>| {
+                let settings = all.iter().filter(|setting| setting.backend == *backend);
+                settings.cloned().collect()
+            };
+            let settings: Vec<Vec<Relative>> = by_motion.iter().map(of_backend).collect();
             let is_timed = settings.iter().flatten().any(|s| s.time.is_some());
             let clock = if is_timed {
                 CostBasis::Wall
@@ -172,13 +219,17 @@ impl WhichGroup {
             };
             let mut table = Vec::new();
             for budget in BUDGETS {
-                let answers = settings
-                    .each_ref()
-                    .map(|all| best_within(all, clock, budget));
-                table.push(answers.map(|answer| answer.map(|a| self.place_of(a))));
+                let answers = settings.iter().map(|all| best_within(all, clock, budget));
+                table.push(
+                    answers
+                        .map(|answer| answer.map(|a| self.place_of(a)))
+                        .collect(),
+                );
             }
             self.backends.push(OfBackend {
-                backend,
+                backend: backend.clone(),
+                motions,
+                scenes: scenes.to_vec(),
                 table,
                 settings,
                 clock,
@@ -188,10 +239,7 @@ impl WhichGroup {
 
     /// Returns the index of an answer; adds a new one.
     fn place_of(&mut self, setting: &Relative) -> usize {
-        let answer = Answer {
-            technique: setting.technique.clone(),
-            settings: setting.settings.clone(),
-        };
+        let answer = Answer::from_setting(setting);
         let known = self.answers.iter().position(|other| *other == answer);
         known.unwrap_or_else(|| {
             self.answers.push(answer);
@@ -201,7 +249,28 @@ impl WhichGroup {
 }
 
 impl OfBackend {
-    /// Returns an answer's results under a motion, by its index in [`MOTIONS`].
+    /// Reports whether the times are those of a card.
+    pub(super) fn is_card(&self) -> bool {
+        self.motions == CARD_MOTIONS
+    }
+
+    /// Returns the index of the motion that the short table shows: the camera moves.
+    pub(super) fn usual_motion(&self) -> usize {
+        let motions = self.motions.iter();
+        let usual = motions.map(|(motion, _)| *motion == FrameMotion::CameraMoves);
+        usual.take_while(|is_usual| !is_usual).count()
+    }
+
+    /// Returns the fastest setting under a motion, by its index, that is not [`POOR`]. `None` if all
+    /// are.
+    pub(super) fn fastest_good(&self, motion: usize) -> Option<&Relative> {
+        let time = |s: &Relative| s.take(self.clock).unwrap_or(f64::INFINITY);
+        let all = self.settings[motion].iter();
+        let good = all.filter(|s| s.technique != "none" && s.error <= POOR);
+        good.min_by(|a, b| time(a).total_cmp(&time(b)))
+    }
+
+    /// Returns an answer's results under a motion, by its index.
     pub(super) fn setting(&self, answer: &Answer, motion: usize) -> Option<&Relative> {
         self.settings[motion]
             .iter()

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{
+    card::{Card, CardTime},
     compare::{
         CompareOptions, CompareRow, Environment, Measured, RowImages, RowOutcome, RowTimes,
         SceneImages, SceneInput, SceneResult, Section, TimingStats,
@@ -52,11 +53,11 @@ fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
     }
 }
 
-/// Returns a frame under the sun with 451,942 triangles; the row `better` has this error.
-fn scene(better: f64) -> (SceneResult, SceneImages) {
+/// Returns a frame under the sun with 451,942 triangles; `hard` and `better` have these errors.
+fn scene([hard, better]: [f64; 2]) -> (SceneResult, SceneImages) {
     let rows = vec![
         row("none", 0.5, 0.1),
-        row("hard", 0.2, 10.0),
+        row("hard", hard, 10.0),
         row("better", better, 18.0),
     ];
     let truth = Truth {
@@ -130,8 +131,14 @@ fn stability() -> StabilityResults {
     }
 }
 
-/// Writes a comparison and `stability`'s results; returns the folder.
+/// Writes results in which `better` has this error and `hard` has 0.2; returns the folder.
 fn measured_folder(better: f64, section: Section) -> tempfile::TempDir {
+    measured_errors([0.2, better], section)
+}
+
+/// Writes a comparison with these errors of `hard` and `better`, and `stability`'s results; returns
+/// the folder.
+fn measured_errors(errors: [f64; 2], section: Section) -> tempfile::TempDir {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let named = umbrage_core::Scene {
         name: "street".to_owned(),
@@ -140,7 +147,7 @@ fn measured_folder(better: f64, section: Section) -> tempfile::TempDir {
     let plan = ComparisonPlan::new(&[SceneInput::new(named, "")], &CompareOptions::default());
     let compared = dir.path().join("compared");
     let report = Report::create(&compared, plan, &[0], false).expect("writable");
-    let (mut result, images) = scene(better);
+    let (mut result, images) = scene(errors);
     result.section = section;
     let environment = Environment::default();
     report
@@ -156,10 +163,16 @@ fn measured_folder(better: f64, section: Section) -> tempfile::TempDir {
 
 /// Returns the page as Markdown.
 fn page(dir: &Path) -> String {
+    page_with_card(dir, None)
+}
+
+/// Returns the page with a card's times as Markdown.
+fn page_with_card(dir: &Path, card: Option<&Card>) -> String {
     let out = dir.join("out");
     let [markdown, html] = write(
         &dir.join("compared"),
         &dir.join("stability"),
+        card,
         &out,
         "make it",
     )
@@ -195,7 +208,7 @@ fn answers_follow_the_figures() {
     assert!(!is_there, "it changes nothing");
     assert!(better.contains("(451,942 triangles, 4x3)"));
     assert!(
-        better.contains("cpu: 18.0, 18.0, 18.0 ms (1.8, 1.8, 1.8 times hard)"),
+        better.contains("all moves): 18.0, 18.0, 18.0 ms (1.8, 1.8, 1.8 times hard)"),
         "{better}"
     );
     // Once it is worse, no answer names it.
@@ -236,7 +249,8 @@ fn folders_without_such_results_are_refused() {
     let dir = measured_folder(0.1, Section::Check);
     let refused = |compared: &str, stability: &str| {
         let at = |name: &str| dir.path().join(name);
-        let error = write(&at(compared), &at(stability), &at("out"), "").expect_err("refused");
+        let error =
+            write(&at(compared), &at(stability), None, &at("out"), "").expect_err("refused");
         error.to_string()
     };
     assert!(refused("compared", "stability").contains("no full-size scenes"));
@@ -246,4 +260,73 @@ fn folders_without_such_results_are_refused() {
         "{no_scenes}"
     );
     assert!(refused("compared", "none").contains("cannot be read"));
+}
+
+#[test]
+fn a_poor_answer_is_called_that_and_a_good_one_is_named() {
+    // `hard` has 40 % of the error of no shadow, then 80 %.
+    let good = page(measured_folder(0.3, Section::Content).path());
+    assert!(!good.contains("**none is good**"), "{good}");
+    let dir = measured_errors([0.4, 0.1], Section::Content);
+    let poor = page(dir.path());
+    let least = line(&poor, "1.25 times hard");
+    assert!(
+        least.contains("**none is good**: **hard** 1024: 80 %, 1.0 times; take **better** 1024: 20 %, 1.8 times"),
+        "{least}"
+    );
+}
+
+/// Returns a card on which `better` takes half of the time of `hard`.
+fn card() -> Card {
+    let time = |technique: &str, milliseconds| CardTime {
+        frame: "street 4x3".to_owned(),
+        technique: technique.to_owned(),
+        settings: "1024, bias: adaptive".to_owned(),
+        milliseconds,
+        measured_milliseconds: 1.0,
+    };
+    Card {
+        adapter: "A card".to_owned(),
+        times: Some(vec![time("hard", Some(2.0)), time("better", Some(1.0))]),
+        ..Card::default()
+    }
+}
+
+#[test]
+fn a_card_decides_by_its_own_times() {
+    let dir = measured_folder(0.1, Section::Content);
+    let with_card = page_with_card(dir.path(), Some(&card()));
+    let first = line(&with_card, "1.25 times hard");
+    assert!(
+        first.contains("**better** 1024: 20 %, 0.5 times"),
+        "{first}"
+    );
+    assert!(
+        with_card.contains("A card (maps and lookup of a frame): 1.00 ms (0.5 times hard)"),
+        "{with_card}"
+    );
+    // A time without a steady clock is no time.
+    let mut unsteady = card();
+    for time in unsteady.times.iter_mut().flatten() {
+        time.milliseconds = None;
+    }
+    let without = page_with_card(dir.path(), Some(&unsteady));
+    assert!(!without.contains("A card ("), "{without}");
+}
+
+#[test]
+fn the_chart_has_a_label_for_each_setting_and_says_if_no_card_was_measured() {
+    let dir = measured_folder(0.1, Section::Content);
+    page(dir.path());
+    let chart = dir.path().join("out/which.svg");
+    let of_cpu = fs::read_to_string(&chart).expect("there");
+    for part in ["hard 1024", "better 1024", "not yet measured on hardware"] {
+        assert!(of_cpu.contains(part), "{part}: {of_cpu}");
+    }
+    page_with_card(dir.path(), Some(&card()));
+    let of_card = fs::read_to_string(&chart).expect("there");
+    assert!(
+        of_card.contains("A card") && !of_card.contains("not yet measured"),
+        "{of_card}"
+    );
 }

@@ -1,16 +1,19 @@
 //! Text of the page.
 
 use super::{
+    HEADLINE,
+    cells::{budget_words, cell, cell_below, error_words, frame_words, hard_words, words_of},
     document::{Block, Document, Inline, anchor, text},
     environment,
-    groups::{Answer, BUDGETS, LIGHTS, MOTIONS, OfBackend, SIZES, WhichGroup, heading},
+    groups::{Answer, BUDGETS, LIGHTS, OfBackend, POOR, SIZES, WhichGroup, heading},
+    is_software,
     pictures::Shown,
 };
 use crate::{
-    compare::{CostBasis, FrameMotion, Measured, Relative, percent, thousands, times},
+    card::Card,
+    compare::{percent, thousands},
     report::{MeasuredScene, StabilitySource},
 };
-use umbrage_techniques::ShadowMap;
 
 /// Inputs of the page.
 pub(super) struct AnswerWords<'a> {
@@ -19,16 +22,16 @@ pub(super) struct AnswerWords<'a> {
     pub(super) groups: &'a [WhichGroup],
     pub(super) stability: &'a StabilitySource,
     pub(super) pictures: &'a Shown,
+    /// Card whose times the page shows.
+    pub(super) card: Option<&'a Card>,
+    /// Whether there is a chart.
+    pub(super) has_chart: bool,
     /// Command that regenerates the page.
     pub(super) command: &'a str,
 }
 
 /// Budgets of the short table, as indices in [`BUDGETS`]: the smallest, a middle one, unlimited.
 const SHORT: [usize; 3] = [0, 2, BUDGETS.len() - 1];
-/// Motion of the short table, as an index in [`MOTIONS`]: the camera moves.
-const USUAL: usize = 1;
-/// Parts of the names of adapters that run on the CPU.
-const SOFTWARE: [&str; 2] = ["llvmpipe", "SwiftShader"];
 /// Greatest number of `stability` rows that an answer lists.
 const NAMED_ROWS: usize = 40;
 
@@ -47,9 +50,20 @@ impl AnswerWords<'_> {
         let e = environment(self.scenes);
         let commit = e.commit.as_ref().map(|c| format!(" at commit {c}"));
         let date = e.date.as_ref().map(|d| format!(", {d} UTC"));
-        let adapter = match &e.adapter {
-            Some(adapter) => format!("wgpu on {adapter}"),
-            None => "without a graphics adapter".to_owned(),
+        let adapter = match (&e.adapter, self.card) {
+            (_, Some(card)) => format!(
+                "times of {} from {}{}",
+                card.adapter,
+                card.date.as_deref().unwrap_or("an unknown date"),
+                card.commit
+                    .as_ref()
+                    .map_or_else(String::new, |c| format!(" at commit {c}"))
+            ),
+            (Some(adapter), _) if is_software(adapter) => format!(
+                "times of wgpu are omitted, as {adapter} is a software driver: not yet measured on hardware"
+            ),
+            (Some(adapter), _) => format!("wgpu on {adapter}"),
+            (None, _) => "not yet measured on a graphics card".to_owned(),
         };
         let measured = format!(
             "Measured by umbrage {}{}{} on {}, {} threads; {adapter}. Other settings may win on other machines: run it on yours.",
@@ -59,13 +73,6 @@ impl AnswerWords<'_> {
             e.cpu,
             e.threads
         );
-        let is_software = |adapter: &String| SOFTWARE.iter().any(|name| adapter.contains(name));
-        let measured = if e.adapter.as_ref().is_some_and(is_software) {
-            measured
-                + " (That adapter is a software driver: its times do not represent a graphics card.)"
-        } else {
-            measured
-        };
         let first = &self.scenes[0];
         let stale = self
             .stability
@@ -100,6 +107,13 @@ impl AnswerWords<'_> {
                     ),
                 ],
                 vec![
+                    Inline::Bold("None is good".to_owned()),
+                    text(format!(
+                        " means that every setting within the budget is more than {} as wrong as no shadow. The cell then also names the fastest setting below that error.",
+                        percent(POOR)
+                    )),
+                ],
+                vec![
                     Inline::Bold("Settings".to_owned()),
                     text(
                         " are the kernel and the map's side in texels; maps have the default bias unless another is named.",
@@ -123,28 +137,35 @@ impl AnswerWords<'_> {
         out
     }
 
-    /// Returns the answers of the first backend while the camera moves, one line per group.
+    /// Returns the answers of each group's first backend while the camera moves, a line per group.
     fn short(&self) -> Vec<Block> {
         let mut rows = Vec::new();
         for group in self.groups {
             let title = group.heading();
             let link = format!("#{}", anchor(&title));
-            let mut row = vec![vec![Inline::Link(title, link)]];
+            let first = &group.backends[0];
+            let mut row = vec![
+                vec![Inline::Link(title, link)],
+                vec![text(first.backend.clone())],
+            ];
             for budget in SHORT {
-                row.push(self.cell(group, &group.backends[0], budget, USUAL));
+                row.push(cell(group, first, budget, first.usual_motion()));
             }
             rows.push(row);
         }
-        let mut head = vec!["light, size".to_owned()];
+        let mut head = vec!["light, size".to_owned(), "measured on".to_owned()];
         head.extend(SHORT.map(budget_words));
-        let backend = &self.groups[0].backends[0].backend;
-        vec![
+        let mut out = vec![
             Block::Heading(2, "In short".to_owned()),
-            Block::Paragraph(vec![text(format!(
-                "While the camera moves, on {backend}, by frame budget:"
-            ))]),
+            Block::Paragraph(vec![text("While the camera moves, by frame budget:")]),
             Block::Table { head, rows },
-        ]
+        ];
+        if self.has_chart {
+            let what = "error against time of ten settings under a sun without extent";
+            let chart = Inline::Image(what.to_owned(), HEADLINE.to_owned());
+            out.push(Block::Paragraph(vec![chart]));
+        }
+        out
     }
 
     /// Lists the kinds of light and sizes without a scene; `None` if there are none.
@@ -191,9 +212,14 @@ impl AnswerWords<'_> {
             Block::Paragraph(vec![text(format!("From {noun}: {}.", names.join(", ")))]),
         ];
         for of_backend in &group.backends {
-            out.push(Block::Paragraph(self.hard_words(group, of_backend)));
+            out.push(Block::Paragraph(hard_words(of_backend)));
             let mut head = vec!["frame budget".to_owned()];
-            head.extend(MOTIONS.map(|(_, words)| words.to_owned()));
+            head.extend(
+                of_backend
+                    .motions
+                    .iter()
+                    .map(|(_, words)| (*words).to_owned()),
+            );
             let mut rows = Vec::new();
             for budget in 0..BUDGETS.len() {
                 // Omit a budget that changes nothing under any motion.
@@ -201,8 +227,8 @@ impl AnswerWords<'_> {
                     continue;
                 }
                 let mut row = vec![vec![text(budget_words(budget))]];
-                for motion in 0..MOTIONS.len() {
-                    row.push(self.cell_below(group, of_backend, budget, motion));
+                for motion in 0..of_backend.motions.len() {
+                    row.push(cell_below(group, of_backend, budget, motion));
                 }
                 rows.push(row);
             }
@@ -212,7 +238,7 @@ impl AnswerWords<'_> {
             head: [
                 "answer, with truth, mask and error",
                 "error",
-                "frame time: still, camera moves, all moves",
+                "frame time",
                 "fails",
             ]
             .map(str::to_owned)
@@ -222,108 +248,6 @@ impl AnswerWords<'_> {
                 .collect(),
         });
         out
-    }
-
-    /// Returns a cell of a table of all budgets: `as above` if the larger budget changes nothing.
-    fn cell_below(
-        &self,
-        group: &WhichGroup,
-        of: &OfBackend,
-        budget: usize,
-        motion: usize,
-    ) -> Vec<Inline> {
-        let is_as_above = budget > 0 && of.table[budget][motion] == of.table[budget - 1][motion];
-        if is_as_above {
-            vec![text("as above")]
-        } else {
-            self.cell(group, of, budget, motion)
-        }
-    }
-
-    /// Returns a cell of a table of budgets: the answer, its error and its time.
-    fn cell(
-        &self,
-        group: &WhichGroup,
-        of: &OfBackend,
-        budget: usize,
-        motion: usize,
-    ) -> Vec<Inline> {
-        let Some(place) = of.table[budget][motion] else {
-            return vec![text("no setting is better than no shadow")];
-        };
-        let answer = &group.answers[place];
-        let Some(setting) = of.setting(answer, motion) else {
-            return Vec::new();
-        };
-        let time = setting.take(of.clock).map_or_else(String::new, times);
-        vec![
-            Inline::Bold(answer.technique.clone()),
-            text(format!(
-                " {}: {}, {time}",
-                words_of(answer),
-                error_words(setting)
-            )),
-        ]
-    }
-
-    /// Returns a line with the backend and the time of `hard` on it.
-    fn hard_words(&self, group: &WhichGroup, of: &OfBackend) -> Vec<Inline> {
-        let mut parts = Vec::new();
-        for (motion, (kind, words)) in MOTIONS.iter().enumerate() {
-            let near_one = |s: &&Relative| {
-                let time = s.take(of.clock).unwrap_or(f64::NAN);
-                s.technique == "hard" && (time - 1.0).abs() < 1e-6
-            };
-            let Some(hard) = of.settings[motion].iter().find(near_one) else {
-                continue;
-            };
-            let answer = Answer {
-                technique: hard.technique.clone(),
-                settings: hard.settings.clone(),
-            };
-            if let Some(ms) = self.milliseconds(group, of, &answer, *kind) {
-                parts.push(format!("{} ms while {words}", short(ms)));
-            }
-        }
-        let clock = match of.clock {
-            CostBasis::Wall => "takes",
-            CostBasis::Cost => "(by counted cost, not timed) takes",
-        };
-        vec![
-            text("On "),
-            Inline::Bold(of.backend.clone()),
-            text(", "),
-            Inline::Code("hard".to_owned()),
-            text(format!(" {clock} {}:", parts.join(", "))),
-        ]
-    }
-
-    /// Returns the geometric mean of a setting's frame times over the group's scenes, milliseconds;
-    /// `None` if any scene lacks one.
-    fn milliseconds(
-        &self,
-        group: &WhichGroup,
-        of: &OfBackend,
-        answer: &Answer,
-        motion: FrameMotion,
-    ) -> Option<f64> {
-        let mut logarithms = 0.0;
-        for &place in &group.scenes {
-            let measured = self.measured_figures(place, &of.backend, answer)?;
-            logarithms += measured.milliseconds(of.clock, motion)?.ln();
-        }
-        Some((logarithms / group.scenes.len() as f64).exp())
-    }
-
-    /// Returns the measurement of a setting on a scene and backend.
-    fn measured_figures(&self, scene: usize, backend: &str, answer: &Answer) -> Option<&Measured> {
-        let mut rows = self.scenes[scene].result.rows.iter();
-        let row = rows.find(|row| {
-            row.backend == backend
-                && row.technique == answer.technique
-                && row.settings == answer.settings
-        })?;
-        row.measured_figures()
     }
 
     /// Returns an answer's table row: its image, its errors, its times on all backends, and the
@@ -348,11 +272,15 @@ impl AnswerWords<'_> {
         });
         let mut errors = Vec::new();
         let mut frames = Vec::new();
+        // A card may have timed only some of the scenes.
+        let scenes = group.scenes.len();
+        let has_all = |of: &OfBackend| of.scenes.len() == scenes;
         for of in &group.backends {
-            let error = of.setting(answer, USUAL).map(error_words);
+            let error = of.setting(answer, of.usual_motion()).map(error_words);
             // Most answers have the same error on all backends; list it once.
-            errors.extend(error.filter(|error| !errors.contains(error)));
-            if let Some(line) = self.frame_words(group, of, answer) {
+            let is_new = |error: &String| has_all(of) && !errors.contains(error);
+            errors.extend(error.filter(is_new));
+            if let Some(line) = frame_words(of, answer) {
                 if !frames.is_empty() {
                     frames.push(Inline::Break);
                 }
@@ -381,64 +309,5 @@ impl AnswerWords<'_> {
             frames,
             vec![text(fails)],
         ]
-    }
-
-    /// Returns a setting's frame times on a backend: milliseconds, and multiples of `hard`.
-    fn frame_words(&self, group: &WhichGroup, of: &OfBackend, answer: &Answer) -> Option<String> {
-        let mut ms = Vec::new();
-        let mut ratios = Vec::new();
-        for (motion, (kind, _)) in MOTIONS.iter().enumerate() {
-            ms.push(short(self.milliseconds(group, of, answer, *kind)?));
-            ratios.push(digits(of.setting(answer, motion)?.take(of.clock)?));
-        }
-        let backend = &of.backend;
-        Some(format!(
-            "{backend}: {} ms ({} times hard)",
-            ms.join(", "),
-            ratios.join(", ")
-        ))
-    }
-}
-
-/// Returns an answer's settings without the default bias, which the page states once.
-fn words_of(answer: &Answer) -> String {
-    let default = ShadowMap::default().bias.label();
-    let words = answer.settings.split(", ").filter(|word| *word != default);
-    words.collect::<Vec<_>>().join(", ")
-}
-
-fn error_words(setting: &Relative) -> String {
-    if setting.is_exact() {
-        "exact".to_owned()
-    } else {
-        percent(setting.error)
-    }
-}
-
-/// Returns a budget's label, by its index in [`BUDGETS`].
-fn budget_words(budget: usize) -> String {
-    let times = BUDGETS[budget];
-    if times.is_infinite() {
-        "unlimited".to_owned()
-    } else {
-        format!("{times} times hard")
-    }
-}
-
-/// Formats milliseconds with three digits.
-fn short(ms: f64) -> String {
-    match ms {
-        _ if ms >= 100.0 => format!("{ms:.0}"),
-        _ if ms >= 10.0 => format!("{ms:.1}"),
-        _ => format!("{ms:.2}"),
-    }
-}
-
-/// Formats a ratio with two digits.
-fn digits(ratio: f64) -> String {
-    if ratio < 10.0 {
-        format!("{ratio:.1}")
-    } else {
-        format!("{ratio:.0}")
     }
 }

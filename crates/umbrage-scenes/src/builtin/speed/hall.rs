@@ -1,12 +1,12 @@
 //! An interior: two rows of columns with arches, outer walls with arched openings, a roof.
 
-use super::SIZE;
+use super::{SIZE, area_sun};
 use crate::{
     primitives::{block, grid, lathe, on_circle, prism},
     stage::{Stage, sun},
 };
 use umbrage_core::glam::{Affine3A, Vec3};
-use umbrage_core::{Mesh, Scene};
+use umbrage_core::{Light, Mesh, Scene};
 
 /// Bays along the hall, and their length in metres; columns stand at their ends.
 const BAYS: i32 = 8;
@@ -21,6 +21,14 @@ const SPRING: f32 = 4.2;
 const HEIGHT: f32 = 7.5;
 
 pub(crate) fn hall() -> Scene {
+    lit_by("hall", sun(0.25, -0.75, 0.8))
+}
+
+pub(crate) fn hall_soft() -> Scene {
+    lit_by("hall-soft", area_sun(0.25, -0.75, 0.8))
+}
+
+fn lit_by(name: &str, light: Light) -> Scene {
     let mut columns = Vec::new();
     for i in 0..=BAYS {
         let x = BAY * i as f32 - LENGTH;
@@ -42,14 +50,14 @@ pub(crate) fn hall() -> Scene {
         translation(-LENGTH, 0.0, 0.0),
         translation(LENGTH + 0.3, 0.0, 0.0),
     ];
-    Stage::new("hall")
+    Stage::new(name)
         .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
         .put_many(column(), columns)
         .put_many(arch(), arches)
         .put_many(outer_wall(), walls)
         .put_many(end, ends)
         .put(roof)
-        .light(sun(0.25, -0.75, 0.8))
+        .light(light)
         .shoot([-LENGTH + 1.2, 2.6, 1.1], [0.0, 2.2, -0.6], 62.0, SIZE)
 }
 

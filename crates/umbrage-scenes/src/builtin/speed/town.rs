@@ -1,13 +1,13 @@
 //! Ten thousand boxes along streets.
 
-use super::SIZE;
+use super::{SIZE, area_sun};
 use crate::{
     builtin::noise::uniform,
     primitives::{block, grid},
     stage::{Stage, sun},
 };
-use umbrage_core::Scene;
 use umbrage_core::glam::{Affine3A, IVec3, Quat, Vec3};
+use umbrage_core::{Light, Scene};
 
 /// Number of houses along each side of the town.
 const SIDE: i32 = 100;
@@ -15,12 +15,20 @@ const SIDE: i32 = 100;
 const PITCH: f32 = 14.0;
 
 pub(crate) fn town() -> Scene {
+    lit_by("town", sun(0.75, -0.5, 0.35))
+}
+
+pub(crate) fn town_soft() -> Scene {
+    lit_by("town-soft", area_sun(0.75, -0.5, 0.35))
+}
+
+fn lit_by(name: &str, light: Light) -> Scene {
     let half = 0.5 * PITCH * (SIDE as f32 + 2.0);
     let houses = (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| house(i, k)));
-    Stage::new("town")
+    Stage::new(name)
         .put(grid([half, half], [32, 32], |_, _| 0.0))
         .put_many(block([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]), houses)
-        .light(sun(0.75, -0.5, 0.35))
+        .light(light)
         .shoot([-260.0, 170.0, 520.0], [0.0, 0.0, 40.0], 45.0, SIZE)
 }
 
