@@ -1,8 +1,8 @@
 //! Techniques as list entries and as data in files.
 //!
-//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::for_technique`] builds its
-//! list entry. [`TechniquePreset`] stores any such technique as data. [`LightPreset`] adds rules
-//! for the work that may be skipped.
+//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::for_technique`]
+//! builds its list entry. [`TechniquePreset`] stores any such technique as data. [`LightPreset`]
+//! adds rules for the work that may be skipped.
 
 mod entry;
 mod light_preset;

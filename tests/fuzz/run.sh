@@ -6,9 +6,10 @@
 #   tests/fuzz/run.sh 600 model        600 seconds of one
 #   tests/fuzz/run.sh 0                no fuzzing: only drops inputs that others make needless
 #
-# It needs `cargo install --locked cargo-fuzz`, and a C++ compiler. A fault ends it: the input is in tests/fuzz/artifacts,
-# `cargo fuzz run --fuzz-dir tests/fuzz --sanitizer none TARGET FILE` plays it again. Mend the cause, put the input into
-# tests/fuzz/corpus/TARGET under a name that tells the fault, and `cargo xtask test -- fuzz_corpus` plays it from then on.
+# It needs `cargo install --locked cargo-fuzz`, and a C++ compiler. A fault ends it: the input is in
+# tests/fuzz/artifacts, and `cargo fuzz run --fuzz-dir tests/fuzz --sanitizer none TARGET FILE` runs
+# it again. Fix the cause, and put the input into tests/fuzz/corpus/TARGET under a name that states
+# the fault. `cargo xtask test -- fuzz_corpus` runs it from then on.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-3600}

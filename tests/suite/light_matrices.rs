@@ -194,7 +194,7 @@ fn fitted_matrices_are_unchanged() {
 /// Fits for a camera with a range of 20 m, and for one that is moved with the scene. Directional
 /// lights have separate matrices, other lights those of the whole scene.
 #[test]
-fn stable() {
+fn matrices_of_stable_fits_are_unchanged() {
     let suite = |offset: Vec3| -> String {
         let geometry = geometry(1.0, offset);
         let mut camera = camera();
@@ -217,7 +217,7 @@ fn stable() {
 
 /// The six spaces of a cube, for a kernel of radius 3 texels.
 #[test]
-fn cube() {
+fn matrices_of_a_cube_are_unchanged() {
     let geometry = geometry(1.0, Vec3::ZERO);
     let light = Light::Point {
         position: Vec3::new(0.5, 4.0, 1.0),
@@ -235,13 +235,13 @@ fn cube() {
         let space = spaces.spaces[layer];
         text += &print(&format!("{axis}, needed: {needed}"), &Ok(space));
     }
-    insta::assert_snapshot!(text);
+    insta::assert_snapshot!("cube", text);
 }
 
 /// Four cascades of a sun along the view and of one across it: stable, tight around possible
 /// receivers, and split by actual receivers.
 #[test]
-fn cascades() {
+fn matrices_of_cascades_are_unchanged() {
     let geometry = geometry(1.0, Vec3::ZERO);
     let camera = camera();
     let seen = umbrage_cpu::Cpu::new()
@@ -281,11 +281,11 @@ fn cascades() {
             }
         }
     }
-    insta::assert_snapshot!(text);
+    insta::assert_snapshot!("cascades", text);
 }
 
 #[test]
-fn by_hand() {
+fn matrices_of_manual_fits_are_unchanged() {
     let extents = Extents {
         left: -10.0,
         right: 10.0,
@@ -303,14 +303,15 @@ fn by_hand() {
         .iter()
         .map(|(name, light)| print(name, &fit(manual, light, &geometry)))
         .collect();
-    insta::assert_snapshot!(out);
+    insta::assert_snapshot!("by_hand", out);
 }
 
 #[test]
-fn nothing_casts() {
+fn matrices_without_casters_are_unchanged() {
     let geometry = geometry(1.0, Vec3::ZERO).without_casters();
     let lights = lights(1.0, Vec3::ZERO);
     insta::assert_snapshot!(
+        "nothing_casts",
         lights
             .iter()
             .map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry)))

@@ -95,7 +95,7 @@ pub struct ReferenceMask<'a> {
     size: UVec2,
     truth: &'a [f32],
     pixels: &'a [Pixel],
-    near_edge: Vec<bool>,
+    is_near_edge: Vec<bool>,
 }
 
 impl<'a> ReferenceMask<'a> {
@@ -108,12 +108,12 @@ impl<'a> ReferenceMask<'a> {
     pub fn new(size: UVec2, truth: &'a [f32], pixels: &'a [Pixel]) -> Result<Self, Invalid> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
-        let near_edge = pixels_near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
+        let is_near_edge = pixels_near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
         Ok(Self {
             size,
             truth,
             pixels,
-            near_edge,
+            is_near_edge,
         })
     }
 
@@ -141,7 +141,7 @@ impl<'a> ReferenceMask<'a> {
         for (i, pixel) in self.pixels.iter().enumerate() {
             match pixel {
                 Pixel::Counted => {
-                    out.add(mask[i], self.truth[i], self.near_edge[i]);
+                    out.add(mask[i], self.truth[i], self.is_near_edge[i]);
                     let square = (f64::from(mask[i]) - f64::from(self.truth[i])).powi(2);
                     sum_of_squares += square;
                     sum_of_fourth_powers += square * square;
@@ -197,7 +197,7 @@ impl Errors {
     }
 
     /// Adds one pixel to the sums.
-    fn add(&mut self, mask: f32, truth: f32, near_edge: bool) {
+    fn add(&mut self, mask: f32, truth: f32, is_near_edge: bool) {
         let difference = mask - truth;
         self.counted += 1;
         self.mean += f64::from(difference.abs());
@@ -205,7 +205,7 @@ impl Errors {
         self.largest = self.largest.max(f64::from(difference.abs()));
         if difference < -ERROR_THRESHOLD {
             self.false_shadow += 1.0;
-            self.acne += if near_edge { 0.0 } else { 1.0 };
+            self.acne += if is_near_edge { 0.0 } else { 1.0 };
         }
         if difference > ERROR_THRESHOLD {
             self.false_light += 1.0;

@@ -136,7 +136,7 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
                 .casts
                 .iter()
                 .any(|cast| cast.image == id && cast.layer == layer);
-            if !is_cast && !filtered_before_read(recipe, id) {
+            if !is_cast && !is_filtered_before_read(recipe, id) {
                 out.push((image.desc.format, view.clone()));
             }
         }
@@ -145,7 +145,7 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
 }
 
 /// Returns whether a filter writes the image and none reads it before that.
-fn filtered_before_read(recipe: &Recipe, image: usize) -> bool {
+fn is_filtered_before_read(recipe: &Recipe, image: usize) -> bool {
     let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else {
         return false;
     };

@@ -1,10 +1,11 @@
 //! Shadows for wgpu programs, measured.
 //!
-//! **In a renderer**, start with `umbrage::gpu::LightSet`. It keeps casters and lights from frame to
-//! frame, draws only what changed, and provides one WGSL function,
-//! `shadow(light, position, normal, pixel)`, or masks for a G-buffer. `umbrage::gpu::ShadowRenderer`
-//! computes the mask of one light. Both work on the device and in the encoder of the caller. The
-//! guide is [`docs/add_shadows.md`](https://github.com/umbrage-rs/umbrage/blob/main/docs/add_shadows.md).
+//! **In a renderer**, start with `umbrage::gpu::LightSet`. It keeps casters and lights from frame
+//! to frame, draws only what changed, and provides one WGSL function,
+//! `shadow(light, position, normal, pixel)`, or masks for a G-buffer.
+//! `umbrage::gpu::ShadowRenderer` computes the mask of one light. Both work on the device and in
+//! the encoder of the caller. The guide is
+//! [`docs/add_shadows.md`](https://github.com/umbrage-rs/umbrage/blob/main/docs/add_shadows.md).
 //!
 //! **Without a renderer**, [`backend`] opens a [`Backend`] at run time. `umbrage::cpu::Cpu` and
 //! `umbrage::gpu::Gpu` are backends by type.

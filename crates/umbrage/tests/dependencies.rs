@@ -80,7 +80,8 @@ fn scenes_without_gltf_need_neither_its_crates_nor_jpeg() {
     assert_without("scenes", &["gltf", "gltf-json", "zune-jpeg"]);
 }
 
-/// The same list shows the crates that are needed, so the tests above can't pass by reading nothing.
+/// The same list shows the crates that are needed, so the tests above can't pass by reading
+/// nothing.
 #[test]
 fn scenes_need_what_they_read() {
     let of_scenes = packages("scenes");

@@ -136,8 +136,8 @@ impl KeptLists {
         }
     }
 
-    /// Returns the lists, which are built on first use. `geometry` is that of [`of_geometry`](Self::of_geometry), or
-    /// empty if it was not called.
+    /// Returns the lists, which are built on first use. `geometry` is that of
+    /// [`of_geometry`](Self::of_geometry), or empty if it was not called.
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
         if let Some(lists) = self.made.get() {
             return lists;

@@ -15,11 +15,11 @@
 //!   2007, "Visibility Sampling on GPU and Applications", also sample light sources by bit masks of
 //!   edges.
 //!
-//! **No gaps.** All triangles use the same order of corners ([`sort_corners`]). So neighbours have the
-//! same function for their common edge, except for its sign, to the last bit. Where it is 0, both
-//! hide the point. **No distance amplification.** An edge's function uses the edge's own vector,
-//! whose error is proportional to its length. So functions of small or distant triangles have an
-//! error of a few roundings of the distance, not of its inverse.
+//! **No gaps.** All triangles use the same order of corners ([`sort_corners`]). So neighbours have
+//! the same function for their common edge, except for its sign, to the last bit. Where it is 0,
+//! both hide the point. **No distance amplification.** An edge's function uses the edge's own
+//! vector, whose error is proportional to its length. So functions of small or distant triangles
+//! have an error of a few roundings of the distance, not of its inverse.
 
 use super::{
     lattice::{Lattice, MAX_ROWS},

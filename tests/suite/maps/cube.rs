@@ -92,7 +92,7 @@ fn on_face(case: &MapCase, pixel: usize) -> OnFace {
 
 /// Reports whether the reference changes within `texels` around a pixel, on the plane of its
 /// surface.
-fn near_edge(case: &MapCase, pixel: usize, texels: f32) -> bool {
+fn is_near_edge(case: &MapCase, pixel: usize, texels: f32) -> bool {
     let lamp = lamp(case);
     let receivers = &case.truth.receivers;
     let p = receivers.position(pixel);
@@ -137,7 +137,7 @@ fn unexplained_pixels(case: &MapCase, mask: &[f32], reach: f32) -> [usize; 2] {
     false_pixels(case, mask).map(|wrong| {
         wrong
             .into_iter()
-            .filter(|&i| !near_edge(case, i, reach + 2.0))
+            .filter(|&i| !is_near_edge(case, i, reach + 2.0))
             .count()
     })
 }

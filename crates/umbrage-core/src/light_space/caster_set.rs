@@ -49,7 +49,7 @@ impl CasterSet {
                 }
                 continue;
             };
-            if is_outside_sides(&block.bounds, &sides) {
+            if is_box_outside(&block.bounds, &sides) {
                 continue;
             }
             match runs.last_mut() {
@@ -81,12 +81,12 @@ fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
 }
 
 /// Returns whether a box is entirely on the outer side of one of the planes; false for NaN.
-fn is_outside_sides(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+fn is_box_outside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     sides.iter().any(|side| farthest_inside(bounds, side) < 0.0)
 }
 
-/// Returns whether a box is so far outside one of the planes that [`is_outside_sides`] is true of every
-/// box in it, despite rounding.
+/// Returns whether a box is so far outside one of the planes that [`is_box_outside`] is true of
+/// every box in it, despite rounding.
 fn is_group_outside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     let reach: DVec3 = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     sides.iter().any(|side| {

@@ -73,9 +73,9 @@ pub struct TruthImage<'a> {
     blocker: &'a [f32],
     contact: f32,
     /// Pixels within [`ACNE_DISTANCE`] of true penumbrae.
-    near_soft: Vec<bool>,
+    is_near_soft: Vec<bool>,
     /// Pixels near any true edge.
-    near_edge: Vec<bool>,
+    is_near_edge: Vec<bool>,
 }
 
 impl<'a> TruthImage<'a> {
@@ -97,16 +97,16 @@ impl<'a> TruthImage<'a> {
         check_len("pixel classes", size, pixels.len())?;
         check_len("blockers", size, blocker.len())?;
         let soft = penumbrae(visibility, pixels);
-        let near_soft = pixels_near(size, &soft, ACNE_DISTANCE);
-        let near_edge = pixels_near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
+        let is_near_soft = pixels_near(size, &soft, ACNE_DISTANCE);
+        let is_near_edge = pixels_near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
         Ok(Self {
             size,
             visibility,
             pixels,
             blocker,
             contact,
-            near_soft,
-            near_edge,
+            is_near_soft,
+            is_near_edge,
         })
     }
 }
@@ -196,7 +196,7 @@ pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Caus
     let gap = flood(
         truth.size,
         |i| is_too_light(i) && truth.blocker[i] <= truth.contact,
-        |i| is_too_light(i) && !truth.near_soft[i] && !truth.near_edge[i],
+        |i| is_too_light(i) && !truth.is_near_soft[i] && !truth.is_near_edge[i],
     );
     let mut causes = vec![None; mask.len()];
     for (i, cause) in causes.iter_mut().enumerate() {
@@ -206,9 +206,9 @@ pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Caus
         }
         *cause = Some(if gap[i] {
             Cause::Gap
-        } else if truth.near_soft[i] {
+        } else if truth.is_near_soft[i] {
             Cause::Penumbra
-        } else if truth.near_edge[i] {
+        } else if truth.is_near_edge[i] {
             Cause::Edge
         } else if difference < 0.0 {
             Cause::Acne
@@ -263,7 +263,7 @@ fn penumbra_width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
     let mut in_mask = 0_usize;
     let mut in_truth = 0_usize;
     for (i, &visibility) in mask.iter().enumerate() {
-        if truth.pixels[i] == Pixel::Counted && truth.near_soft[i] {
+        if truth.pixels[i] == Pixel::Counted && truth.is_near_soft[i] {
             in_mask += usize::from(is_penumbra(visibility));
             in_truth += usize::from(is_penumbra(truth.visibility[i]));
         }

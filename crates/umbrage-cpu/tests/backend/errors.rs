@@ -1,18 +1,16 @@
 //! Tests that every error states its cause.
 
-use crate::stage::{camera, geometry, light, recipe, render};
+use crate::stage::{geometry, recipe, render, view};
 use umbrage_core::{Backend, Camera, Cast, Recipe, Snapping, View, glam::UVec2};
 use umbrage_cpu::{Cpu, CpuOptions};
 
 #[test]
 fn errors_say_what_is_missing() {
-    let camera = camera();
-    let light = light();
     let geometry = geometry();
     let recipe = recipe();
-    let view = View::new(&camera, &light, &geometry);
+    let view = view();
     let mut cpu = Cpu::new();
-    let receivers = cpu.receivers(&camera, &geometry).unwrap();
+    let receivers = cpu.receivers(view.camera, &geometry).unwrap();
     let mut says = |view: &View<'_>, recipe: &Recipe, text: &str| {
         let error = cpu.render(view, recipe).unwrap_err().to_string();
         assert!(error.contains(text), "{error}");
@@ -40,7 +38,7 @@ fn errors_say_what_is_missing() {
     );
     let other = Camera {
         size: UVec2::new(5, 5),
-        ..camera
+        ..*view.camera
     };
     says(
         &View {

@@ -1,9 +1,7 @@
 //! Tests of whole recipes: the same bits for all threads and instructions, and receivers against
 //! simple geometry.
 
-use crate::stage::{
-    SIZE, bits, camera, difference, geometry, light, recipe, render, same_on_all_backends,
-};
+use crate::stage::{SIZE, bits, difference, geometry, recipe, render, same_on_all_backends, view};
 use umbrage_core::{
     Backend, Image, NO_TRIANGLE, Recipe, Shadows, Simd, Snapping, View, glam::UVec2,
 };
@@ -39,10 +37,7 @@ fn the_comparison_notices_one_bit() {
 
 #[test]
 fn rendering_again_leaves_no_trace_of_what_was_before() {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
-    let view = View::new(&camera, &light, &geometry);
+    let view = view();
     let mut cpu = Cpu::new();
     let first = render(&mut cpu);
     let nothing_cast = Recipe {
@@ -65,27 +60,22 @@ fn rendering_again_leaves_no_trace_of_what_was_before() {
 
 #[test]
 fn without_casters_depth_stays_at_the_far_plane() {
-    let camera = camera();
-    let light = light();
+    let view = view();
     let geometry = geometry().without_casters();
-    let shadows = Cpu::new()
-        .render(&View::new(&camera, &light, &geometry), &recipe())
-        .unwrap();
+    let view = View::new(view.camera, view.light, &geometry);
+    let shadows = Cpu::new().render(&view, &recipe()).unwrap();
     assert!(shadows.images[0].texels.iter().all(|&z| z == 1.0));
     assert!(shadows.mask.iter().all(|&v| v == 1.0));
 }
 
 #[test]
 fn replayed_stages_give_what_the_whole_gave() {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
     let recipe = recipe();
-    let view = View::new(&camera, &light, &geometry);
+    let view = view();
     let mut cpu = Cpu::new();
     let whole = render(&mut cpu);
     let cast = cpu
-        .cast(&geometry, &recipe.casts[0], recipe.images[0].size)
+        .cast(&geometry(), &recipe.casts[0], recipe.images[0].size)
         .unwrap();
     assert_eq!(
         bits(&cast.texels),
@@ -105,9 +95,9 @@ fn replayed_stages_give_what_the_whole_gave() {
 
 #[test]
 fn receivers_lie_on_what_their_rays_meet() {
-    let camera = camera();
+    let camera = view().camera;
     let geometry = geometry();
-    let receivers = Cpu::new().shaded_receivers(&camera, &geometry).unwrap();
+    let receivers = Cpu::new().shaded_receivers(camera, &geometry).unwrap();
     let clip_from_world = camera.space().clip_from_world();
     let mut seen = 0;
     for i in 0..receivers.len() {
@@ -166,13 +156,10 @@ fn pixels_that_receive_nothing_are_lit() {
 
 #[test]
 fn given_receivers_are_used_as_they_are() {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
     let recipe = recipe();
+    let view = view();
     let mut cpu = Cpu::new();
-    let mut receivers = cpu.receivers(&camera, &geometry).unwrap();
-    let view = View::new(&camera, &light, &geometry);
+    let mut receivers = cpu.receivers(view.camera, &geometry()).unwrap();
     let shadows = cpu
         .render(&view.with_receivers(&receivers), &recipe)
         .unwrap();

@@ -1,6 +1,6 @@
 //! Tests of shaded images.
 
-use crate::stage::{bits, camera, execute_recipe, geometry, light, recipe, same_on_all_backends};
+use crate::stage::{bits, execute_recipe, geometry, recipe, same_on_all_backends, view};
 use std::sync::Arc;
 use umbrage_core::{
     Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span, View,
@@ -88,11 +88,8 @@ fn without_shading_there_is_no_picture() {
 
 #[test]
 fn replayed_shading_gives_what_the_whole_gave() {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
     let recipe = shading();
-    let view = View::new(&camera, &light, &geometry);
+    let view = view();
     let mut cpu = Cpu::new();
     let whole = cpu.render(&view, &recipe).unwrap();
     let expected = whole.picture.unwrap();
@@ -111,16 +108,13 @@ fn replayed_shading_gives_what_the_whole_gave() {
 
 #[test]
 fn faces_alone_need_no_geometry() {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
     let mut recipe = shading();
     let mut cpu = Cpu::new();
-    let receivers = cpu.receivers(&camera, &geometry).unwrap();
+    let receivers = cpu.receivers(view().camera, &geometry()).unwrap();
     recipe.casts[0].source = Source::Faces(Arc::new(Faces::default()));
     let view = View {
         geometry: None,
-        ..View::new(&camera, &light, &geometry)
+        ..view()
     };
     let shadows = cpu
         .render(&view.with_receivers(&receivers), &recipe)

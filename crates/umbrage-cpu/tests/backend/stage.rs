@@ -1,6 +1,6 @@
 //! Shared fixtures: a small scene, a light, and a recipe with every stage.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use umbrage_core::{
     Backend, Camera, Cast, Extents, Filter, FilterKernel, Format, Geometry, ImageDesc, Inputs,
     Instance, Kernel, Light, LightSpace, Mesh, Module, RasterBias, Receive, ReceiveKernel, Recipe,
@@ -86,7 +86,15 @@ pub(crate) fn geometry() -> Geometry {
     .unwrap()
 }
 
-pub(crate) fn camera() -> Camera {
+/// Returns the view of the scene by the camera, under the light.
+pub(crate) fn view() -> View<'static> {
+    static STAGE: LazyLock<(Camera, Light, Geometry)> =
+        LazyLock::new(|| (camera(), light(), geometry()));
+    let (camera, light, geometry) = &*STAGE;
+    View::new(camera, light, geometry)
+}
+
+fn camera() -> Camera {
     Camera::perspective(
         Vec3::new(2.0, 3.0, 4.0),
         Vec3::ZERO,
@@ -98,7 +106,7 @@ pub(crate) fn camera() -> Camera {
     .unwrap()
 }
 
-pub(crate) fn light() -> Light {
+fn light() -> Light {
     Light::Directional {
         direction: Vec3::new(0.3, -1.0, 0.2),
         angular_diameter: 0.0,
@@ -193,11 +201,7 @@ pub(crate) fn render(cpu: &mut Cpu) -> Shadows {
 
 /// Executes a recipe on a backend.
 pub(crate) fn execute_recipe(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
-    let camera = camera();
-    let light = light();
-    let geometry = geometry();
-    cpu.render(&View::new(&camera, &light, &geometry), recipe)
-        .unwrap()
+    cpu.render(&view(), recipe).unwrap()
 }
 
 /// Returns the result of a recipe. Panics if threads or instructions change any bit of it.

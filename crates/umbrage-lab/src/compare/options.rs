@@ -91,7 +91,7 @@ pub struct CompareOptions {
     /// Names of the techniques to compare. Empty for all.
     pub techniques: Vec<String>,
     /// Whether expensive techniques are skipped unless they are named, as in previews: see
-    /// [`CataloguedTechnique::IS_PREVIEWED`](umbrage_plan::catalogue::CataloguedTechnique::IS_PREVIEWED).
+    /// [`IS_PREVIEWED`](umbrage_plan::catalogue::CataloguedTechnique::IS_PREVIEWED).
     pub is_preview: bool,
     /// The user's settings, compared before all others. [`max_settings`](Self::max_settings) and
     /// the map sizes don't apply to them.
@@ -183,7 +183,7 @@ impl Runs {
 
     /// Reports whether a row disturbed by other programs may be run again, for up to twice the
     /// budget.
-    pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
+    pub(super) fn may_repeat(&self, done: usize, spent: Duration) -> bool {
         done < self.max as usize && spent < 2 * self.budget()
     }
 
@@ -316,12 +316,12 @@ mod tests {
             !Runs::exactly(0).suffice(0, Duration::MAX),
             "no run, no time"
         );
-        let hopes = |n, ms| runs.hopes(n, Duration::from_millis(ms));
+        let may_repeat = |n, ms| runs.may_repeat(n, Duration::from_millis(ms));
         assert!(
-            hopes(14, 59)
-                && !hopes(15, 50)
-                && !hopes(5, 60)
-                && !Runs::exactly(3).hopes(3, Duration::ZERO)
+            may_repeat(14, 59)
+                && !may_repeat(15, 50)
+                && !may_repeat(5, 60)
+                && !Runs::exactly(3).may_repeat(3, Duration::ZERO)
         );
     }
 }

@@ -259,7 +259,7 @@ fn time(
     loop {
         let count = out.timings.len();
         let needs_more = !runs.suffice(count, spent);
-        let may_get_calm = runs.hopes(count, spent) && !out.is_calm(runs);
+        let may_get_calm = runs.may_repeat(count, spent) && !out.is_calm(runs);
         if !needs_more && !may_get_calm {
             if is_on_device {
                 clock.least = clock.least.min(out.min_yardstick());

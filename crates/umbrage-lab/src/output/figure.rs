@@ -5,7 +5,9 @@
 //! use umbrage_lab::output::figure::{Figure, Marker, Point, Series};
 //! let points = [(1.0, 0.5), (10.0, 0.05), (100.0, 0.004)].map(|(x, y)| Point::at_position(x, y));
 //! let series = Series::points("measured", "#3b82e0", Marker::Circle, points.to_vec());
-//! let figure = Figure::new("Error falls with time", "milliseconds", "RMSE").log(true, true).with(series);
+//! let figure = Figure::new("Error falls with time", "milliseconds", "RMSE")
+//!     .log(true, true)
+//!     .with(series);
 //! assert!(figure.svg().starts_with("<svg"));
 //! # Ok::<(), umbrage_lab::LabError>(())
 //! ```

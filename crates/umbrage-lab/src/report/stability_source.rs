@@ -85,8 +85,8 @@ impl StabilitySource {
         of_technique.or_else(of_preset)
     }
 
-    /// Returns the index of [`Self::verdicts_of`] among the page's verdicts, and whether they are of the
-    /// very setting.
+    /// Returns the index of [`Self::verdicts_of`] among the page's verdicts, and whether they are
+    /// of the very setting.
     pub(super) fn place_of(&self, technique: &str, settings: &str) -> Option<(usize, bool)> {
         let found = self.verdicts_of(technique, settings)?;
         let place = self.verdicts.iter().position(|v| v == found)?;

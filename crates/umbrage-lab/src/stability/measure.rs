@@ -231,7 +231,7 @@ impl Measure {
                 edge::displacement(case_truth.truth.size, mask, truth, &case_truth.truth.pixels)
             }
             Self::Seams => {
-                cube_seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
+                cube_seams::wrong_within(mask, truth, |i| counts(i) && is_on_seam(case_truth, i))
             }
             Self::WrongNear(part) => band::wrong_within(mask, truth, |i| {
                 counts(i) && is_in_band(case_truth, part, i)
@@ -350,10 +350,10 @@ pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
 }
 
 /// Reports whether a pixel shows a point near a seam of the first light's cube map.
-fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
+fn is_on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let light = case_truth.lights.first().and_then(Light::position);
     let from_light = case_truth.truth.receivers.position(i) - light.unwrap_or_default();
-    cube_seams::on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
+    cube_seams::is_on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
 }
 
 /// Reports whether a pixel shows a point in a band, under the first light.

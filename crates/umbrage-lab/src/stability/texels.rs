@@ -88,8 +88,9 @@ impl Texels {
 
     /// Returns each receiver moved to another point of its plane, and the traced visibility there.
     ///
-    /// `to` moves its map coordinates (as in [`Texels::moved_position`]). `keep` may move the point again,
-    /// given the receiver's index. `None` if nothing receives or no map contains the receiver.
+    /// `to` moves its map coordinates (as in [`Texels::moved_position`]). `keep` may move the point
+    /// again, given the receiver's index. `None` if nothing receives or no map contains the
+    /// receiver.
     ///
     /// # Errors
     /// Errors if the light is not valid.

@@ -1,8 +1,8 @@
 //! Catalogue of measured techniques, with one entry per technique.
 //!
 //! A technique implements [`CataloguedTechnique`] in its own file, which defines how it is
-//! compared, planned and tested. [`CatalogueEntry::for_technique`] creates its entry. A [`Catalogue`] is a
-//! list of entries of built-in techniques and of a program's own.
+//! compared, planned and tested. [`CatalogueEntry::for_technique`] creates its entry. A
+//! [`Catalogue`] is a list of entries of built-in techniques and of a program's own.
 
 mod entry;
 mod evsm;

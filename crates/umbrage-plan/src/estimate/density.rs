@@ -46,8 +46,8 @@ impl Pilot {
 }
 
 /// Returns the density of samples at each pixel: shares that add up to 1, and 0 outside the
-/// [lit](PlanScene::lit_pixels) receivers. Unlit receivers count in no error, and under a spot they may be
-/// most of the image.
+/// [lit](PlanScene::lit_pixels) receivers. Unlit receivers count in no error, and under a spot they
+/// may be most of the image.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
     pilot: Option<&Pilot>,

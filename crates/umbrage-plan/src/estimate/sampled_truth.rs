@@ -101,8 +101,9 @@ impl SampledTruth {
         }
     }
 
-    /// Draws a sample of all [lit](PlanScene::lit_pixels) receivers in proportion to `density`, and traces
-    /// its truth. `density` has one number a pixel: above 0 at lit receivers, and 0 elsewhere.
+    /// Draws a sample of all [lit](PlanScene::lit_pixels) receivers in proportion to `density`, and
+    /// traces its truth. `density` has one number a pixel: above 0 at lit receivers, and 0
+    /// elsewhere.
     pub(crate) fn draw(
         scene: &mut PlanScene<'_>,
         density: &[f64],

@@ -83,7 +83,7 @@ impl Bounds {
 
     /// Returns whether a setting is within the bounds of grain and shimmer. Figures that were not
     /// measured count as within.
-    pub fn endures(&self, grain: Option<f64>, shimmer: Option<f64>) -> bool {
+    pub fn allows_noise(&self, grain: Option<f64>, shimmer: Option<f64>) -> bool {
         let is_within = |figure: Option<f64>, max: Option<f64>| match (figure, max) {
             (Some(figure), Some(max)) => figure <= max,
             _ => true,
@@ -188,8 +188,8 @@ mod tests {
             max_shimmer: Some(0.01),
             ..Bounds::error(0.1)
         };
-        assert!(bounds.endures(None, None) && bounds.endures(Some(0.0), Some(0.01)));
-        assert!(!bounds.endures(Some(0.5), None) && !bounds.endures(None, Some(0.02)));
+        assert!(bounds.allows_noise(None, None) && bounds.allows_noise(Some(0.0), Some(0.01)));
+        assert!(!bounds.allows_noise(Some(0.5), None) && !bounds.allows_noise(None, Some(0.02)));
     }
 
     #[test]

@@ -348,7 +348,7 @@ impl<'a> Planner<'a> {
         all.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         for setting in all {
             let breaks_error = max_error.is_some_and(|max| !setting.estimate.is_surely_within(max));
-            let breaks = breaks_error || !bounds.endures(setting.grain, setting.shimmer);
+            let breaks = breaks_error || !bounds.allows_noise(setting.grain, setting.shimmer);
             let is_new = best
                 .iter()
                 .all(|other| other.technique != setting.technique);
@@ -395,7 +395,7 @@ impl<'a> Planner<'a> {
             let other = trials.verify(other, max_error, *on_step)?;
             let other = trials.with_grain_and_shimmer(other, bounds)?;
             let is_within = max_error.is_none_or(|error| other.estimate.is_surely_within(error))
-                && bounds.endures(other.grain, other.shimmer);
+                && bounds.allows_noise(other.grain, other.shimmer);
             if is_within && other.estimate.error < best_setting.estimate.error {
                 // A bias has almost no effect on the time.
                 let measured_ms = best_setting.measured_ms;

@@ -245,11 +245,11 @@ impl<'a> Sweep<'a> {
             Err(e) => return Err(e),
         };
         let bounds = Bounds::error(1.0);
-        let endured = self
+        let measured = self
             .planner
             .trials
             .with_grain_and_shimmer(setting.clone(), &bounds)?;
-        let is_fine = bounds.endures(endured.grain, endured.shimmer);
+        let is_fine = bounds.allows_noise(measured.grain, measured.shimmer);
         Ok(is_fine.then_some(error))
     }
 

@@ -98,7 +98,7 @@ impl Planner<'_> {
                 continue;
             }
             let setting = self.trials.with_grain_and_shimmer(setting, bounds)?;
-            if bounds.endures(setting.grain, setting.shimmer) {
+            if bounds.allows_noise(setting.grain, setting.shimmer) {
                 found.push((candidate.place, setting));
             } else {
                 candidates.extend(self.finer(&candidate, setting.estimate.error, max_error)?);
@@ -207,7 +207,7 @@ impl Planner<'_> {
             }
             let setting = self.trials.verify(&first, None, self.on_step)?;
             let setting = self.trials.with_grain_and_shimmer(setting, bounds)?;
-            if bounds.endures(setting.grain, setting.shimmer) {
+            if bounds.allows_noise(setting.grain, setting.shimmer) {
                 best.push((place, setting));
                 best.sort_by(|(_, a), (_, b)| by_error_then_cost(a, b));
             }

@@ -127,7 +127,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Returns whether a point is unlit, with the result of [`Tracer::trace_point`] but without rays.
+    /// Returns whether a point is unlit, with the result of [`Tracer::trace_point`] but without
+    /// rays.
     pub(super) fn is_unlit(&self, point: &ReceiverPoint) -> bool {
         let Start { o, far } = self.start(point, 1.0);
         let is_above = |i: u32| {

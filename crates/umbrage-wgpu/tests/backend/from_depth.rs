@@ -69,7 +69,7 @@ fn unproject(stage: &BackendScene, r: &Receivers, reverse_mirror: [bool; 2]) -> 
 }
 
 /// Returns whether two neighbours in each direction show the same plane: edges may be inaccurate.
-fn inner(r: &Receivers, i: usize) -> bool {
+fn is_on_one_plane(r: &Receivers, i: usize) -> bool {
     let w = r.size.x as i32;
     let h = r.size.y as i32;
     let x = i as i32 % w;
@@ -101,7 +101,7 @@ fn positions_and_normals_come_from_depth() {
                 f32::from(u8::from(r.triangle[i] != NO_TRIANGLE)),
                 "pixel {i}"
             );
-            if r.triangle[i] == NO_TRIANGLE || !inner(&r, i) {
+            if r.triangle[i] == NO_TRIANGLE || !is_on_one_plane(&r, i) {
                 continue;
             }
             // Depth has a step of 6e-8, which is 1e-5 m at 10 m with near at 0.5 m. A position

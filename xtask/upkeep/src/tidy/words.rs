@@ -1,4 +1,5 @@
-//! Limits on words in prose (whole-line comments, strings and Markdown), and on the form of comments.
+//! Limits on words in prose (whole-line comments, strings and Markdown), and on the form of
+//! comments.
 
 use super::files::SourceFile;
 

@@ -11,15 +11,20 @@ use glam::Vec3;
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Fit {
-    /// The tightest fit that changes no shadow. Only casters that can shadow a visible receiver
-    /// count. Laterally, the map covers the intersection of these casters and the visible
-    /// receivers. In depth, it begins at the first of these casters and ends at the last visible
-    /// receiver. A spot light's map is limited to that part of its cone. Other lights with a
-    /// position need a cube only if that part surrounds them.
+    /// The tightest fit that changes no shadow, as far as the [`View`](crate::View) shows which
+    /// casters and receivers there are:
     ///
-    /// Visible receivers are [`View::receivers`](crate::View::receivers), or all receivers if those
-    /// are unknown. Without geometry only boxes are known, and nothing is culled. A bias may move
-    /// receivers away from the light by 1/64 of the map's range or more.
+    /// * With [`View::receivers`](crate::View::receivers), only casters that can shadow a visible
+    ///   receiver count. Laterally, the map covers the intersection of these casters and the
+    ///   visible receivers. In depth, it begins at the first of these casters and ends at the last
+    ///   visible receiver. A spot light's map is limited to that part of its cone. Other lights
+    ///   with a position need a cube only if that part surrounds them.
+    /// * With [`View::geometry`](crate::View::geometry) alone, all receivers count as visible.
+    /// * With [`View::casters`](crate::View::casters) alone, nothing is culled: a map equals that
+    ///   of [`Fit::Whole`]. Only cascades are smaller, because each covers a slice of the camera's
+    ///   view. This is the case in a `LightSet` whose frames have no geometry.
+    ///
+    /// A bias may move receivers away from the light by 1/64 of the map's range or more.
     #[default]
     Tight,
     /// The tightest fit around all casters and receivers, visible or not. The map doesn't move with

@@ -9,7 +9,7 @@ use crate::{
             cull::{self, Lookups, Need, Receiving},
             input::FitInput,
             map_space::{MapBounds, MapSpace},
-            parallel::inner,
+            parallel::inner_texels,
             points::{Points, caster_reach, receiver_points},
         },
         layers::cube_face_views,
@@ -110,7 +110,7 @@ impl<'a> Lamp<'a> {
     /// Returns the lookup parameters of a map over a pyramid. `receivers` is the box around its
     /// receivers.
     fn lookups(&self, space: &MapSpace, receivers: &MapBounds, tangent: f64) -> Lookups {
-        let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
+        let texel = 2.0 * tangent / f64::from(inner_texels(self.size, self.margin));
         let nearest = if receivers.is_empty() {
             self.far
         } else {

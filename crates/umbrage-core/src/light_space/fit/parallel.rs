@@ -93,7 +93,7 @@ pub(super) fn tight_part(
         return Ok(None);
     }
     // A kernel finds casters within its reach, plus one texel for their position within a texel.
-    let texel = b.extent() / inner(size, margin);
+    let texel = b.extent() / inner_texels(size, margin);
     let reach = texel * (margin + 2.0);
     let reached = Aabb {
         min: casters.min - reach,
@@ -136,7 +136,7 @@ pub(super) fn nowhere(input: &FitInput<'_>, view_from_world: Mat4) -> Result<Lig
 /// Returns a box of the light's view with a border for kernels at the outermost receivers.
 fn with_border(b: &Aabb, size: u32, margin: f32) -> Aabb {
     // The box covers the inner texels, so that `margin` and one more texel are left on each side.
-    let texel = b.extent() / inner(size, margin);
+    let texel = b.extent() / inner_texels(size, margin);
     let grow = (texel * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
     Aabb {
         min: (b.min - grow).with_z(b.min.z),
@@ -170,7 +170,7 @@ fn with_depths(b: &Aabb, last: f32, first: f32) -> Aabb {
 
 /// Returns the number of texels along a map's side that are left for receivers: all but the
 /// kernel's reach and one texel on each side.
-pub(super) fn inner(size: u32, margin: f32) -> f32 {
+pub(super) fn inner_texels(size: u32, margin: f32) -> f32 {
     (size as f32 - 2.0 * margin - 2.0).max(1.0)
 }
 
@@ -201,7 +201,7 @@ fn needed_casters(
         .max(DVec3::ZERO)
         .truncate();
     let lookups = Lookups {
-        texel: greatest_side / f64::from(inner(size, margin)),
+        texel: greatest_side / f64::from(inner_texels(size, margin)),
         margin: f64::from(margin),
         rounding: f64::from(rounding(receivers, caster_reach(input))),
         tangent: 0.0,

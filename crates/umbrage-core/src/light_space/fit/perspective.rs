@@ -140,7 +140,7 @@ pub(super) fn suffices(
 /// Returns a half angle (radians) widened by the kernel's reach, so that samples around the
 /// outermost receivers stay on the map.
 fn widen_half_angle(half_angle: f32, size: u32, margin: f32) -> f32 {
-    let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
+    let tangent = half_angle.tan() * size as f32 / super::parallel::inner_texels(size, margin);
     // Limit the angle: a kernel as wide as the map would widen it without bound.
     tangent
         .atan()

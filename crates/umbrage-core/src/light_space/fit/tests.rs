@@ -185,3 +185,43 @@ fn a_memory_gives_what_was_found() {
             .is_none()
     );
 }
+
+/// A light set knows only the box around its casters.
+#[test]
+fn of_a_box_the_tight_fit_holds_all() {
+    let size = UVec2::splat(8);
+    let camera = Camera::perspective(
+        Vec3::splat(9.0),
+        Vec3::ZERO,
+        Vec3::Y,
+        1.0,
+        [0.1, 99.0],
+        size,
+    )
+    .unwrap();
+    let sun = Light::Directional {
+        direction: Vec3::new(0.3, -0.9, 0.1),
+        angular_diameter: 0.0,
+    };
+    let bulb = Light::Point {
+        position: Vec3::new(0.0, 9.0, 0.0),
+        radius: 0.0,
+    };
+    let geometry = floor_and_quad(1.0);
+    for light in [&sun, &bulb, &spot(Vec3::Y * 9.0, Vec3::NEG_Y)] {
+        let with_triangles = View::new(&camera, light, &geometry);
+        let box_alone = View {
+            geometry: None,
+            ..with_triangles
+        };
+        let spaces = |fit: Fit, view| fit.light_spaces(Layout::Auto, view, 256, 1.0).unwrap();
+        assert_eq!(
+            spaces(Fit::Tight, &box_alone),
+            spaces(Fit::Whole, &box_alone)
+        );
+        // The floor casts, too: it fills the sun's box and the spot's cone, but not the bulb's
+        // cube.
+        let is_tighter = spaces(Fit::Tight, &with_triangles) != spaces(Fit::Whole, &with_triangles);
+        assert_eq!(is_tighter, light.kind() == "point");
+    }
+}

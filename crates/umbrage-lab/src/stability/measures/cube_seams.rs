@@ -8,7 +8,7 @@ use glam::Vec3;
 ///
 /// The direction meets the face of its greatest coordinate a. The next greatest, b, is at b / a of
 /// the half side there.
-pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
+pub fn is_on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
     let mut lengths = from_light.abs().to_array();
     lengths.sort_by(f32::total_cmp);
     let second = lengths[1];
@@ -42,7 +42,7 @@ mod tests {
             (Vec3::X, false),
             (Vec3::ZERO, false),
         ] {
-            assert_eq!(on_seam(direction, 512, 2.0), expected, "{direction}");
+            assert_eq!(is_on_seam(direction, 512, 2.0), expected, "{direction}");
         }
     }
 

@@ -8,8 +8,8 @@
 //! 2. **The map.** Offsets from least to greatest become grey 0 to 65535 over the mesh's texture,
 //!    `delta = bias + scale (2 h - 1)`; texels between vertices have the value of the nearest
 //!    vertex.
-//! 3. **Denoising.** [`DisplacementMap::apply_to_mesh`] with -1 moves each vertex by minus the map's
-//!    offset.
+//! 3. **Denoising.** [`DisplacementMap::apply_to_mesh`] with -1 moves each vertex by minus the
+//!    map's offset.
 //!
 //! A map is saved as a PNG that painting programs can change, with its scale and bias in a second
 //! file ([`DisplacementMap::save`]); as a texture of a material ([`DisplacementMap::texture`]) it
