@@ -172,7 +172,7 @@ pub(crate) enum ReleaseStep {
     OldestRust,
     /// `cargo deny check`: licences, advisories, sources and bans
     Licences,
-    /// `cargo semver-checks` against the last release
+    /// `cargo semver-checks` against the last release, after a control with a removed function
     Versions,
     /// Tests of umbrage-core in Miri that end within minutes
     Miri,
