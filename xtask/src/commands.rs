@@ -6,10 +6,10 @@ use std::ffi::OsString;
 #[derive(Clone, Copy)]
 pub(crate) struct XtaskCommand {
     pub(crate) name: &'static str,
-    pub(crate) summary: &'static str,
     pub(crate) program: Program,
-    /// Text of `--help`, if it is kept in a file, which the program's test writes.
-    pub(crate) help: Option<&'static str>,
+    /// Text of `--help` as a snapshot, which a test of the measuring program writes. For the other
+    /// program, only the first line.
+    kept_help: &'static str,
 }
 
 /// A program that implements commands.
@@ -48,6 +48,17 @@ impl Program {
 }
 
 impl XtaskCommand {
+    /// Returns the kept text of `--help`, without a snapshot's header between two lines of dashes.
+    pub(crate) fn help(&self) -> &'static str {
+        let after_header = self.kept_help.splitn(3, "---\n").nth(2);
+        after_header.unwrap_or(self.kept_help)
+    }
+
+    /// Returns the first line of `--help`.
+    pub(crate) fn summary(&self) -> &'static str {
+        self.help().lines().next().unwrap_or_default()
+    }
+
     /// Returns the command with the program for these arguments: `card --pack` builds programs, so
     /// it is part of the other program.
     pub(crate) fn for_arguments(&self, arguments: &[OsString]) -> Self {
@@ -56,76 +67,38 @@ impl XtaskCommand {
             text == "--pack" || text.starts_with("--pack=")
         };
         if self.name == "card" && arguments.iter().any(is_pack) {
-            return upkeep(self.name, self.summary);
+            return upkeep(self.name, self.summary());
         }
         *self
     }
 }
 
-const fn measure(name: &'static str, summary: &'static str, help: &'static str) -> XtaskCommand {
+const fn measure(name: &'static str, snapshot: &'static str) -> XtaskCommand {
     XtaskCommand {
         name,
-        summary,
         program: Program::Measure,
-        help: Some(help),
+        kept_help: snapshot,
     }
 }
 
 const fn upkeep(name: &'static str, summary: &'static str) -> XtaskCommand {
     XtaskCommand {
         name,
-        summary,
         program: Program::Upkeep,
-        help: None,
+        kept_help: summary,
     }
 }
 
 pub(crate) const COMMANDS: [XtaskCommand; 16] = [
-    measure(
-        "compare",
-        "Measure techniques on scenes: speed, and error against ray-traced truth",
-        include_str!("../help/compare.snap"),
-    ),
-    measure(
-        "stability",
-        "Run the failure tests: where each technique passes, degrades or fails",
-        include_str!("../help/stability.snap"),
-    ),
-    measure(
-        "plan",
-        "Plan the cheapest technique for a scene within bounds of error, time or memory",
-        include_str!("../help/plan.snap"),
-    ),
-    measure(
-        "which",
-        "Write recommendations by light, size, motion and budget, from measured results",
-        include_str!("../help/which.snap"),
-    ),
-    measure(
-        "bias",
-        "Compare the default bias with the best manually tuned one",
-        include_str!("../help/bias.snap"),
-    ),
-    measure(
-        "merge",
-        "Join the reports of the shards of a comparison",
-        include_str!("../help/merge.snap"),
-    ),
-    measure(
-        "bench",
-        "Time the CPU backend, the wgpu backend and ray tracing against reference implementations",
-        include_str!("../help/bench.snap"),
-    ),
-    measure(
-        "card",
-        "Measure a graphics card: its rounding, agreement with the CPU, and frame times",
-        include_str!("../help/card.snap"),
-    ),
-    measure(
-        "wgsl",
-        "Print the shader text of a technique, to paste into a shader",
-        include_str!("../help/wgsl.snap"),
-    ),
+    measure("compare", include_str!("../help/compare.snap")),
+    measure("stability", include_str!("../help/stability.snap")),
+    measure("plan", include_str!("../help/plan.snap")),
+    measure("which", include_str!("../help/which.snap")),
+    measure("bias", include_str!("../help/bias.snap")),
+    measure("merge", include_str!("../help/merge.snap")),
+    measure("bench", include_str!("../help/bench.snap")),
+    measure("card", include_str!("../help/card.snap")),
+    measure("wgsl", include_str!("../help/wgsl.snap")),
     upkeep("test", "Run all tests, with a graphics adapter"),
     upkeep(
         "bless",
@@ -143,6 +116,6 @@ pub(crate) const COMMANDS: [XtaskCommand; 16] = [
     ),
     upkeep(
         "release-check",
-        "Run the release checks in addition to `ci`: oldest Rust, licences, versions, Miri, publishing",
+        "Run the checks of a release in addition to `ci`: oldest Rust, licences, versions, publishing",
     ),
 ];

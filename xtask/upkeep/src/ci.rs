@@ -104,16 +104,24 @@ pub(crate) fn install_browser_target() -> Result<()> {
     run(&mut install).context("programs for browsers need a target, which rustup installs")
 }
 
-/// Checks that the packages for browsers compile for them.
+/// Checks that the packages for browsers compile for them: with the wgpu backend alone, and with
+/// all features, as docs.rs documents them.
 fn browser() -> Result<()> {
     install_browser_target()?;
-    let mut command = cargo();
-    command.args(["check", "--target", BROWSER_TARGET, "--no-default-features"]);
-    command.args(["--features", "umbrage/wgpu"]);
-    for package in IN_BROWSERS {
-        command.args(["--package", package]);
+    let features: [&[&str]; 2] = [
+        &["--no-default-features", "--features", "umbrage/wgpu"],
+        &["--all-features"],
+    ];
+    for features in features {
+        let mut command = cargo();
+        command.args(["check", "--target", BROWSER_TARGET]);
+        command.args(features);
+        for package in IN_BROWSERS {
+            command.args(["--package", package]);
+        }
+        run(&mut command)?;
     }
-    run(&mut command)
+    Ok(())
 }
 
 fn doc() -> Result<()> {

@@ -33,8 +33,7 @@ pub(crate) enum Command {
     Web(WebOptions),
     /// Build the documentation as a site with the viewer in it, and serve it
     Site(SiteOptions),
-    /// Run the release checks in addition to `ci`: the oldest Rust, licences and advisories,
-    /// versions, Miri, publishing
+    /// Run the checks of a release in addition to `ci`: oldest Rust, licences, versions, publishing
     ReleaseCheck(ReleaseOptions),
 }
 
@@ -173,7 +172,7 @@ pub(crate) enum ReleaseStep {
     OldestRust,
     /// `cargo deny check`: licences, advisories, sources and bans
     Licences,
-    /// `cargo semver-checks` against the last release
+    /// `cargo semver-checks` against the last release, after a control with a removed function
     Versions,
     /// Tests of umbrage-core in Miri that end within minutes
     Miri,
@@ -195,6 +194,24 @@ mod tests {
             let help = command.clone().render_long_help().to_string();
             let example = format!("Examples:\n  cargo xtask {}", command.get_name());
             assert!(help.contains(&example), "{help}");
+        }
+    }
+
+    #[test]
+    fn the_overview_has_the_first_line_of_each_help() {
+        let commands = include_str!("../../src/commands.rs");
+        let commands = commands.split_whitespace().collect::<Vec<_>>().join(" ");
+        for command in Cli::command().get_subcommands() {
+            let name = command.get_name();
+            // The overview has `card` with the summary of the measuring program.
+            if name != "card" {
+                let about = command.get_about().expect("documented");
+                let entry = format!("\"{name}\", \"{about}\"");
+                assert!(
+                    commands.contains(&entry),
+                    "xtask/src/commands.rs lacks {entry}"
+                );
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! Release checks in addition to `ci`: they need more programs and take longer.
 
+mod versions;
+
 use crate::{
     ci::{Step, published_packages, run_all},
     cli::{ReleaseOptions, ReleaseStep},
@@ -44,7 +46,7 @@ pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
             match step {
                 ReleaseStep::OldestRust => ("oldest-rust", Box::new(oldest_rust)),
                 ReleaseStep::Licences => ("licences", Box::new(licences)),
-                ReleaseStep::Versions => ("versions", Box::new(versions)),
+                ReleaseStep::Versions => ("versions", Box::new(versions::versions)),
                 ReleaseStep::Miri => ("miri", Box::new(miri)),
                 ReleaseStep::Publish => ("publish", Box::new(publish)),
                 ReleaseStep::Viewer => ("viewer", Box::new(viewer)),
@@ -101,34 +103,6 @@ fn licences() -> Result<()> {
          https://github.com/RustSec/advisory-db, can't be reached, so advisories are unchecked. \
          Bans, licences and sources passed",
     )
-}
-
-/// Checks that version numbers reflect the changes since the last release.
-fn versions() -> Result<()> {
-    let Some(tag) = last_release()? else {
-        println!("skipped: there is no tag `v*`, so no release to compare with");
-        return Ok(());
-    };
-    needs("semver-checks", "cargo-semver-checks")?;
-    let mut check = cargo();
-    check.args(["semver-checks", "--baseline-rev", &tag]);
-    for package in published_packages()? {
-        check.args(["--package", &package.name]);
-    }
-    run(&mut check)
-}
-
-/// Returns the tag of the last release; `None` before the first one.
-fn last_release() -> Result<Option<String>> {
-    let mut git = Command::new("git");
-    git.current_dir(root());
-    git.args(["tag", "--list", "v*", "--sort=-version:refname"]);
-    let output = git.output().context("git did not start")?;
-    if !output.status.success() {
-        bail!("git can't list its tags: is this a checkout?");
-    }
-    let tags = String::from_utf8_lossy(&output.stdout);
-    Ok(tags.lines().next().map(str::to_owned))
 }
 
 /// Runs tests of the core in an interpreter that detects undefined behaviour. The workspace forbids

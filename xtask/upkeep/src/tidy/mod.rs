@@ -2,6 +2,7 @@
 //! names of public types, and WGSL, TOML and Markdown files.
 
 pub(crate) mod files;
+mod names;
 mod rules;
 mod rust;
 mod wgsl;
@@ -45,7 +46,8 @@ struct Findings {
 /// Prints the table of sizes. Errors if anything is too large or breaks a rule.
 pub(crate) fn tidy() -> Result<()> {
     let sources = files::read_all(root())?;
-    let findings = examine(&sources)?;
+    let mut findings = examine(&sources)?;
+    findings.faults.extend(names::faults(root(), &sources));
     println!("{}", table(&findings));
     if findings.faults.is_empty() {
         println!("tidy: {} files, no faults", sources.len());
