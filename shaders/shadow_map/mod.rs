@@ -27,6 +27,7 @@ mod bias;
 pub mod cascades;
 pub mod coord;
 pub mod layers;
+mod maps;
 pub mod packing;
 pub(crate) mod position_error;
 mod settings;
@@ -35,4 +36,5 @@ pub(crate) mod variants;
 
 pub use between::BetweenKernel;
 pub use bias::{Bias, CompareMethod};
-pub use settings::{BeyondFar, Border, MapFormat, Maps, SIDE_STEP, ShadowMap, Surface};
+pub use maps::Maps;
+pub use settings::{BeyondFar, Border, MapFormat, SIDE_STEP, ShadowMap, Surface};

@@ -21,7 +21,7 @@ use crate::{
     filtering::moments::{
         bounds::{lit_by_falling, lit_by_rising},
         exp2::power_of_two,
-        look_up::{self, LightBound, MomentMap, look_up},
+        look_up::{self, LightBound, look_up, moment_kernel},
         map::{self, BleedingReduction, MomentImages},
         mipmaps::MipmapUniforms,
         of_depth::MomentKind,
@@ -30,7 +30,7 @@ use crate::{
     shadow_map::{ShadowMap, layers::ShadowMapUniforms, variants::constant},
     techniques::map_technique::MapFilter,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use std::f32::consts::LOG2_E;
 use umbrage_core::{
     Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
@@ -241,21 +241,7 @@ pub struct EvsmKernel {
 const TWO: Module = constant!("HAS_FOUR_MOMENTS = false");
 const FOUR: Module = constant!("HAS_FOUR_MOMENTS = true");
 
-impl EvsmKernel {
-    fn moment_map(&self) -> MomentMap<'_> {
-        MomentMap {
-            images: self.images,
-            lookup: &self.uniforms.lookup,
-            mipmaps: &self.uniforms.mipmaps,
-        }
-    }
-
-    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
-    /// (world space) with the unit `normal`; `None` if it is the same for all.
-    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(position, normal)
-    }
-}
+moment_kernel!(EvsmKernel);
 
 impl Kernel for EvsmKernel {
     fn modules(&self) -> Vec<Module> {
@@ -275,14 +261,10 @@ impl Kernel for EvsmKernel {
 impl ReceiveKernel for EvsmKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let u = &self.uniforms;
-        let bleeding = BleedingReduction {
-            amount: u.bleeding,
-            scale: u.bleeding_scale,
-        };
         let map = self.moment_map();
         match self.moments {
-            EvsmMoments::Two => look_up::<2>(inputs, map, span, out, u, bleeding),
-            EvsmMoments::Four => look_up::<4>(inputs, map, span, out, u, bleeding),
+            EvsmMoments::Two => look_up::<2>(inputs, map, span, out, u),
+            EvsmMoments::Four => look_up::<4>(inputs, map, span, out, u),
         }
     }
 }

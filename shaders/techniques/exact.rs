@@ -41,7 +41,10 @@ mod touches;
 use crate::listing::ListedTechnique;
 use at_once::answer_all;
 use holes::CasterHoles;
+use item_key::ITEM_KEY;
+pub use light_frame::ExactUniforms;
 use lists::{KeptLists, Lists, Rows};
+pub use lookup::QueriedCell;
 use lookup::{LookupInput, cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
 use std::{
@@ -56,11 +59,8 @@ use umbrage_core::{
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler},
-    module, uniforms,
+    module,
 };
-
-/// WGSL half of item_key.rs.
-const ITEM_KEY: Module = module!("item_key", "exact/item_key.wgsl");
 
 /// Intersection test of opaque casters.
 const CASTER_OPAQUE: Module = module!("caster_opaque", "exact/caster_opaque.wgsl");
@@ -144,18 +144,6 @@ impl ListedTechnique for Exact {
     }
 }
 
-/// Cell that a receiver queries, for analysing lookup costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct QueriedCell {
-    /// Index among all cells of the light.
-    pub number: u32,
-    /// Number of casters in the cell's list.
-    pub length: u32,
-    /// True if one caster hides the light from all receivers of the cell at this receiver's depth.
-    /// The list isn't queried then.
-    pub is_covered: bool,
-}
-
 impl Exact {
     /// Returns the light's visibility for each of a view's receivers without lists, for any light
     /// and any casters. The CPU uses this for scenes with many casters that have no lists yet.
@@ -223,33 +211,6 @@ pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
         .bounds()
         .union(&Aabb::from_points([view.camera.eye()]));
     (2.0 * all.diagonal()).min(FARTHEST)
-}
-
-uniforms! {
-    /// Uniforms of [`ExactKernel`].
-    pub struct ExactUniforms {
-        /// Centre of the light, as an ideal light.
-        pub light: LightSampler,
-        /// The camera's position; w is unused.
-        pub eye: Vec4,
-        /// First row of the matrix from the world, relative to the origin, to frame space; w is
-        /// unused.
-        pub across: Vec4,
-        /// Second row; w is unused.
-        pub down: Vec4,
-        /// Third row; w: value subtracted from a directional light's depth.
-        pub away: Vec4,
-        /// World position of frame space's origin; w is unused.
-        pub origin: Vec4,
-        /// Half the size of a face, across and down; tiles per unit of a direction; the greatest
-        /// extent of a receiving triangle, metres.
-        pub grid: Vec4,
-        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
-        /// lists the casters itself.
-        pub tiles: UVec4,
-        /// Length of rays towards directional lights, metres.
-        pub far: f32,
-    }
 }
 
 /// Kernel that queries the lists.

@@ -28,7 +28,7 @@ use crate::{
     filtering::moments::{
         hamburger::{HAMBURGER, hamburger},
         hausdorff::{HAUSDORFF, hausdorff},
-        look_up::{self, LightBound, MomentMap, look_up},
+        look_up::{self, LightBound, look_up, moment_kernel},
         map::{self, BleedingReduction, MomentImages},
         mipmaps::MipmapUniforms,
         of_depth::MomentKind,
@@ -37,7 +37,7 @@ use crate::{
     shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, variants::constant},
     techniques::map_technique::MapFilter,
 };
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use umbrage_core::{
     Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
     uniforms,
@@ -192,21 +192,7 @@ pub struct MsmKernel {
 const THREE_DEPTHS: Module = constant!("IS_HAUSDORFF = false");
 const THREE_OR_FOUR: Module = constant!("IS_HAUSDORFF = true");
 
-impl MsmKernel {
-    fn moment_map(&self) -> MomentMap<'_> {
-        MomentMap {
-            images: self.images,
-            lookup: &self.uniforms.lookup,
-            mipmaps: &self.uniforms.mipmaps,
-        }
-    }
-
-    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
-    /// (world space) with the unit `normal`; `None` if it is the same for all.
-    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(position, normal)
-    }
-}
+moment_kernel!(MsmKernel);
 
 impl Kernel for MsmKernel {
     fn modules(&self) -> Vec<Module> {
@@ -227,17 +213,13 @@ impl Kernel for MsmKernel {
 impl ReceiveKernel for MsmKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let u = &self.uniforms;
-        let bleeding = BleedingReduction {
-            amount: u.bleeding,
-            scale: u.bleeding_scale,
-        };
         let map = self.moment_map();
         match self.reconstruction {
             Reconstruction::Hamburger => {
-                look_up(inputs, map, span, out, &HamburgerBound(u), bleeding);
+                look_up(inputs, map, span, out, &HamburgerBound(u));
             }
             Reconstruction::Hausdorff => {
-                look_up(inputs, map, span, out, &HausdorffBound(u), bleeding);
+                look_up(inputs, map, span, out, &HausdorffBound(u));
             }
         }
     }

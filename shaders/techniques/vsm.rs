@@ -18,7 +18,7 @@
 use crate::{
     filtering::moments::{
         bounds::lit_by_variance,
-        look_up::{self, LightBound, MomentMap, look_up},
+        look_up::{self, LightBound, look_up, moment_kernel},
         map::{self, BleedingReduction, MomentImages},
         mipmaps::MipmapUniforms,
         of_depth::MomentKind,
@@ -27,7 +27,7 @@ use crate::{
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
     techniques::map_technique::MapFilter,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use umbrage_core::{
     Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
     uniforms,
@@ -155,21 +155,7 @@ pub struct VsmKernel {
     pub uniforms: VsmUniforms,
 }
 
-impl VsmKernel {
-    fn moment_map(&self) -> MomentMap<'_> {
-        MomentMap {
-            images: self.images,
-            lookup: &self.uniforms.lookup,
-            mipmaps: &self.uniforms.mipmaps,
-        }
-    }
-
-    /// Returns the reach, in texels beyond its own, of the lookup of a receiver at `position`
-    /// (world space) with the unit `normal`; `None` if it is the same for all.
-    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(position, normal)
-    }
-}
+moment_kernel!(VsmKernel);
 
 impl Kernel for VsmKernel {
     fn modules(&self) -> Vec<Module> {
@@ -184,13 +170,7 @@ impl Kernel for VsmKernel {
 
 impl ReceiveKernel for VsmKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let u = &self.uniforms;
-        let bleeding = BleedingReduction {
-            amount: u.bleeding,
-            scale: u.bleeding_scale,
-        };
-        let map = self.moment_map();
-        look_up(inputs, map, span, out, u, bleeding);
+        look_up(inputs, self.moment_map(), span, out, &self.uniforms);
     }
 }
 

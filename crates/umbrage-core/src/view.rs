@@ -4,7 +4,7 @@ use crate::{
     gbuffer::receivers::Receivers,
     geometry::{Geometry, aabb::Aabb},
     invalid::Invalid,
-    light_space::fit::FitMemory,
+    light_space::fit::memory::FitMemory,
     scene::{camera::Camera, light::Light},
 };
 

@@ -76,7 +76,35 @@ pub(crate) struct MomentMap<'a> {
     pub(crate) lookup: &'a ShadowMapUniforms,
     /// Levels, and the data for selecting them.
     pub(crate) mipmaps: &'a MipmapUniforms,
+    /// Light-bleeding reduction of the lookup.
+    pub(crate) bleeding: BleedingReduction,
 }
+
+/// Implements the methods that all kernels with moments share.
+macro_rules! moment_kernel {
+    ($kernel:ty) => {
+        impl $kernel {
+            fn moment_map(&self) -> $crate::filtering::moments::look_up::MomentMap<'_> {
+                $crate::filtering::moments::look_up::MomentMap {
+                    images: self.images,
+                    lookup: &self.uniforms.lookup,
+                    mipmaps: &self.uniforms.mipmaps,
+                    bleeding: $crate::filtering::moments::map::BleedingReduction {
+                        amount: self.uniforms.bleeding,
+                        scale: self.uniforms.bleeding_scale,
+                    },
+                }
+            }
+
+            /// Returns the reach, in texels beyond its own, of the lookup of a receiver at
+            /// `position` (world space) with the unit `normal`; `None` if it is the same for all.
+            pub fn lookup_reach(&self, position: glam::Vec3, normal: glam::Vec3) -> Option<f32> {
+                self.moment_map().reach(position, normal)
+            }
+        }
+    };
+}
+pub(crate) use moment_kernel;
 
 impl MomentMap<'_> {
     /// Returns the level of a receiver (x, the finer of two) and the weight of the coarser one (y).
@@ -110,7 +138,6 @@ pub(crate) fn look_up<const CHANNELS: usize>(
     span: &Span<'_>,
     out: &mut [f32],
     bound: &impl LightBound<CHANNELS>,
-    bleeding: BleedingReduction,
 ) {
     let lookup = map.lookup;
     let lookups = MomentLookups {
@@ -119,7 +146,7 @@ pub(crate) fn look_up<const CHANNELS: usize>(
         size: lookup.size as i32,
         clamped: lookup.clamped != 0,
         bound,
-        bleeding,
+        bleeding: map.bleeding,
     };
     if map.mipmaps.levels == 0 {
         look_up_span(inputs.simd, lookup, span, out, &lookups);

@@ -15,7 +15,10 @@ mod open;
 mod order;
 mod rays;
 
-use super::{ExactUniforms, holes::CasterHoles, light_frame::LightFrame};
+use super::{
+    holes::CasterHoles,
+    light_frame::{ExactUniforms, LightFrame},
+};
 use boxes::{BOXES, Reach};
 use caster_run::{CasterRun, RUN};
 use open::take_lowest;

@@ -8,6 +8,11 @@
 //! "Multiple Byte Processing with Full-Word Instructions"). A caster may block a receiver only if
 //! this holds for all fields.
 
+use umbrage_core::{Module, module};
+
+/// WGSL half.
+pub(super) const ITEM_KEY: Module = module!("item_key");
+
 /// Number of steps of each value, as a power of two.
 pub(super) const KEY_STEPS_LOG2: u32 = 5;
 

@@ -18,8 +18,10 @@
 
 use umbrage_core::{
     Aabb, Geometry, Light,
-    glam::{DVec3, UVec2, Vec2, Vec3, Vec4},
+    glam::{DVec3, UVec2, UVec4, Vec2, Vec3, Vec4},
+    light_sample::LightSampler,
     math::dot3,
+    uniforms,
 };
 
 /// Least margin, in units of frame space across the rays: 64 roundings of 1. Coordinates and
@@ -79,6 +81,33 @@ pub(super) struct FramePoint {
     /// Across and down the face, within -half to half.
     pub(super) on_face: Vec2,
     pub(super) depth: f32,
+}
+
+uniforms! {
+    /// Uniforms of [`ExactKernel`](crate::ExactKernel).
+    pub struct ExactUniforms {
+        /// Centre of the light, as an ideal light.
+        pub light: LightSampler,
+        /// The camera's position; w is unused.
+        pub eye: Vec4,
+        /// First row of the matrix from the world, relative to the origin, to frame space; w is
+        /// unused.
+        pub across: Vec4,
+        /// Second row; w is unused.
+        pub down: Vec4,
+        /// Third row; w: value subtracted from a directional light's depth.
+        pub away: Vec4,
+        /// World position of frame space's origin; w is unused.
+        pub origin: Vec4,
+        /// Half the size of a face, across and down; tiles per unit of a direction; the greatest
+        /// extent of a receiving triangle, metres.
+        pub grid: Vec4,
+        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
+        /// lists the casters itself.
+        pub tiles: UVec4,
+        /// Length of rays towards directional lights, metres.
+        pub far: f32,
+    }
 }
 
 impl LightFrame {

@@ -2,10 +2,9 @@
 //! Neighbours in one cell walk its list together.
 
 use super::{
-    ExactUniforms, QueriedCell,
     holes::CasterHoles,
     item_key::{CellBox, KEY_STEPS, ends_list, may_hide, receiver_word},
-    light_frame::LightFrame,
+    light_frame::{ExactUniforms, LightFrame},
     lists::Lists,
 };
 use crate::lanes::{
@@ -28,6 +27,18 @@ pub(super) struct LookupInput<'a> {
     pub(super) lists: &'a Lists,
     /// Alpha test of the casters; `None` if none is alpha-tested.
     pub(super) holes: Option<CasterHoles<'a>>,
+}
+
+/// Cell that a receiver queries, for analysing lookup costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct QueriedCell {
+    /// Index among all cells of the light.
+    pub number: u32,
+    /// Number of casters in the cell's list.
+    pub length: u32,
+    /// True if one caster hides the light from all receivers of the cell at this receiver's depth.
+    /// The list isn't queried then.
+    pub is_covered: bool,
 }
 
 /// Fills `out`, which is as long as the span, with the light's visibility.

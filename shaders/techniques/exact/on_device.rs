@@ -8,7 +8,8 @@
 //! - Edges of casters use 32 bits, with wider margins.
 
 use super::{
-    ExactKernel, ITEM_KEY,
+    ExactKernel,
+    item_key::ITEM_KEY,
     light_frame::{LEAST_MARGIN, LightFrame},
     lists::KeptLists,
     recipe_of,

@@ -7,7 +7,7 @@ use crate::{
         aabb::Aabb,
         box_tree::{BoxTree, RUN},
     },
-    light_space::fit::SliceOfView,
+    light_space::fit::frustum::SliceOfView,
     parallel::prelude::*,
 };
 use glam::Vec3;

@@ -1,7 +1,10 @@
 //! Numbers of accessors. The crate `gltf` reads them only after the checks here, since it panics on
 //! some files.
 
-use super::{broken_element, element_name, file_bytes::FileBytes};
+use super::{
+    document::{broken_element, element_name},
+    file_bytes::FileBytes,
+};
 use gltf::accessor::{Accessor, DataType, Dimensions, Item, Iter, sparse::Sparse};
 use umbrage_core::Invalid;
 

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use super::{element_name, nodes::PlacedNode};
+use super::{document::element_name, nodes::PlacedNode};
 use crate::lone_model::SIZE;
 use gltf::{
     Camera as FileCamera,

@@ -1,6 +1,6 @@
 //! The parts of a file: JSON alone, or the chunks of a `.glb` file.
 
-use super::broken_element;
+use super::document::broken_element;
 use umbrage_core::Invalid;
 
 /// The parts of a file.

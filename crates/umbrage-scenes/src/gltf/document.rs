@@ -1,6 +1,5 @@
 //! The JSON of a file, after a check that all its indices are valid.
 
-use super::{broken_element, element_name};
 use gltf::{
     Document, Scene,
     json::{
@@ -227,4 +226,18 @@ pub(super) fn scene<'a>(
             ),
         )
     })
+}
+
+/// Returns the error of a damaged file, or one from a faulty program.
+pub(super) fn broken_element(what: impl Into<String>, why: impl Into<String>) -> Invalid {
+    let help = "export the model again; https://github.khronos.org/glTF-Validator lists all errors of a file";
+    Invalid::new(what, why, help)
+}
+
+/// Returns the name of an element of a document for errors: ``node 3 `lamp` ``.
+pub(super) fn element_name(kind: &str, index: usize, name: Option<&str>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{kind} {index} `{name}`"),
+        _ => format!("{kind} {index}"),
+    }
 }

@@ -1,7 +1,10 @@
 //! Bytes of the `.glb` file itself, of data URIs, and of other files. They are fetched once each,
 //! at their first use.
 
-use super::{broken_element, budget::ReadBudget, element_name};
+use super::{
+    budget::ReadBudget,
+    document::{broken_element, element_name},
+};
 use crate::{Files, SceneError};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use gltf::{

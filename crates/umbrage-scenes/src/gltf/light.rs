@@ -1,6 +1,6 @@
 //! Lights of the extension `KHR_lights_punctual`, and their sizes.
 
-use super::{element_name, nodes::PlacedNode};
+use super::{document::element_name, nodes::PlacedNode};
 use gltf::{
     json::Extras,
     khr_lights_punctual::{Kind, Light as FileLight},

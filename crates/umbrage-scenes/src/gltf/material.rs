@@ -1,6 +1,11 @@
 //! Materials: base colours, normal maps, and alpha tests.
 
-use super::{broken_element, element_name, file_bytes::FileBytes, picture::Pictures, wrap::Wraps};
+use super::{
+    document::{broken_element, element_name},
+    file_bytes::FileBytes,
+    picture::Pictures,
+    wrap::Wraps,
+};
 use crate::detail::{Meaning, USUAL_CUTOFF};
 use gltf::{
     Document, Material as FileMaterial, Primitive, Semantic,

@@ -186,17 +186,3 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
     }
     Ok(())
 }
-
-/// Returns the error of a damaged file, or one from a faulty program.
-fn broken_element(what: impl Into<String>, why: impl Into<String>) -> Invalid {
-    let help = "export the model again; https://github.khronos.org/glTF-Validator lists all errors of a file";
-    Invalid::new(what, why, help)
-}
-
-/// Returns the name of an element of a document for errors: ``node 3 `lamp` ``.
-fn element_name(kind: &str, index: usize, name: Option<&str>) -> String {
-    match name {
-        Some(name) if !name.is_empty() => format!("{kind} {index} `{name}`"),
-        _ => format!("{kind} {index}"),
-    }
-}

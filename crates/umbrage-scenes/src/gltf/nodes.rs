@@ -1,6 +1,6 @@
 //! The tree of nodes, and their placements.
 
-use super::{broken_element, element_name};
+use super::document::{broken_element, element_name};
 use gltf::{Document, Node, Scene, scene::Transform};
 use std::collections::HashMap;
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};

@@ -1,9 +1,8 @@
 //! Images: PNG and JPEG, from bytes in the file or next to it.
 
 use super::{
-    broken_element,
     budget::ReadBudget,
-    element_name,
+    document::{broken_element, element_name},
     file_bytes::{Fetched, FileBytes},
 };
 use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};

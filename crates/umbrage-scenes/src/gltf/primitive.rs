@@ -2,7 +2,7 @@
 
 use super::{
     accessor::AccessorNumbers,
-    broken_element, element_name,
+    document::{broken_element, element_name},
     file_bytes::FileBytes,
     material::{Materials, SurfaceLook},
     wrap,

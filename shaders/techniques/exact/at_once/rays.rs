@@ -9,9 +9,8 @@
 
 use super::{
     super::{
-        ExactUniforms,
         holes::CasterHoles,
-        light_frame::{FramePoint, LightFrame},
+        light_frame::{ExactUniforms, FramePoint, LightFrame},
     },
     boxes::{BOXES, Boxes, FaceBox, Reach},
     open::{Open, take_lowest},

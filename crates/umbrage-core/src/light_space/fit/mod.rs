@@ -16,12 +16,12 @@
 
 mod cascades;
 mod cull;
-mod frustum;
+pub(crate) mod frustum;
 mod input;
 mod kind;
 mod lamp;
 mod map_space;
-mod memory;
+pub(crate) mod memory;
 mod parallel;
 mod perspective;
 mod points;
@@ -32,7 +32,6 @@ mod stable;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use crate::light_space::fit::frustum::SliceOfView;
 pub use crate::light_space::fit::kind::Fit;
 pub use crate::light_space::fit::memory::FitMemory;
 #[cfg(feature = "testing")]
