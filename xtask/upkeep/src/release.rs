@@ -3,7 +3,7 @@
 mod versions;
 
 use crate::{
-    ci::{Step, published_packages, run_all},
+    ci::{Step, run_all},
     cli::{ReleaseOptions, ReleaseStep},
     run::{cargo, root, run, target_folder},
     web::build_page,
@@ -123,12 +123,7 @@ fn miri() -> Result<()> {
 
 /// Packs every published package, and compiles it as its users will.
 fn publish() -> Result<()> {
-    let mut command = cargo();
-    command.args(["publish", "--dry-run"]);
-    for package in published_packages()? {
-        command.args(["--package", &package.name]);
-    }
-    run(&mut command)
+    run(cargo().args(["publish", "--workspace", "--dry-run"]))
 }
 
 /// Lints and tests the viewer, and runs the end-to-end tests of its window and its page. The

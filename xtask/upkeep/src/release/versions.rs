@@ -15,11 +15,13 @@ const SEMVER_CHECKS: Tool = Tool {
     version: "0.51.0",
     reason: "it compares public interfaces, and reads the documentation of Rust 1.93 and later",
     minutes: 4,
-    // Its profile optimises all dependencies, which takes three times longer.
+    // Its own profile optimises all dependencies.
     options: &[
         "--debug",
         "--config",
         "profile.dev.package.\"*\".opt-level=0",
+        "--config",
+        "profile.dev.debug=false",
     ],
 };
 
