@@ -41,7 +41,7 @@ const MAP: ShadowMap = ShadowMap {
     surface: Surface::Nearest,
     format: MapFormat::Depth32,
     border: Border::Lit,
-    beyond_far: BeyondFar::Lit,
+    beyond_far: BeyondFar::Clamped,
 };
 
 /// Returns all golden images. Each shows something that no other does; they are few, because all

@@ -369,7 +369,11 @@ fn any_outside() -> impl Strategy<Value = (Border, BeyondFar)> {
     let borders = prop_oneof![4 => Just(Border::Lit), 1 => Just(Border::Clamp)];
     (
         borders,
-        prop_oneof![4 => Just(BeyondFar::Lit), 1 => Just(BeyondFar::Compared)],
+        prop_oneof![
+            4 => Just(BeyondFar::Clamped),
+            1 => Just(BeyondFar::Lit),
+            1 => Just(BeyondFar::Compared),
+        ],
     )
 }
 

@@ -26,6 +26,7 @@ fn layer(receiver_plane: f32) -> MapLayer {
         receiver_plane,
         deepest_tap: 1.0,
         depth_in_texels: 1.0,
+        deepest: f32::MAX,
     }
 }
 

@@ -19,7 +19,7 @@ use crate::{
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec4};
-use umbrage_core::{Module, module};
+use umbrage_core::{Module, math::lesser, module};
 
 /// The WGSL half. It reads the kernel's first image and table, and needs the map's modules and
 /// [`PATTERN`](crate::filtering::sample_pattern::PATTERN).
@@ -188,6 +188,12 @@ impl ReceiverLanes {
         self.axes.v_x[i] = placement.axes.z;
         self.axes.v_y[i] = placement.axes.w;
         self.count += 1;
+    }
+
+    /// Returns [`ShadowCoord::own_depth`] of a receiver.
+    #[inline(always)]
+    pub(crate) fn own_depth(&self, i: usize) -> f32 {
+        lesser(self.depth[i], self.deepest[i])
     }
 }
 

@@ -6,8 +6,8 @@
 use crate::shadow_map::{
     cascades::{blended, holds, share_of_layer},
     coord::{
-        ShadowCoord, clip_w, is_covered, offset_along_normal, plane_gradient, point_over_w,
-        slope_bias, texel_from_point, to_light,
+        ShadowCoord, clip_w, deepest_depth, is_covered, offset_along_normal, plane_gradient,
+        point_over_w, slope_bias, texel_from_point, to_light,
     },
     layers::{MapLayer, ShadowMapUniforms, layer_at},
 };
@@ -448,7 +448,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
             x[i] = texel.x;
             y[i] = texel.y;
             depths[i] = depth;
-            deepest[i] = depth.max(layer.deepest_tap);
+            deepest[i] = deepest_depth(&layer, depth);
             covered[i] = is_covered(&layer, point.z, w);
             points[0][i] = point.x;
             points[1][i] = point.y;
@@ -513,10 +513,15 @@ mod tests {
             // Layers have different orientations and differ in all their fields.
             let turn = Mat4::from_quat(Quat::from_rotation_y(i as f32));
             let share = 1.0 + i as f32;
+            let [far, deepest] = if i % 2 == 0 {
+                [f32::MAX, 1.0]
+            } else {
+                [1.0, f32::MAX]
+            };
             MapLayer {
                 clip_from_world: clip_from_view * turn,
                 texel: 0.01 * share,
-                far: 1.0,
+                far,
                 constant: 1e-3 * share,
                 slope: bias.slope * share,
                 slope_min: bias.slope * 0.1,
@@ -524,6 +529,7 @@ mod tests {
                 receiver_plane: bias.receiver_plane * share,
                 deepest_tap: 1.0,
                 depth_in_texels: 300.0,
+                deepest,
             }
         };
         ShadowMapUniforms {

@@ -27,15 +27,15 @@ pub(crate) fn map(texels: &[f32], clamped: bool) -> DepthMap<'_> {
     }
 }
 
-/// Returns receivers on the map, at its edges and outside it, on level or steep planes. Every fifth
-/// isn't covered.
+/// Returns receivers on the map, at its edges and outside it, on level or steep planes. Some are
+/// beyond the far plane. Every fifth isn't covered.
 pub(crate) fn batch(turn: usize, is_sloped: bool) -> Batch {
     let mut batch = Batch::new();
     for i in 0..BATCH {
         let k = (turn * BATCH + i) as f32;
         batch.x[i] = (k * 0.73) % 45.0 - 4.0;
         batch.y[i] = (k * 1.37) % 45.0 - 4.0;
-        batch.depth[i] = (k * 0.11) % 1.0;
+        batch.depth[i] = (k * 0.11) % 1.1;
         batch.deepest[i] = 1.0;
         if is_sloped {
             batch.deepest[i] = 0.9;

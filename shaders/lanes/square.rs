@@ -44,7 +44,7 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
             is_known[i] = false;
             continue;
         };
-        let depth = batch.depth[i];
+        let depth = lesser(batch.depth[i], batch.deepest[i]);
         // Keep all lanes, also those that aren't counted. Otherwise the compiler loads texels one
         // by one.
         let mut count = [0_u32; LANES];

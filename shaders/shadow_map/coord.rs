@@ -25,19 +25,26 @@ pub const PROJECTION: Module = module!("projection");
 pub struct ShadowCoord {
     /// Texel coordinates, origin top left, centres at .5.
     pub texel: Vec2,
-    /// Clip depth to compare with, biased.
+    /// Clip depth, biased. The compared one is at most `deepest`.
     pub depth: f32,
     /// Change of that depth per texel right (x) and down (y); zero unless taps follow the
     /// receiver's plane.
     pub gradient: Vec2,
-    /// Upper bound of the depth along the receiver's plane: the greater of `depth` and
-    /// [`MapLayer::deepest_tap`]. Equals `depth` for the adaptive bias.
+    /// Upper bound of the depth along the receiver's plane: see [`deepest_depth`].
     pub deepest: f32,
     /// Index of the map's layer.
     pub layer: i32,
     /// True if the receiver is in front of the light and not beyond the far bound; otherwise it is
     /// lit.
     pub covered: bool,
+}
+
+impl ShadowCoord {
+    /// Returns the clip depth to compare at the receiver itself. Twin of `own_depth` in coord.wgsl.
+    #[inline(always)]
+    pub fn own_depth(&self) -> f32 {
+        self.depth.min(self.deepest)
+    }
 }
 
 /// Returns the unit direction from `p` to the light: see [`ShadowMapUniforms::light`].
@@ -227,10 +234,18 @@ pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> S
         texel: Vec2::new(texel.x, texel.y),
         depth,
         gradient,
-        deepest: depth.max(layer.deepest_tap),
+        deepest: deepest_depth(layer, depth),
         layer: index,
         covered: is_covered(layer, point.z, w),
     }
+}
+
+/// Returns the greatest depth that is compared for a receiver of this depth: the greater of it and
+/// [`MapLayer::deepest_tap`], but at most [`MapLayer::deepest`]. For the adaptive bias it is the
+/// receiver's depth, if that is before the far plane.
+#[inline(always)]
+pub fn deepest_depth(layer: &MapLayer, depth: f32) -> f32 {
+    depth.max(layer.deepest_tap).min(layer.deepest)
 }
 
 /// Returns whether a point with this clip depth and clip w is in front of the light and not beyond
@@ -254,11 +269,58 @@ pub const TWINS: &[umbrage_core::Twin] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shadow_map::{BeyondFar, ShadowMap, texel_compare::depth_on_plane};
     use umbrage_core::{
-        Extents,
+        Extents, LightSpace,
         light_space::{look_along, orthographic},
         math::transform,
     };
+
+    fn layer(beyond_far: BeyondFar) -> MapLayer {
+        let map = ShadowMap {
+            beyond_far,
+            ..ShadowMap::default()
+        };
+        let space = LightSpace {
+            view_from_world: Mat4::IDENTITY,
+            clip_from_view: Mat4::IDENTITY,
+        };
+        MapLayer::new(&map, &space)
+    }
+
+    /// Texels without casters hold 1, all others less. Clamped receivers beyond the far plane are
+    /// therefore hidden by exactly the casters of their texel.
+    #[test]
+    fn receivers_beyond_the_far_plane_are_compared_on_it() {
+        let clamped = layer(BeyondFar::Clamped);
+        let slope = Vec2::new(0.3, -0.2);
+        for depth in [1.01, 1.4, 3.0, 1e6, f32::MAX] {
+            assert!(is_covered(&clamped, depth, 1.0));
+            let deepest = deepest_depth(&clamped, depth);
+            assert_eq!(deepest, 1.0);
+            let tap = |x, y| depth_on_plane(depth, slope, deepest, Vec2::ZERO, x, y);
+            assert!(tap(2, -2) == 1.0 && tap(-2, 2) <= 1.0);
+            let l = ShadowCoord {
+                depth,
+                deepest,
+                ..ShadowCoord::default()
+            };
+            assert_eq!(l.own_depth(), 1.0);
+            assert!(!is_covered(&layer(BeyondFar::Lit), depth, 1.0));
+            // No texel is that deep.
+            let compared = layer(BeyondFar::Compared);
+            assert!(is_covered(&compared, depth, 1.0) && deepest_depth(&compared, depth) > 1.0);
+        }
+        // Before the far plane, all settings are equal.
+        for beyond_far in [BeyondFar::Lit, BeyondFar::Clamped, BeyondFar::Compared] {
+            let layer = layer(beyond_far);
+            for depth in [-0.5, 0.0, 0.7, 1.0] {
+                assert!(is_covered(&layer, depth, 1.0));
+                assert_eq!(deepest_depth(&layer, depth), depth);
+            }
+            assert!(!is_covered(&layer, f32::NAN, 1.0) && !is_covered(&layer, 0.5, -1.0));
+        }
+    }
 
     /// Rounding gives a nonzero determinant for planes that contain the light. It must not give a
     /// gradient.

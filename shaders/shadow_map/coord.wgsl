@@ -5,6 +5,11 @@ const CONSTANT_BIAS = 0u;
 const SLOPE_BIAS = 1u;
 const NORMAL_OFFSET = 2u;
 
+// Values of `BEYOND_FAR`.
+const CLAMPED_BEYOND_FAR = 0u;
+const LIT_BEYOND_FAR = 1u;
+const COMPARED_BEYOND_FAR = 2u;
+
 struct ShadowCoord {
     texel: vec2f,
     depth: f32,
@@ -34,12 +39,28 @@ fn receiver_gradient(layer: MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2
     return vec2f(0.0, 0.0);
 }
 
-// Returns the greatest clip depth that is compared.
+// Returns the greatest clip depth of receivers that are compared.
 fn far_bound(layer: MapLayer) -> f32 {
-    if IS_LIT_BEYOND_FAR {
+    if BEYOND_FAR == LIT_BEYOND_FAR {
         return 1.0;
     }
     return layer.far;
+}
+
+fn deepest_depth(layer: MapLayer, depth: f32) -> f32 {
+    let deepest = max(depth, layer.deepest_tap);
+    if BEYOND_FAR == CLAMPED_BEYOND_FAR {
+        return min(deepest, 1.0);
+    }
+    return deepest;
+}
+
+// Returns the clip depth to compare at the receiver itself.
+fn own_depth(l: ShadowCoord) -> f32 {
+    if BEYOND_FAR == CLAMPED_BEYOND_FAR {
+        return min(l.depth, l.deepest);
+    }
+    return l.depth;
 }
 
 fn shadow_coord(m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
@@ -57,7 +78,7 @@ fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> Shad
     let texel = texel_from_point(point, side);
     let gradient = receiver_gradient(layer, point, n, side);
     let depth = point.z - biased.w;
-    let deepest = max(depth, layer.deepest_tap);
+    let deepest = deepest_depth(layer, depth);
     let covered = clip.w > 0.0 && point.z <= far_bound(layer);
     return ShadowCoord(texel.xy, depth, gradient, deepest, index, covered);
 }

@@ -27,7 +27,7 @@ uniforms! {
         /// Longer side of a texel: metres without perspective; metres at a distance of one metre
         /// with perspective.
         pub texel: f32,
-        /// Greatest clip depth that is compared: 1, or unbounded.
+        /// Greatest clip depth of receivers that are compared: 1, or unbounded. All others are lit.
         pub far: f32,
         /// Constant part of the bias, clip depth. See [`Bias::constant`](crate::Bias::constant).
         pub constant: f32,
@@ -46,6 +46,8 @@ uniforms! {
         /// Number of texels, each as long as [`texel`](Self::texel) is wide, that fill the layer's
         /// depth from near to far plane. It is 1 with perspective, which cascades don't have.
         pub depth_in_texels: f32,
+        /// Upper bound of all compared depths: 1, or unbounded.
+        pub deepest: f32,
     }
 }
 
@@ -99,13 +101,15 @@ impl MapLayer {
         } else {
             bias.constant
         };
+        let [far, deepest] = match map.beyond_far {
+            BeyondFar::Clamped => [f32::MAX, 1.0],
+            BeyondFar::Lit => [1.0, f32::MAX],
+            BeyondFar::Compared => [f32::MAX, f32::MAX],
+        };
         Self {
             clip_from_world: space.clip_from_world(),
             texel,
-            far: match map.beyond_far {
-                BeyondFar::Lit => 1.0,
-                BeyondFar::Compared => f32::MAX,
-            },
+            far,
             constant,
             slope: bias.slope,
             slope_min: bias.slope_min,
@@ -113,6 +117,7 @@ impl MapLayer {
             receiver_plane: bias.plane_limit(),
             deepest_tap: if bias.adaptive { NEVER_DEEPER } else { 1.0 },
             depth_in_texels: depth_in_texels(projection, texel),
+            deepest,
         }
     }
 

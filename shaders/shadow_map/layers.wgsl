@@ -16,6 +16,7 @@ struct MapLayer {
     receiver_plane: f32,
     deepest_tap: f32,
     depth_in_texels: f32,
+    deepest: f32,
 }
 
 struct ShadowMapUniforms {

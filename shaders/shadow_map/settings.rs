@@ -66,8 +66,11 @@ pub enum Border {
     serde(rename_all = "snake_case")
 )]
 pub enum BeyondFar {
-    /// Lit.
+    /// Compared as if they were on the far plane. All casters on the map are before it, so these
+    /// receivers get the same shadows as if the map were deeper.
     #[default]
+    Clamped,
+    /// Lit.
     Lit,
     /// Compared like all others. They are dark, since no stored depth exceeds 1.
     Compared,
@@ -109,7 +112,7 @@ impl Default for ShadowMap {
             surface: Surface::Nearest,
             format: MapFormat::Depth32,
             border: Border::Lit,
-            beyond_far: BeyondFar::Lit,
+            beyond_far: BeyondFar::Clamped,
         }
     }
 }
@@ -130,6 +133,7 @@ impl ShadowMap {
             (self.format == MapFormat::Depth16, "16 bit"),
             (self.format == MapFormat::Rgba8, "rgba8"),
             (self.border == Border::Clamp, "edge repeated"),
+            (self.beyond_far == BeyondFar::Lit, "lit beyond far"),
             (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
         ];
         for (is_on, word) in others {

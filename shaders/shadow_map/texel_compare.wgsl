@@ -4,7 +4,7 @@ fn depth_at(l: ShadowCoord, x: i32, y: i32) -> f32 {
     if TAPS_FOLLOW_PLANE {
         return depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
     }
-    return l.depth;
+    return own_depth(l);
 }
 
 fn is_lit_outside(is_outside: bool) -> bool {

@@ -31,8 +31,9 @@ const RECEIVER_PLANE: Module = constant!("TAPS_FOLLOW_PLANE = true");
 const ONE_DEPTH: Module = constant!("TAPS_FOLLOW_PLANE = false");
 const CLAMPED_BORDER: Module = constant!("EDGE_REPEATS = true");
 const LIT_BORDER: Module = constant!("EDGE_REPEATS = false");
-const LIT_BEYOND_FAR: Module = constant!("IS_LIT_BEYOND_FAR = true");
-const COMPARED_BEYOND_FAR: Module = constant!("IS_LIT_BEYOND_FAR = false");
+const CLAMPED_BEYOND_FAR: Module = constant!("BEYOND_FAR = CLAMPED_BEYOND_FAR");
+const LIT_BEYOND_FAR: Module = constant!("BEYOND_FAR = LIT_BEYOND_FAR");
+const COMPARED_BEYOND_FAR: Module = constant!("BEYOND_FAR = COMPARED_BEYOND_FAR");
 const PACKED_DEPTH: Module = constant!("IS_PACKED = true");
 const PLAIN_DEPTH: Module = constant!("IS_PACKED = false");
 
@@ -93,12 +94,17 @@ impl ShadowMapUniforms {
             (false, true) => SLOPE_BIAS,
             (false, false) => CONSTANT_BIAS,
         };
+        let beyond_far = match (layer.far == 1.0, layer.deepest == 1.0) {
+            (true, _) => LIT_BEYOND_FAR,
+            (false, true) => CLAMPED_BEYOND_FAR,
+            (false, false) => COMPARED_BEYOND_FAR,
+        };
         [
             arrangement,
             bias,
             either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
             either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),
-            either(layer.far == 1.0, LIT_BEYOND_FAR, COMPARED_BEYOND_FAR),
+            beyond_far,
         ]
     }
 }

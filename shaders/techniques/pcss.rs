@@ -231,8 +231,8 @@ impl PcssKernel {
         let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
         let per_depth =
             light_extent::reach_at(self.pattern.shape, half_axis_u, half_axis_v, from_middle);
-        let search = bounded_depth(l.depth, half_axis_v.w) * per_depth;
-        let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
+        let search = bounded_depth(l.own_depth(), half_axis_v.w) * per_depth;
+        let deepest = l.own_depth() + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
         (bounded_depth(deepest, half_axis_v.w) * per_depth).max(1.0)
     }
 }
@@ -380,7 +380,7 @@ impl Search<'_> {
         let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
         // Bound the search by the nearest caster in reach.
         let max = half_axis_v.w;
-        let search = bounded_depth(l.depth - self.depth_in_reach(l), max);
+        let search = bounded_depth(l.own_depth() - self.depth_in_reach(l), max);
         if share == 0.0 || search == 0.0 {
             return None;
         }

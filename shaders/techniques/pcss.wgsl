@@ -42,7 +42,7 @@ fn mean_nearer(s: Soft, widest: f32) -> f32 {
         let q = spot(s, tap);
         let closer = closer_by(q.z);
         let d = place_depths(s.l, s.size, place(s.l.texel, axes, q.xy * closer));
-        let nearer = s.l.depth - d.x;
+        let nearer = own_depth(s.l) - d.x;
         if !(d.y <= d.x) && nearer >= widest * (q.z * closer) {
             let weight = tap_weight(q.z, max(nearer, s.texel));
             sum += weight * (d.y - d.x);
@@ -62,7 +62,7 @@ fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
     if d.y <= d.x {
         return false;
     }
-    let nearer = s.l.depth - d.x;
+    let nearer = own_depth(s.l) - d.x;
     if nearer >= mean * q.z {
         return true;
     }
@@ -70,7 +70,7 @@ fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
         return false;
     }
     let lower = place_depths(s.l, s.size, place(s.l.texel, s.axes * nearer, q.xy));
-    return !(lower.y <= lower.x) && s.l.depth - lower.x >= nearer * 0.5;
+    return !(lower.y <= lower.x) && own_depth(s.l) - lower.x >= nearer * 0.5;
 }
 
 // Returns the visible fraction of the light above the horizon; 1 if no tap is above it.
@@ -119,7 +119,7 @@ fn full_light(r: Receiver) -> f32 {
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let share = full_light(r);
     let half_axis_v = kernel.extent.half_axis_v[l.layer];
-    let widest = min(max(l.depth - depth_in_reach(l), 0.0), half_axis_v.w);
+    let widest = min(max(own_depth(l) - depth_in_reach(l), 0.0), half_axis_v.w);
     if share == 0.0 || widest == 0.0 {
         return share;
     }

@@ -332,14 +332,15 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
             return Some(1.0);
         }
         // Nothing is stored beyond the far plane.
-        (l.depth > 1.0).then_some(0.0)
+        (l.own_depth() > 1.0).then_some(0.0)
     }
 
     /// Returns the fraction of light from moments at a receiver. A coarser level increases the
     /// variance of the averaged positions by `spread` texels squared.
     #[inline(always)]
     fn lit_at(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
-        let depth = centre_depth(self.bound.compared_depth(l, spread));
+        let depth = self.bound.compared_depth(l, spread).min(l.deepest);
+        let depth = centre_depth(depth);
         let lit = self.bound.lit_fraction(moments, depth);
         without_bleeding(lit, self.bleeding.amount, self.bleeding.scale)
     }

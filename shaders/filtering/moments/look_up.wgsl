@@ -31,11 +31,11 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     if is_lit_outside(!is_inside) {
         return 1.0;
     }
-    if l.depth > 1.0 {
+    if own_depth(l) > 1.0 {
         return 0.0;
     }
     let filtered = filtered_moments(l, r);
-    let depth = centred(compared_depth(l, filtered.spread));
+    let depth = centred(min(compared_depth(l, filtered.spread), l.deepest));
     let lit = lit_by_moments(filtered.moments, depth);
     return without_bleeding(lit, kernel.bleeding, kernel.bleeding_scale);
 }

@@ -145,7 +145,7 @@ fn mean_nearer_lanes<const N: usize>(
         }
         let depths = map.depths_at_point::<N>(r, &axes, &shifted.x, &shifted.y);
         for i in 0..N {
-            let nearer = r.depth[i] - depths.stored[i];
+            let nearer = r.own_depth(i) - depths.stored[i];
             let lit = depths.receiver[i] <= depths.stored[i];
             // The blocker must be so much nearer that the light's point through the tap is within
             // the light.
@@ -253,7 +253,7 @@ fn hides<const N: usize>(
     let mut nearer = [0.0; BATCH];
     let mut any_low = 0;
     for i in 0..N {
-        nearer[i] = r.depth[i] - depths.stored[i];
+        nearer[i] = r.own_depth(i) - depths.stored[i];
         let lit = depths.receiver[i] <= depths.stored[i];
         let in_the_way = nearer[i] >= mean[i] * tap.from_middle[i];
         hidden[i] = u32::from(!lit & in_the_way);
@@ -268,7 +268,7 @@ fn hides<const N: usize>(
         // A solid caster is wide at its base: it is at least half as high where the ray is at that
         // height.
         let lit = lower.receiver[i] <= lower.stored[i];
-        let as_high = r.depth[i] - lower.stored[i] >= nearer[i] * 0.5;
+        let as_high = r.own_depth(i) - lower.stored[i] >= nearer[i] * 0.5;
         hidden[i] |= low[i] & u32::from(!lit & as_high);
     }
     hidden

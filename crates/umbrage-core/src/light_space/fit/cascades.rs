@@ -5,6 +5,11 @@
 //! at the first caster in their *column*, not at the first that their own receivers need. Their
 //! lateral bounds include all positions at which a kernel may find a caster.
 //!
+//! If only the casters' box is known, the receivers are not: a floor far below the box may have its
+//! shadow. Then a slice covers its part of the *column*, which extends from the box along the
+//! light. The last slice ends where the camera sees the last of the column. Its depth range ends
+//! at the box, and receivers beyond are compared at its far plane.
+//!
 //! A slice without shadows gets a space outside the scene, where nothing is looked up. Slices
 //! overlap where results are blended. Recipes stay pure: stable slices are a function of the ends
 //! of two frames ([`SliceEnds::stabilized`]).
@@ -17,11 +22,11 @@ use crate::{
         cascades::{Cascades, SliceEnds, Split},
         caster_set::CasterSet,
         fit::{
-            frustum::{CameraFrustum, Slice},
+            frustum::{CameraFrustum, Slice, box_corners},
             input::FitInput,
             kind::Fit,
             parallel,
-            points::{Points, bounds_in, pad_box, receiver_points},
+            points::{Points, bounds_in, caster_points, caster_reach, pad_box, receiver_points},
             receiver_split,
             stable::{self, SphereCenter},
         },
@@ -40,6 +45,9 @@ const MIN_BEGIN_OVER_END: f64 = 1.0 / (1 << 20) as f64;
 /// Overlap of a slice with the one before it, as a multiple of that slice's blend width. The
 /// distance along the camera's view may be longer than that on the map.
 const OVERLAP: f64 = 2.0;
+/// Greatest end of the last slice, as a multiple of the distance from the eye to the farthest point
+/// of the casters' box; for cameras without a far plane.
+const MAX_END_OVER_BOX: f64 = (1 << 20) as f64;
 
 /// Shared input of the fits of all slices.
 #[derive(Clone, Debug)]
@@ -106,7 +114,10 @@ impl<'a> CascadeInput<'a> {
             Split::Receivers => receiver_split::ends(self, count),
             Split::Log | Split::Practical { .. } => None,
         };
-        let ends = split.unwrap_or_else(|| self.regular_ends(count));
+        let mut ends = split.unwrap_or_else(|| self.regular_ends(count));
+        if let (Some(last), Some(column)) = (ends.last_mut(), self.seen_column()) {
+            *last = last.max(column.end * (1.0 + ROUNDING));
+        }
         SliceEnds::of_found(&ends)
     }
 
@@ -157,7 +168,8 @@ impl<'a> CascadeInput<'a> {
             }
             None => {
                 let receivers = receiver_points(&self.input).bounds();
-                self.frustum.seen_part(&receivers)
+                let seen = self.frustum.seen_part(&receivers);
+                seen.or_else(|| self.seen_column())
             }
         };
         let seen = seen.unwrap_or(Slice {
@@ -205,8 +217,79 @@ impl<'a> CascadeInput<'a> {
         f64::from(self.cascades.nearest)
     }
 
+    /// Returns whether only the casters' box is known to a tight fit.
+    fn knows_box_alone(&self) -> bool {
+        !self.is_stable() && self.input.seen.is_none() && self.input.view.geometry.is_none()
+    }
+
+    /// Returns the corners (world space) of a slice's part of the column: what the casters' box,
+    /// grown by `reach` metres across the light, may shadow. Empty if there is no such part.
+    fn part_of_column(&self, slice: Slice, reach: f32) -> Vec<DVec3> {
+        let casters = bounds_in(&self.view_from_world, &caster_points(&self.input));
+        if casters.is_empty() {
+            return Vec::new();
+        }
+        let light_from_world = DAffine3::from_mat4(self.view_from_world.as_dmat4());
+        let slice_corners = self.frustum.slice_corners(slice);
+        let depths = slice_corners.map(|p| light_from_world.transform_point3(p).z);
+        let grow = DVec3::new(reach.into(), reach.into(), 0.0);
+        let max = casters.max.as_dvec3() + grow;
+        let min = casters.min.as_dvec3() - grow;
+        // View z decreases away from the light.
+        let min = min.with_z(depths.into_iter().fold(min.z, f64::min));
+        let world_from_light = light_from_world.inverse();
+        let column = box_corners(min, max).map(|p| world_from_light.transform_point3(p));
+        self.frustum.part_of_body(slice, column)
+    }
+
+    /// Returns the range of distances of the visible part of the column; `None` if it isn't
+    /// visible, or more than the casters' box is known.
+    fn seen_column(&self) -> Option<Slice> {
+        if !self.knows_box_alone() {
+            return None;
+        }
+        let eye = self.frustum.world_from_view.translation;
+        let to_corners = self.input.view.casters.corners();
+        let farthest = to_corners
+            .map(|p| p.as_dvec3().distance(eye))
+            .fold(0.0, f64::max);
+        let all = Slice {
+            begin: self.frustum.near_distance(),
+            end: self.frustum.before_far(farthest * MAX_END_OVER_BOX),
+        };
+        self.frustum.range_of(&self.part_of_column(all, 0.0))
+    }
+
+    /// Returns the box, in the light's view, around a slice's part of the column.
+    fn column_bounds(&self, slice: Slice, is_last: bool, size: u32, margin: f32) -> Aabb {
+        let casters = bounds_in(&self.view_from_world, &caster_points(&self.input));
+        // A slice's texels are at most as large as those of a map of the whole box.
+        let texel = casters.extent() / parallel::inner_texels(size, margin);
+        let reach = texel.x.max(texel.y) * (margin + 2.0);
+        let light_from_world = DAffine3::from_mat4(self.view_from_world.as_dmat4());
+        let part = self.part_of_column(slice, reach);
+        let mut b = Aabb::from_points(
+            part.into_iter()
+                .map(|p| light_from_world.transform_point3(p).as_vec3()),
+        );
+        if b.is_empty() {
+            return b;
+        }
+        if is_last {
+            // Receivers that no slice holds are looked up in the last one, at any depth.
+            b.min.z = b.min.z.max(casters.min.z).min(b.max.z);
+        }
+        pad_box(b, caster_reach(&self.input))
+    }
+
     /// Returns the light space of a slice; `None` if it can contain no shadow.
-    fn space(&self, slice: Slice, size: u32, margin: f32) -> Result<Option<LightSpace>, Invalid> {
+    fn space(
+        &self,
+        slice: Slice,
+        is_last: bool,
+        size: u32,
+        margin: f32,
+    ) -> Result<Option<LightSpace>, Invalid> {
         if slice.begin >= slice.end {
             return Ok(None);
         }
@@ -222,6 +305,10 @@ impl<'a> CascadeInput<'a> {
                 .with_seen(seen.within_slice(self.frustum.slice_of_view(slice)));
             let receivers = bounds_in(&self.view_from_world, &receiver_points(&part));
             return self.tight(&part, &receivers, size, margin);
+        }
+        if self.knows_box_alone() {
+            let receivers = self.column_bounds(slice, is_last, size, margin);
+            return self.tight(&self.input, &receivers, size, margin);
         }
         let all_receivers = receiver_points(&self.input).bounds();
         let corners = self.frustum.part_of_box(slice, &all_receivers);
@@ -259,9 +346,11 @@ impl<'a> CascadeInput<'a> {
             arrangement: Arrangement::Cascades(pick),
         };
         let mut begin = self.frustum.near_distance().min(0.0);
-        for &end in self.ends().as_slice() {
+        let ends = self.ends();
+        let last = ends.as_slice().len() - 1;
+        for (i, &end) in ends.as_slice().iter().enumerate() {
             let end = f64::from(end) * (1.0 + ROUNDING);
-            let space = self.space(Slice { begin, end }, size, margin)?;
+            let space = self.space(Slice { begin, end }, i == last, size, margin)?;
             begin = end - self.overlap(space.as_ref(), size, margin);
             let casters = if space.is_some() {
                 CasterSet::All

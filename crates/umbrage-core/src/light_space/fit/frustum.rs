@@ -158,39 +158,51 @@ impl CameraFrustum {
             begin: self.near_distance(),
             end: self.before_far(farthest_corner),
         };
-        let mut part = Slice {
+        self.range_of(&self.part_of_box(all, b))
+    }
+
+    /// Returns the range of distances of points (world space) along the view; `None` without
+    /// points.
+    pub(super) fn range_of(&self, points: &[DVec3]) -> Option<Slice> {
+        let mut range = Slice {
             begin: f64::INFINITY,
             end: f64::NEG_INFINITY,
         };
-        for p in self.part_of_box(all, b) {
+        for &p in points {
             let distance = self.distance(p);
-            part.begin = part.begin.min(distance);
-            part.end = part.end.max(distance);
+            range.begin = range.begin.min(distance);
+            range.end = range.end.max(distance);
         }
-        (part.begin <= part.end).then_some(part)
+        (range.begin <= range.end).then_some(range)
+    }
+
+    /// Returns the eight corners of a slice, world space: the nearer four first.
+    pub(super) fn slice_corners(&self, slice: Slice) -> [DVec3; 8] {
+        let near = self.corners_at(slice.begin);
+        let far = self.corners_at(slice.end);
+        std::array::from_fn(|i| self.in_world(if i < 4 { near[i] } else { far[i - 4] }))
     }
 
     /// Returns the corners (world space) of the intersection of a slice of the view and a box;
     /// empty if they don't meet.
     pub(super) fn part_of_box(&self, slice: Slice, b: &Aabb) -> Vec<DVec3> {
-        if b.is_empty() || slice.begin >= slice.end {
+        if b.is_empty() {
             return Vec::new();
         }
-        let near = self.corners_at(slice.begin);
-        let far = self.corners_at(slice.end);
-        let slice_corners =
-            std::array::from_fn(|i| self.in_world(if i < 4 { near[i] } else { far[i - 4] }));
-        let min = b.min.as_dvec3();
-        let max = b.max.as_dvec3();
-        let box_corners = std::array::from_fn(|i| {
-            let far_side = DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
-            min + (max - min) * far_side
-        });
-        let slice = Hexahedron::new(slice_corners);
-        let of_box = Hexahedron::new(box_corners);
+        self.part_of_body(slice, box_corners(b.min.as_dvec3(), b.max.as_dvec3()))
+    }
+
+    /// Returns the corners (world space) of the intersection of a slice of the view and a turned
+    /// box with these corners, in the order of [`box_corners`]; empty if they don't meet.
+    pub(super) fn part_of_body(&self, slice: Slice, corners: [DVec3; 8]) -> Vec<DVec3> {
+        if slice.begin >= slice.end {
+            return Vec::new();
+        }
+        let slice = Hexahedron::new(self.slice_corners(slice));
+        let body = Hexahedron::new(corners);
         // Each corner of the intersection is on a face of one of them.
-        let mut out = slice.corners_within(&of_box);
-        out.extend(of_box.corners_within(&slice));
+        let mut out = slice.corners_within(&body);
+        out.extend(body.corners_within(&slice));
         out
     }
 
@@ -199,8 +211,16 @@ impl CameraFrustum {
     }
 }
 
-/// A convex body with six faces of four corners. Corner `i` is at the greater x if bit 0 of `i` is
-/// set, y bit 1, z bit 2.
+/// Returns the corners of a box: corner `i` is at the greater x if bit 0 of `i` is set, y bit 1, z
+/// bit 2.
+pub(super) fn box_corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        let far_side = DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        min + (max - min) * far_side
+    })
+}
+
+/// A convex body with six faces of four corners, in the order of [`box_corners`].
 struct Hexahedron {
     corners: [DVec3; 8],
     /// Planes of the faces. For a point on the inner side, the product with the normal is at least

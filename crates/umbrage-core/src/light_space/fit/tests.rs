@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::{
-    geometry::Geometry,
+    LayerPicker, Split,
+    geometry::{Geometry, aabb::Aabb},
     math::transform,
     scene::{Instance, Mesh, Scene, camera::Camera},
 };
@@ -223,5 +224,83 @@ fn of_a_box_the_tight_fit_holds_all() {
         // cube.
         let is_tighter = spaces(Fit::Tight, &with_triangles) != spaces(Fit::Whole, &with_triangles);
         assert_eq!(is_tighter, light.kind() == "point");
+    }
+}
+
+/// Side of the cascades' maps, texels.
+const SIDE: u32 = 256;
+
+/// Returns the cascades of a view of which only the casters' box is known.
+fn cascades_of_box(camera: &Camera, casters: Aabb, sun: Vec3, split: Split) -> LightSpaces {
+    let light = Light::Directional {
+        direction: sun.normalize(),
+        angular_diameter: 0.0,
+    };
+    let view = View {
+        camera,
+        light: &light,
+        casters,
+        geometry: None,
+        receivers: None,
+        fits: None,
+    };
+    let cascades = Cascades {
+        count: 3,
+        split,
+        ..Cascades::default()
+    };
+    Fit::Tight
+        .light_spaces(Layout::Cascades(cascades), &view, SIDE, 2.0)
+        .unwrap()
+}
+
+/// Returns whether the cascade in which a receiver is looked up has its caster, too. Both are at
+/// the same place across the light.
+fn is_caster_on_map(spaces: &LightSpaces, receiver: Vec3, caster: Vec3) -> bool {
+    let picker = LayerPicker::new(spaces, SIDE);
+    let layer = picker.layer_at(receiver).unwrap();
+    let clip = transform(picker.clip_from_world(layer), caster);
+    let is_on = clip.x.abs() < 1.0 && clip.y.abs() < 1.0 && clip.z > 0.0 && clip.z < 1.0;
+    is_on && spaces.is_needed(layer)
+}
+
+/// The box is wholly outside the camera's view, or far above all that is seen. Its shadow on a
+/// floor that is no caster is in the view.
+#[test]
+fn shadows_of_a_box_alone_are_on_cascades_wherever_they_fall() {
+    let casters = Aabb {
+        min: Vec3::new(28.0, 5.0, -32.0),
+        max: Vec3::new(32.0, 9.0, -28.0),
+    };
+    for far in [120.0, 1e9] {
+        let eye = Vec3::new(0.0, 2.0, 0.0);
+        let size = UVec2::splat(64);
+        let camera =
+            Camera::perspective(eye, eye - Vec3::Z, Vec3::Y, 0.9, [0.1, far], size).unwrap();
+        let clip_from_world = camera.space().clip_from_world();
+        for sun in [
+            Vec3::new(-1.0, -0.25, 0.0),
+            Vec3::new(-1.0, -0.2, -0.8),
+            Vec3::new(-1.0, -0.3, 0.6),
+        ] {
+            for split in [Split::Log, Split::Practical { lambda: 0.3 }] {
+                let spaces = cascades_of_box(&camera, casters, sun, split);
+                let mut seen = 0;
+                for corner in casters.corners() {
+                    let on_floor = corner + sun * (corner.y / -sun.y);
+                    let clip = transform(clip_from_world, on_floor);
+                    let is_seen = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w;
+                    if is_seen && clip.z < clip.w {
+                        seen += 1;
+                        let is_on = is_caster_on_map(&spaces, on_floor, corner);
+                        assert!(is_on, "{corner} under {sun}, {split:?}");
+                    }
+                }
+                assert!(seen > 0, "no shadow in view under {sun}");
+            }
+        }
+        // The light shines away from the view.
+        let away = cascades_of_box(&camera, casters, Vec3::new(1.0, -0.2, 0.0), Split::Log);
+        assert!((0..3).all(|i| !away.is_needed(i)));
     }
 }
