@@ -96,10 +96,15 @@ impl MapLayer {
         // The scale of the longer side is the smaller one.
         let scale = projection.x_axis.x.min(projection.y_axis.y);
         let texel = 2.0 / (scale * map.size as f32);
-        let constant = if bias.covers_rounding() {
-            bias.constant.max(position_error::depth_error(space))
+        let constant = if bias.adaptive {
+            bias.constant.min(position_error::greatest_constant(space))
         } else {
             bias.constant
+        };
+        let constant = if bias.covers_rounding() {
+            constant.max(position_error::depth_error(space))
+        } else {
+            constant
         };
         let [far, deepest] = match map.beyond_far {
             BeyondFar::Clamped => [f32::MAX, 1.0],

@@ -10,3 +10,4 @@ mod edits;
 mod hops;
 mod masks;
 mod turning;
+mod unknown_receivers;
