@@ -18,7 +18,7 @@ pub struct View<'a> {
     /// Box around all casters, world space; empty if there are no casters.
     pub casters: Aabb,
     /// The triangles; `None` if they exist only on the caller's GPU. Maps then end at the casters'
-    /// box, and receivers beyond it, seen from the light, are lit.
+    /// box.
     pub geometry: Option<&'a Geometry>,
     /// The visible surface points, if known; otherwise backends compute them from the geometry.
     pub receivers: Option<&'a Receivers>,

@@ -83,6 +83,7 @@ pub use umbrage_scenes as scenes;
 #[cfg(feature = "wgpu")]
 pub use umbrage_wgpu as gpu;
 /// The former name of [`gpu`].
+#[doc(hidden)]
 #[cfg(feature = "wgpu")]
 #[deprecated(since = "0.1.0", note = "renamed to `umbrage::gpu`")]
 pub mod wgpu {

@@ -404,8 +404,7 @@ impl LightSet {
 
     /// Returns the box for which lights are planned: a box around all casters whose sides are on a
     /// coarse grid. It doesn't change when casters move a little, and neither do maps fitted to it.
-    /// Without [`SetFrame::geometry`] maps end at this box: receivers beyond it, seen from a light,
-    /// are lit.
+    /// Without [`SetFrame::geometry`] maps end at this box.
     pub fn casters_box(&self) -> Aabb {
         steady_box::steady_box_around(&self.casters.bounds())
     }
