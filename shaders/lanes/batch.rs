@@ -513,7 +513,7 @@ mod tests {
             // Layers have different orientations and differ in all their fields.
             let turn = Mat4::from_quat(Quat::from_rotation_y(i as f32));
             let share = 1.0 + i as f32;
-            let [far, deepest] = if i % 2 == 0 {
+            let [far, deepest] = if i.is_multiple_of(2) {
                 [f32::MAX, 1.0]
             } else {
                 [1.0, f32::MAX]

@@ -54,7 +54,7 @@ fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
 }
 
 /// Returns a frame under the sun with 451,942 triangles; `hard` and `better` have these errors.
-fn scene([hard, better]: [f64; 2]) -> (SceneResult, SceneImages) {
+fn scene(hard: f64, better: f64) -> (SceneResult, SceneImages) {
     let rows = vec![
         row("none", 0.5, 0.1),
         row("hard", hard, 10.0),
@@ -133,12 +133,12 @@ fn stability() -> StabilityResults {
 
 /// Writes results in which `better` has this error and `hard` has 0.2; returns the folder.
 fn measured_folder(better: f64, section: Section) -> tempfile::TempDir {
-    measured_errors([0.2, better], section)
+    measured_errors(0.2, better, section)
 }
 
 /// Writes a comparison with these errors of `hard` and `better`, and `stability`'s results; returns
 /// the folder.
-fn measured_errors(errors: [f64; 2], section: Section) -> tempfile::TempDir {
+fn measured_errors(hard: f64, better: f64, section: Section) -> tempfile::TempDir {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let named = umbrage_core::Scene {
         name: "street".to_owned(),
@@ -147,7 +147,7 @@ fn measured_errors(errors: [f64; 2], section: Section) -> tempfile::TempDir {
     let plan = ComparisonPlan::new(&[SceneInput::new(named, "")], &CompareOptions::default());
     let compared = dir.path().join("compared");
     let report = Report::create(&compared, plan, &[0], false).expect("writable");
-    let (mut result, images) = scene(errors);
+    let (mut result, images) = scene(hard, better);
     result.section = section;
     let environment = Environment::default();
     report
@@ -267,7 +267,7 @@ fn a_poor_answer_is_called_that_and_a_good_one_is_named() {
     // `hard` has 40 % of the error of no shadow, then 80 %.
     let good = page(measured_folder(0.3, Section::Content).path());
     assert!(!good.contains("**none is good**"), "{good}");
-    let dir = measured_errors([0.4, 0.1], Section::Content);
+    let dir = measured_errors(0.4, 0.1, Section::Content);
     let poor = page(dir.path());
     let least = line(&poor, "1.25 times hard");
     assert!(
