@@ -152,6 +152,7 @@ impl Bias {
     };
     /// Default of all map techniques except those that cull front faces. Uses both planes and no
     /// number that depends on the scene. The constant of 1e-5 covers the rounding of depths.
+    /// With perspective it is at most 1/256 of the near plane's distance over the far plane's.
     pub const ADAPTIVE: Self = Self {
         adaptive: true,
         constant: 1e-5,
