@@ -4,7 +4,9 @@ fn to_light(light: vec4f, p: vec3f) -> vec3f {
     if light.w == 0.0 {
         return light.xyz;
     }
-    return unit3(light.xyz - p);
+    let d = light.xyz - p;
+    // Only biases depend on it, so the driver's own root and quotient suffice.
+    return d / sqrt(dot3(d, d));
 }
 
 fn slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32 {

@@ -14,7 +14,7 @@ use umbrage_core::{
     glam::{UVec2, Vec3},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_scenes::{Kind, SceneEntry};
+use umbrage_scenes::Kind;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, Pcf, Pcss, ShadowMap};
 use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
@@ -116,18 +116,22 @@ pub fn run(
         warm_up: options.warm_up,
         runs: options.runs,
     };
-    let entries: Vec<&SceneEntry> = umbrage_scenes::all()
+    // Area lights are made from ideal ones below.
+    let entries = umbrage_scenes::all()
         .iter()
-        .filter(|entry| entry.kind == Kind::Speed)
+        .filter(|entry| entry.kind == Kind::Speed);
+    let scenes: Vec<(&str, Scene)> = entries
+        .map(|entry| (entry.name, (entry.build)()))
+        .filter(|(_, scene)| scene.lights[0].is_ideal())
         .collect();
     // Compare the backends, and wgpu with the hand-written program.
     if let Some(gpu) = gpu {
-        for entry in &entries {
-            let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+        for (name, scene) in &scenes {
+            let stage = SpeedScene::new(name, scene, SCREEN, &mut cpu)?;
             on_pair(depth(&stage, repetitions, &mut cpu, gpu)?);
         }
-        for entry in &entries {
-            let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+        for (name, scene) in &scenes {
+            let stage = SpeedScene::new(name, scene, SCREEN, &mut cpu)?;
             for (radius, bar) in [(1, 5.0), (3, 8.0)] {
                 on_pair(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
             }
@@ -142,11 +146,11 @@ pub fn run(
         .num_threads(options.threads)
         .build();
     let pool = pool.map_err(|e| LabError::Backend(BackendError::OutOfMemory(e.to_string())))?;
-    for entry in &entries {
-        let stage = SpeedScene::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
+    for (name, scene) in &scenes {
+        let stage = SpeedScene::new(name, scene, RAY_SCREEN, &mut cpu)?;
         let pair = pool.install(|| {
             rays::compare(
-                entry.name,
+                name,
                 &stage.geometry,
                 &stage.receivers,
                 &stage.light,
