@@ -139,7 +139,7 @@ fn each_pass_is_timed() {
     };
     stage
         .set
-        .encode_timed(&mut encoder, |_, _| (), &stamps, &mut casts)
+        .encode_timed(&mut encoder, |_, _, _| (), &stamps, &mut casts)
         .expect("was prepared");
     let cast = SetPass::Cast {
         layer: 0,

@@ -5,7 +5,7 @@
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
-    light_set::{buffers::Uploaded, culling::CullingBoxes},
+    light_set::{buffers::Uploaded, culling::CullingBoxes, own_casters::OwnCasters, unknown},
     resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
     wgsl::stages::HoleRule,
 };
@@ -95,6 +95,8 @@ type Columns = [f32; 12];
 pub(crate) struct Casters {
     meshes: SlotMap<MeshId, MeshSlots>,
     places: SlotMap<CasterId, CasterPlace>,
+    /// The casters that the program draws.
+    pub(super) own: OwnCasters,
     /// Box of the caster in each slot. Slots without a caster have an empty box.
     boxes: CullingBoxes,
     /// Placement in each slot.
@@ -108,14 +110,14 @@ pub(crate) struct Casters {
     /// Frame counter.
     frame: u64,
     /// Boxes with changes.
-    changed: Vec<Aabb>,
+    pub(super) changed: Vec<Aabb>,
     /// Boxes with changes among the still casters.
     still_changed: Vec<Aabb>,
     /// Slots whose placements changed.
     written: Vec<u32>,
-    /// True if meshes were added or removed, or slots added, since changes were cleared. Pipelines
-    /// and buffers may then have to be created.
-    has_grown: bool,
+    /// True if meshes or own casters were added or removed, or slots added, since changes were
+    /// cleared. Pipelines and buffers may then have to be created.
+    pub(super) has_grown: bool,
     /// True if casters were placed relative to another anchor since changes were cleared.
     is_rebased: bool,
 }
@@ -343,7 +345,7 @@ impl Casters {
         Ok(())
     }
 
-    /// Marks a box as changed, for geometry that the caller draws.
+    /// Marks a box as changed.
     pub(crate) fn touch(&mut self, bounds: &Aabb) {
         self.changed.push(*bounds);
         self.still_changed.push(*bounds);
@@ -378,7 +380,7 @@ impl Casters {
 
     /// Returns the box around all casters.
     pub(crate) fn bounds(&self) -> Aabb {
-        self.boxes.around_all()
+        self.boxes.around_all().union(&self.own.bounds())
     }
 
     /// Returns the changes since [`forget_changes`](Self::forget_changes).
@@ -471,9 +473,9 @@ impl Casters {
         self.meshes.get(id).map(|mesh| &mesh.draw)
     }
 
-    /// Returns the number of casters.
+    /// Returns the number of casters, the program's own included.
     pub(crate) fn count(&self) -> usize {
-        self.places.len()
+        self.places.len() + self.own.count()
     }
 
     fn put(&mut self, slot: u32, bounds: &Aabb, world_from_local: &Affine3A) {
@@ -531,11 +533,6 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
     };
     bounds.validate().map_err(within)?;
     Ok(bounds)
-}
-
-fn unknown(what: &str) -> Invalid {
-    let help = "use an id that this set returned and that is not removed";
-    Invalid::new(what, "is not in the light set", help)
 }
 
 /// Returns the number of these rising slots to write together.

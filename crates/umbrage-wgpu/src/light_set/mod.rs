@@ -9,6 +9,7 @@ mod dropped_encoders;
 mod encode;
 mod masks;
 mod options;
+mod own_casters;
 mod passes;
 mod plan;
 mod pool;
@@ -34,6 +35,7 @@ pub use options::{
     FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight,
     StillLayers, Unserved,
 };
+pub use own_casters::OwnCasterId;
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
@@ -44,8 +46,11 @@ use crate::{
         prices::PriceMeter, shader::SetShader, state::HeldLight, still_layers::still_bytes,
     },
     resources::{
-        counters::Counters, cut_out_buffers::CutOutBuffers, cut_outs::GpuCutOuts,
-        pipelines::Pipelines, tables::Tables,
+        counters::Counters,
+        cut_out_buffers::CutOutBuffers,
+        cut_outs::GpuCutOuts,
+        pipelines::{Pipelines, cast_layout},
+        tables::Tables,
     },
 };
 use glam::Affine3A;
@@ -126,6 +131,7 @@ pub struct LightSet {
     // GPU objects shared by all lights.
     counters: Counters,
     pipelines: Pipelines,
+    cast_layout: BindGroupLayout,
     /// Tables of filters.
     tables: Tables,
 }
@@ -193,6 +199,7 @@ impl LightSet {
             dropped_encoders: DroppedEncoders::of_device(device),
             counters: Counters::default(),
             pipelines: Pipelines::default(),
+            cast_layout: cast_layout(device),
             tables: Tables::default(),
         })
     }
@@ -265,6 +272,43 @@ impl LightSet {
         self.casters.remove(caster)
     }
 
+    /// Adds a caster that the program draws itself in [`encode_with`](Self::encode_with), such as a
+    /// skinned figure. `bounds` (world space) must contain it in its current pose: lights are
+    /// planned for these boxes, and layers outside of them don't show the caster.
+    ///
+    /// Device-built caster lists don't contain such casters, so lights whose technique uses them
+    /// are refused, with this reason.
+    ///
+    /// # Errors
+    /// Errors if the box is empty or not finite.
+    pub fn add_own_caster(&mut self, bounds: Aabb) -> Result<OwnCasterId, Invalid> {
+        self.casters.add_own(bounds)
+    }
+
+    /// Sets the box (world space) of a caster that the program draws itself. Layers that show the
+    /// old or the new box are redrawn: call it whenever the caster moves or changes its pose.
+    ///
+    /// # Errors
+    /// Errors if there is no such caster, or if the box is empty or not finite.
+    pub fn move_own_caster(&mut self, caster: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+        self.casters.move_own(caster, bounds)
+    }
+
+    /// Removes a caster that the program draws itself.
+    ///
+    /// # Errors
+    /// Errors if there is no such caster.
+    pub fn remove_own_caster(&mut self, caster: OwnCasterId) -> Result<(), Invalid> {
+        self.casters.remove_own(caster)
+    }
+
+    /// Returns the layout of the bind group that passes of [`encode_with`](Self::encode_with) have
+    /// set at index 0. It has one binding, for vertex shaders:
+    /// `@group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;`
+    pub fn cast_layout(&self) -> &BindGroupLayout {
+        &self.cast_layout
+    }
+
     /// Sets the alpha-tested triangles that cast in addition to the set's casters (world space).
     /// They replace the previous ones; `None` removes them. Maps use the same alpha test as all
     /// backends.
@@ -296,9 +340,8 @@ impl LightSet {
         Ok(())
     }
 
-    /// Reports a change in a box (world space) that the set can't detect: vertices in a buffer, or
-    /// geometry that the caller draws ([`encode_with`](Self::encode_with)). Call it with the box
-    /// before and the box after the change.
+    /// Reports a change in a box (world space) that the set can't detect: of vertices in a buffer.
+    /// Call it with the box before and the box after the change.
     ///
     /// # Errors
     /// Errors if a number is not finite.
@@ -409,7 +452,8 @@ impl LightSet {
         steady_box::steady_box_around(&self.casters.bounds())
     }
 
-    /// Returns the number of casters; a part of the alpha-tested ones counts as one.
+    /// Returns the number of casters, with those that the program draws; a part of the alpha-tested
+    /// ones counts as one.
     pub fn caster_count(&self) -> usize {
         self.casters.count()
     }
@@ -472,8 +516,13 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 }
 
 fn unknown_light() -> Invalid {
+    unknown("light")
+}
+
+/// Returns the error for an id of something that is not in the set.
+fn unknown(what: &str) -> Invalid {
     let help = "use an id that this set returned and that is not removed";
-    Invalid::new("light", "is not in the light set", help)
+    Invalid::new(what, "is not in the light set", help)
 }
 
 /// Sets can be shared between threads.

@@ -183,7 +183,7 @@ impl Renderer {
                     let mut passes = Vec::new();
                     let stamps = clock.for_set();
                     side.set
-                        .encode_timed(encoder, |_, _| (), &stamps, &mut passes)?;
+                        .encode_timed(encoder, |_, _, _| (), &stamps, &mut passes)?;
                     clock.note(i, draws_all, &passes);
                 }
                 None => side.set.encode(encoder)?,
