@@ -4,7 +4,7 @@ use super::floor::{Block, SIZE, add_block, box_corners, camera, expected, wrong_
 use bytemuck::cast_slice;
 use glam::{Vec3, Vec4};
 use std::{collections::HashMap, sync::Arc};
-use umbrage_core::{Aabb, Cascades, Layout, Light, ShadowTechnique};
+use umbrage_core::{Aabb, Cascades, Geometry, Layout, Light, ShadowTechnique};
 use umbrage_techniques::{Exact, Hard, MapFilter as _, Midpoint, Pcf, SecondDepth, ShadowMap};
 use umbrage_tests::{
     adapter::device,
@@ -12,7 +12,7 @@ use umbrage_tests::{
     light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CastTarget, CastTargetKey, LightId, LightSet, OwnCasterId, SetBudget, SetFrame, ShadowedLight,
+    CastTarget, CastTargetKey, FrameGeometry, LightId, LightSet, OwnCasterId, SetBudget, SetFrame, ShadowedLight,
     StillLayers, Unserved,
 };
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, RenderPass, RenderPipeline};
@@ -205,10 +205,17 @@ impl Stage {
 
     /// Renders a frame. Returns the ids that each call of `own_draws` was given.
     fn update(&mut self) -> Vec<Vec<OwnCasterId>> {
+        self.update_with(None)
+    }
+
+    fn update_with(&mut self, triangles: Option<&Geometry>) -> Vec<Vec<OwnCasterId>> {
         let d = device();
         let frame = SetFrame {
             camera: &camera(),
-            geometry: None,
+            geometry: triangles.map(|triangles| FrameGeometry {
+                triangles,
+                revision: 0,
+            }),
         };
         self.set
             .prepare(&d.device, &d.queue, &frame)
@@ -351,6 +358,21 @@ fn figures_are_drawn_on_copies_of_still_casters() {
         assert_eq!(wrong_points(&mask, &without(&of_figure, &of_still), 0.0), 0);
         assert_eq!(wrong_points(&mask, &without(&of_still, &of_figure), 0.0), 0);
     }
+}
+
+/// Triangles of a frame don't contain the figure. Maps must show it all the same.
+#[test]
+fn maps_show_figures_that_the_triangles_of_the_frame_lack() {
+    let light = sun();
+    let techniques = techniques(&light);
+    let mut stage = Stage::new(light, &techniques, StillLayers::Auto, false);
+    let scene = (umbrage_scenes::find("cubes").expect("a built-in scene").build)();
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let center = Vec3::new(0.5, 3.0, 0.2);
+    let bounds = stage.figure.pose(center);
+    stage.set.add_own_caster(bounds).expect("valid");
+    stage.update_with(Some(&geometry));
+    stage.check_masks(&light, center, "with other triangles");
 }
 
 /// A missing shadow is an error or a reason, never silent.

@@ -148,6 +148,8 @@ struct SetCutOuts {
 struct PlannedFor {
     camera: Camera,
     casters: Aabb,
+    /// True if the program draws casters itself.
+    has_own: bool,
     geometry: Option<u64>,
 }
 
@@ -277,7 +279,8 @@ impl LightSet {
     /// planned for these boxes, and layers outside of them don't show the caster.
     ///
     /// Device-built caster lists don't contain such casters, so lights whose technique uses them
-    /// are refused, with this reason.
+    /// are refused, with this reason. Techniques that read triangles see only those of
+    /// [`SetFrame::geometry`]: add the figure's there.
     ///
     /// # Errors
     /// Errors if the box is empty or not finite.

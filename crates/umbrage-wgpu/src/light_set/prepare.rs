@@ -19,7 +19,7 @@ use crate::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
     },
 };
-use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
+use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique, View};
 use wgpu::{Device, Queue};
 
 impl LightSet {
@@ -37,13 +37,13 @@ impl LightSet {
         frame: &SetFrame<'_>,
     ) -> Result<(), RecipeError> {
         light.validate()?;
-        let view = frame.view_of(light, self.casters_box());
         let unlisted = why_not_listed(&self.casters, &self.device.limits());
         let limits = PlanLimits {
             recipes: &self.limits,
             unlisted: unlisted.as_deref(),
         };
-        LightPlan::of_light(technique, &view, limits)?;
+        let view = frame.view_of(light, self.casters_box());
+        plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
         Ok(())
     }
 
@@ -133,12 +133,13 @@ impl LightSet {
         let now = PlannedFor {
             camera: *frame.camera,
             casters: self.casters_box(),
+            has_own: !self.casters.own().is_empty(),
             geometry: frame.geometry.map(|g| g.revision),
         };
         let before = self.planned.replace(now);
         let same_camera = before.is_some_and(|before| before.camera == now.camera);
         let same_casters = before
-            .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
+            .is_some_and(|before| PlannedFor { camera: now.camera, ..before } == now);
         // Meshes determine whether the device can build lists.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
@@ -160,7 +161,7 @@ impl LightSet {
             light.has_changed = false;
             self.report.planned += 1;
             let view = frame.view_of(&settings.light, now.casters);
-            match LightPlan::of_light(&*settings.technique, &view, limits) {
+            match plan_light(&*settings.technique, &view, now.has_own, limits) {
                 Ok(plan) => {
                     self.layers_changed |= light.state.take_plan(plan) == Difference::Images;
                 }
@@ -423,6 +424,28 @@ impl LightSet {
         }
         self.layers_changed = true;
     }
+}
+
+/// Plans a light. The view's triangles don't contain casters that the program draws (`has_own`), so
+/// maps are then fitted to the box around all casters.
+fn plan_light(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    has_own: bool,
+    limits: PlanLimits<'_>,
+) -> Result<LightPlan, RecipeError> {
+    if has_own && view.geometry.is_some() {
+        let boxes_only = View {
+            geometry: None,
+            ..*view
+        };
+        let plan = LightPlan::of_light(technique, &boxes_only, limits);
+        // Techniques without maps need the triangles.
+        if !matches!(plan, Err(RecipeError::Unsupported(_))) {
+            return plan;
+        }
+    }
+    LightPlan::of_light(technique, view, limits)
 }
 
 /// Returns whether a light's layers are those of its newest plan.
