@@ -21,11 +21,11 @@ impl SceneShadows for BoxShadows {
 
     fn encode(
         &mut self,
-        graphics: &Graphics,
+        _: &Graphics,
         boxes: &Boxes,
         encoder: &mut CommandEncoder,
     ) -> Result<()> {
-        self.prepare(graphics, boxes)?;
+        self.prepare(boxes)?;
         Ok(self.set.encode(encoder)?)
     }
 
@@ -39,7 +39,7 @@ impl SceneShadows for BoxShadows {
 
     fn masks(
         &mut self,
-        graphics: &Graphics,
+        _: &Graphics,
         boxes: &Boxes,
         gbuffer: &SurfaceBuffer,
         encoder: &mut CommandEncoder,
@@ -59,7 +59,7 @@ impl SceneShadows for BoxShadows {
             lights: &self.lights,
             format: MaskFormat::Unorm8,
         };
-        self.set.prepare_masks(&graphics.queue, &inputs)?;
+        self.set.prepare_masks(&inputs)?;
         Ok(self.set.encode_masks(encoder)?.clone())
     }
 }

@@ -44,7 +44,7 @@ fn prepare(stage: &mut Stage) {
     let d = stage.program.d;
     stage
         .set
-        .prepare(&d.device, &d.queue, &frame)
+        .prepare(&frame)
         .expect("prepares");
 }
 
@@ -173,5 +173,5 @@ fn prepare_masks(stage: &mut Stage, seen: &DepthInputs, world_from_clip: Mat4, l
         format: MaskFormat::Unorm8,
     };
     let queue = &stage.program.d.queue;
-    stage.set.prepare_masks(queue, &inputs).expect("prepares");
+    stage.set.prepare_masks(&inputs).expect("prepares");
 }

@@ -118,7 +118,7 @@ fn thrown_away_redraws_are_not_put_off() {
         let d = stage.program.d;
         stage
             .set
-            .prepare(&d.device, &d.queue, &frame)
+            .prepare(&frame)
             .expect("prepares");
         if is_recorded {
             let mut encoder = stage.program.encoder();

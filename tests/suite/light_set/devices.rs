@@ -9,7 +9,7 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    FrameGeometry, LightSet, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
+    FrameGeometry, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
     SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
@@ -89,7 +89,7 @@ fn the_required_limits_are_enough() {
     };
     stage
         .set
-        .prepare_masks(&d.queue, &inputs)
+        .prepare_masks(&inputs)
         .expect("the masks, too");
 }
 
@@ -100,14 +100,11 @@ fn less_than_the_required_limits_is_not_enough() {
         ..LightSet::REQUIRED_LIMITS
     };
     let d = device(Features::empty(), limits);
-    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
-    stage.light(0.0, 1.0);
-    let frame = SetFrame {
-        camera: &stage.camera,
-        geometry: None,
-    };
-    let prepared = stage.set.prepare(&d.device, &d.queue, &frame);
-    assert!(prepared.is_err(), "no tables can be bound");
+    let error = LightSet::new(&d.device, &d.queue, LightSetOptions::default())
+        .expect_err("no tables can be bound")
+        .to_string();
+    assert!(error.contains("max_storage_buffers_per_shader_stage"), "{error}");
+    assert!(error.contains("REQUIRED_LIMITS"), "{error}");
 }
 
 const TIMESTAMPS: Features =
@@ -122,10 +119,7 @@ fn each_pass_is_timed() {
         camera: &stage.camera,
         geometry: None,
     };
-    stage
-        .set
-        .prepare(&d.device, &d.queue, &frame)
-        .expect("prepares");
+    stage.set.prepare(&frame).expect("prepares");
     let queries = d.device.create_query_set(&wgpu::QuerySetDescriptor {
         label: None,
         ty: wgpu::QueryType::Timestamp,
@@ -159,7 +153,7 @@ fn each_pass_is_timed() {
     };
     stage
         .set
-        .prepare_masks(&d.queue, &inputs)
+        .prepare_masks(&inputs)
         .expect("prepares");
     let mut masks: Vec<TimedPass> = Vec::new();
     let stamps = SetTimestamps {

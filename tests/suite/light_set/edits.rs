@@ -368,7 +368,7 @@ impl<'a> Model<'a> {
         };
         let d = self.program.d;
         self.set
-            .prepare(&d.device, &d.queue, &frame)
+            .prepare(&frame)
             .expect("prepares");
     }
 

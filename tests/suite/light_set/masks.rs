@@ -36,7 +36,7 @@ fn masks(
         lights,
         format: MaskFormat::Float32,
     };
-    set.prepare_masks(&program.d.queue, &inputs)
+    set.prepare_masks(&inputs)
         .expect("prepares");
     let mut encoder = program.encoder();
     let masks = set
@@ -134,7 +134,7 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             errors: when,
             ..LightSetOptions::default()
         };
-        stage.set = LightSet::new(&stage.program.d.device, options).expect("fits");
+        stage.set = LightSet::new(&stage.program.d.device, &stage.program.d.queue, options).expect("fits");
         let light = ShadowedLight {
             light: spot(0.0),
             technique: Arc::new(Broken),
@@ -150,7 +150,7 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             format: MaskFormat::Unorm8,
         };
         let queue = &stage.program.d.queue;
-        let reported = stage.set.prepare_masks(queue, &inputs).err();
+        let reported = stage.set.prepare_masks(&inputs).err();
         let requested = stage.set.take_error();
         let (error, other) = match when {
             ApiErrors::AtOnce => (reported, requested),

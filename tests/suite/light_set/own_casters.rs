@@ -218,7 +218,7 @@ impl Stage {
             }),
         };
         self.set
-            .prepare(&d.device, &d.queue, &frame)
+            .prepare(&frame)
             .expect("prepares");
         let layout = self.set.cast_layout().clone();
         let mut encoder = self.program.encoder();
@@ -420,7 +420,7 @@ fn targets_that_peel_have_another_key() {
     };
     stage
         .set
-        .prepare(&d.device, &d.queue, &frame)
+        .prepare(&frame)
         .expect("prepares");
     let mut keys = Vec::new();
     let mut encoder = stage.program.encoder();

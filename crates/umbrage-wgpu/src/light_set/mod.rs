@@ -39,7 +39,10 @@ pub use own_casters::OwnCasterId;
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
-    device::{later_errors::LaterErrors, requirements::limits},
+    device::{
+        later_errors::LaterErrors,
+        requirements::{check_limits, limits},
+    },
     light_set::{
         buffers::MAX_LIGHTS, caster_lists::CasterLists, casters::Casters,
         dropped_encoders::DroppedEncoders, masks::MaskStage, passes::PassList, pool::LayerPool,
@@ -57,7 +60,7 @@ use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
 use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
-use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
+use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 
 /// The shadows of any number of lights, each with its own technique. One
 /// [`prepare`](Self::prepare), one [`encode`](Self::encode), one bind group and one WGSL text serve
@@ -75,11 +78,12 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// /// Once: create a set with one light. Its text goes before the program's fragment shader.
 /// fn start(
 ///     device: &wgpu::Device,
+///     queue: &wgpu::Queue,
 ///     light: Light,
 ///     technique: Arc<dyn ShadowTechnique>,
 /// ) -> Result<LightSet, BackendError> {
 ///     let options = LightSetOptions { group: 1, ..LightSetOptions::default() };
-///     let mut set = LightSet::new(device, options)?;
+///     let mut set = LightSet::new(device, queue, options)?;
 ///     set.add_light(ShadowedLight { light, technique, priority: 1.0 })?;
 ///     Ok(set)
 /// }
@@ -88,12 +92,10 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// /// `shadow(light, position, normal, pixel)`.
 /// fn frame(
 ///     set: &mut LightSet,
-///     device: &wgpu::Device,
-///     queue: &wgpu::Queue,
 ///     encoder: &mut wgpu::CommandEncoder,
 ///     camera: &Camera,
 /// ) -> Result<(), BackendError> {
-///     set.prepare(device, queue, &SetFrame { camera, geometry: None })?;
+///     set.prepare(&SetFrame { camera, geometry: None })?;
 ///     set.encode(encoder)
 /// }
 /// ```
@@ -105,6 +107,7 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 #[derive(Debug)]
 pub struct LightSet {
     device: Device,
+    queue: Queue,
     options: LightSetOptions,
     limits: BackendLimits,
     // Scene.
@@ -167,12 +170,25 @@ impl LightSet {
         ..Limits::downlevel_webgl2_defaults()
     };
 
-    /// Returns an empty set for this device.
+    /// Returns an empty set for this device and its queue, both of which it keeps. A device that
+    /// was lost and requested again needs a new set.
     ///
     /// # Errors
-    /// Errors if the device has too few bind groups for [`LightSetOptions::group`], or if the
-    /// prefix can't begin a WGSL identifier.
-    pub fn new(device: &Device, options: LightSetOptions) -> Result<Self, BackendError> {
+    /// Errors with the name of a limit of the device that is below
+    /// [`REQUIRED_LIMITS`](Self::REQUIRED_LIMITS), except for `max_storage_buffer_binding_size`.
+    /// Errors if there are too few bind groups for [`LightSetOptions::group`], or if the prefix
+    /// can't begin a WGSL identifier.
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        options: LightSetOptions,
+    ) -> Result<Self, BackendError> {
+        // Lights whose tables exceed the binding size are refused one by one.
+        let needed = Limits {
+            max_storage_buffer_binding_size: 0,
+            ..Self::REQUIRED_LIMITS
+        };
+        check_limits(&needed, &device.limits())?;
         let groups = device.limits().max_bind_groups;
         if options.group >= groups {
             let why = format!("is {}", options.group);
@@ -182,6 +198,7 @@ impl LightSet {
         let shader = SetShader::new(options.group, &options.prefix, &device.limits())?;
         Ok(Self {
             device: device.clone(),
+            queue: queue.clone(),
             options,
             limits: limits(device),
             casters: Casters::default(),

@@ -107,8 +107,8 @@ impl Renderer {
         let scene = SceneBuffers::new(device, queue, &layouts, stage)?;
         let [left, right] = &settings.sides;
         let sides = [
-            Side::new(device, &layouts, &scene, left)?,
-            Side::new(device, &layouts, &scene, right)?,
+            Side::new(device, queue, &layouts, &scene, left)?,
+            Side::new(device, queue, &layouts, &scene, right)?,
         ];
         Ok(Self {
             overlay_pipeline: pipelines::overlay(device, &layouts),
