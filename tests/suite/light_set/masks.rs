@@ -310,3 +310,51 @@ fn masks_come_from_depth_and_normals_of_any_format() {
     let pairs = found.iter().flatten().zip(expected.iter().flatten());
     assert!(pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count() > 40);
 }
+
+/// Formats that can't hold the normals of a coding are refused by name.
+#[test]
+fn formats_of_normals_that_can_not_be_right_are_refused() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let light = stage.light(0.0, 1.0);
+    stage.frame();
+    let size = UVec2::new(8, 8);
+    let d = stage.program.d;
+    let depth = foreign::upload(d, size, TextureFormat::R32Float, &[0; 4 * 64]);
+    for (format, coding, needed) in [
+        (
+            TextureFormat::Rgba8Unorm,
+            NormalCoding::Components,
+            "NormalCoding::Halved",
+        ),
+        (
+            TextureFormat::Rgba8Unorm,
+            NormalCoding::Octahedral,
+            "NormalCoding::OctahedralHalved",
+        ),
+        (
+            TextureFormat::Rgba8Uint,
+            NormalCoding::Halved,
+            "not read as floats",
+        ),
+    ] {
+        let texture = foreign::upload(d, size, format, &[0; 4 * 64]);
+        let inputs = MaskInputs {
+            size,
+            receivers: MaskReceivers::Depth {
+                depth: DepthBuffer {
+                    depth: &depth,
+                    world_from_clip: Mat4::IDENTITY,
+                    empty: 1.0,
+                },
+                normals: Some(SetNormals {
+                    texture: &texture,
+                    coding,
+                }),
+            },
+            lights: &[light],
+            format: MaskFormat::Unorm8,
+        };
+        let error = stage.set.prepare_masks(&inputs).expect_err("no normals");
+        assert!(error.to_string().contains(needed), "{error}");
+    }
+}

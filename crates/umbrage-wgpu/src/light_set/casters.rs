@@ -137,10 +137,36 @@ impl CasterMesh<'_> {
             let help = "use 0, and shift the range";
             return Err(Invalid::new("base vertex", why, help));
         }
+        self.check_base_vertex()?;
         self.bounds.validate()?;
         if self.bounds.is_empty() {
             let help = "use the box around the mesh's positions";
             return Err(Invalid::new("bounds", "are empty", help));
+        }
+        Ok(())
+    }
+
+    /// Errors if no index can refer to a vertex of the buffer. Only the device has the indices, so
+    /// a base vertex that is wrong for some of them can't be found.
+    fn check_base_vertex(&self) -> Result<(), Invalid> {
+        let base = i64::from(self.base_vertex);
+        let vertices = self.layout.vertices(self.vertices.size());
+        let greatest_index = match self.indices {
+            Some(Indices {
+                format: IndexFormat::Uint16,
+                ..
+            }) => i64::from(u16::MAX),
+            _ => i64::from(u32::MAX),
+        };
+        if base + greatest_index < 0 {
+            let why = format!("is {base}, and indices are at most {greatest_index}");
+            let help = "use the position of the mesh's first vertex in the buffer";
+            return Err(Invalid::new("base vertex", why, help));
+        }
+        if base >= vertices as i64 && !self.range.is_empty() {
+            let why = format!("is {base}, and the buffer holds {vertices} vertices");
+            let help = "count vertices, not bytes or indices";
+            return Err(Invalid::new("base vertex", why, help));
         }
         Ok(())
     }

@@ -215,6 +215,10 @@ impl SunShadows {
 impl Made {
     /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers. `None`
     /// until Bevy has loaded them all.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a system of Bevy's names each resource"
+    )]
     fn new(
         technique: &Arc<dyn ShadowTechnique>,
         seen: &SeenScene,
