@@ -19,12 +19,7 @@ impl SceneShadows for BoxShadows {
         Self::place(self, placements)
     }
 
-    fn encode(
-        &mut self,
-        _: &Graphics,
-        boxes: &Boxes,
-        encoder: &mut CommandEncoder,
-    ) -> Result<()> {
+    fn encode(&mut self, _: &Graphics, boxes: &Boxes, encoder: &mut CommandEncoder) -> Result<()> {
         self.prepare(boxes)?;
         Ok(self.set.encode(encoder)?)
     }

@@ -137,7 +137,11 @@ impl LitScene {
         technique: Arc<dyn ShadowTechnique>,
         has_triangles: bool,
     ) -> Result<Self> {
-        let mut set = LightSet::new(&graphics.device, &graphics.queue, LightSetOptions::default())?;
+        let mut set = LightSet::new(
+            &graphics.device,
+            &graphics.queue,
+            LightSetOptions::default(),
+        )?;
         let positions: Vec<[f32; 3]> = geometry.positions().iter().map(|p| p.to_array()).collect();
         let casters = geometry.run(&geometry.casters());
         let storage = wgpu::BufferUsages::STORAGE;

@@ -42,10 +42,7 @@ fn prepare(stage: &mut Stage) {
         geometry: None,
     };
     let d = stage.program.d;
-    stage
-        .set
-        .prepare(&frame)
-        .expect("prepares");
+    stage.set.prepare(&frame).expect("prepares");
 }
 
 /// A single test, since the counts are those of the whole program.

@@ -53,8 +53,8 @@ pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
-    MaskInputs, MaskReceivers, MeshId, NormalCoding, OwnCasterId, PassCasters, SetBudget, SetFrame, SetNormals,
-    SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    MaskInputs, MaskReceivers, MeshId, NormalCoding, OwnCasterId, PassCasters, SetBudget, SetFrame,
+    SetNormals, SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 #[allow(deprecated, reason = "former names stay for one release")]
 pub use light_set::{SetLight, SetReceivers};

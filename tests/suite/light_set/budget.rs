@@ -7,7 +7,8 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, camera, hard, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    CasterMesh, Indices, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved, VertexLayout,
+    CasterMesh, Indices, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved,
+    VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
@@ -116,10 +117,7 @@ fn thrown_away_redraws_are_not_put_off() {
             geometry: None,
         };
         let d = stage.program.d;
-        stage
-            .set
-            .prepare(&frame)
-            .expect("prepares");
+        stage.set.prepare(&frame).expect("prepares");
         if is_recorded {
             let mut encoder = stage.program.encoder();
             stage.set.encode(&mut encoder).expect("was prepared");

@@ -9,8 +9,8 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    FrameGeometry, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
-    SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    FrameGeometry, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, PassCasters,
+    SetBudget, SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
 
@@ -87,10 +87,7 @@ fn the_required_limits_are_enough() {
         lights: &lights[..2],
         format: MaskFormat::Unorm8,
     };
-    stage
-        .set
-        .prepare_masks(&inputs)
-        .expect("the masks, too");
+    stage.set.prepare_masks(&inputs).expect("the masks, too");
 }
 
 #[test]
@@ -103,7 +100,10 @@ fn less_than_the_required_limits_is_not_enough() {
     let error = LightSet::new(&d.device, &d.queue, LightSetOptions::default())
         .expect_err("no tables can be bound")
         .to_string();
-    assert!(error.contains("max_storage_buffers_per_shader_stage"), "{error}");
+    assert!(
+        error.contains("max_storage_buffers_per_shader_stage"),
+        "{error}"
+    );
     assert!(error.contains("REQUIRED_LIMITS"), "{error}");
 }
 
@@ -151,10 +151,7 @@ fn each_pass_is_timed() {
         lights: &lights,
         format: MaskFormat::Unorm8,
     };
-    stage
-        .set
-        .prepare_masks(&inputs)
-        .expect("prepares");
+    stage.set.prepare_masks(&inputs).expect("prepares");
     let mut masks: Vec<TimedPass> = Vec::new();
     let stamps = SetTimestamps {
         queries: &queries,

@@ -36,8 +36,7 @@ fn masks(
         lights,
         format: MaskFormat::Float32,
     };
-    set.prepare_masks(&inputs)
-        .expect("prepares");
+    set.prepare_masks(&inputs).expect("prepares");
     let mut encoder = program.encoder();
     let masks = set
         .encode_masks(&mut encoder)
@@ -134,7 +133,8 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             errors: when,
             ..LightSetOptions::default()
         };
-        stage.set = LightSet::new(&stage.program.d.device, &stage.program.d.queue, options).expect("fits");
+        stage.set =
+            LightSet::new(&stage.program.d.device, &stage.program.d.queue, options).expect("fits");
         let light = ShadowedLight {
             light: spot(0.0),
             technique: Arc::new(Broken),

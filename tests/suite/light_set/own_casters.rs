@@ -12,8 +12,8 @@ use umbrage_tests::{
     light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CastTarget, CastTargetKey, FrameGeometry, LightId, LightSet, OwnCasterId, SetBudget, SetFrame, ShadowedLight,
-    StillLayers, Unserved,
+    CastTarget, CastTargetKey, FrameGeometry, LightId, LightSet, OwnCasterId, SetBudget, SetFrame,
+    ShadowedLight, StillLayers, Unserved,
 };
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, RenderPass, RenderPipeline};
 
@@ -217,9 +217,7 @@ impl Stage {
                 revision: 0,
             }),
         };
-        self.set
-            .prepare(&frame)
-            .expect("prepares");
+        self.set.prepare(&frame).expect("prepares");
         let layout = self.set.cast_layout().clone();
         let mut encoder = self.program.encoder();
         let mut calls = Vec::new();
@@ -322,12 +320,10 @@ fn a_figure_of_the_program_casts_its_shadow_and_moves() {
 #[test]
 fn figures_are_drawn_on_copies_of_still_casters() {
     let light = sun();
-    let techniques: [Arc<dyn ShadowTechnique>; 1] = [Arc::new(
-        Hard {}.on(ShadowMap {
-            size: 512,
-            ..ShadowMap::default()
-        }),
-    )];
+    let techniques: [Arc<dyn ShadowTechnique>; 1] = [Arc::new(Hard {}.on(ShadowMap {
+        size: 512,
+        ..ShadowMap::default()
+    }))];
     let mut stage = Stage::new(light, &techniques, StillLayers::Always, false);
     let still = Block {
         center: Vec3::new(5.0, 3.0, 0.0),
@@ -351,7 +347,11 @@ fn figures_are_drawn_on_copies_of_still_casters() {
         let without = |expected: &[Option<f32>], other: &[Option<f32>]| -> Vec<Option<f32>> {
             let pairs = expected.iter().zip(other);
             let is_free = |(&e, &o): (&Option<f32>, &Option<f32>)| {
-                if o == Some(1.0) { e } else { e.filter(|&e| e == 0.0) }
+                if o == Some(1.0) {
+                    e
+                } else {
+                    e.filter(|&e| e == 0.0)
+                }
             };
             pairs.map(is_free).collect()
         };
@@ -366,7 +366,9 @@ fn maps_show_figures_that_the_triangles_of_the_frame_lack() {
     let light = sun();
     let techniques = techniques(&light);
     let mut stage = Stage::new(light, &techniques, StillLayers::Auto, false);
-    let scene = (umbrage_scenes::find("cubes").expect("a built-in scene").build)();
+    let scene = (umbrage_scenes::find("cubes")
+        .expect("a built-in scene")
+        .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
     let center = Vec3::new(0.5, 3.0, 0.2);
     let bounds = stage.figure.pose(center);
@@ -418,15 +420,14 @@ fn targets_that_peel_have_another_key() {
         camera: &camera,
         geometry: None,
     };
-    stage
-        .set
-        .prepare(&frame)
-        .expect("prepares");
+    stage.set.prepare(&frame).expect("prepares");
     let mut keys = Vec::new();
     let mut encoder = stage.program.encoder();
     stage
         .set
-        .encode_with(&mut encoder, |_, target, _| keys.push((target.key(), target.behind.is_some())))
+        .encode_with(&mut encoder, |_, target, _| {
+            keys.push((target.key(), target.behind.is_some()))
+        })
         .expect("was prepared");
     assert_eq!(keys.len(), 2);
     assert_ne!(keys[0].0, keys[1].0);

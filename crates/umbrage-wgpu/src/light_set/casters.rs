@@ -12,7 +12,7 @@ use crate::{
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
 use std::ops::Range;
-use umbrage_core::{Aabb, Invalid, invalid};
+use umbrage_core::{Aabb, Invalid, Light, invalid};
 use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
 
 new_key_type! {
@@ -29,6 +29,8 @@ const FIRST_SLOTS: u32 = 4;
 const GREATEST_GAP: u32 = 256;
 /// Casts read instances as vertices, and the passes that list casters read them as a table.
 const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
+/// More than the rounding of distances between points.
+const DISTANCE_SLACK: f32 = 0.999;
 /// Number of frames without a move after which a caster counts as still.
 const REST: u64 = 30;
 
@@ -409,6 +411,20 @@ impl Casters {
         self.boxes.around_all().union(&self.own.bounds())
     }
 
+    /// Returns a lower bound of the distance from a light's position to a caster's box, metres; 0 for
+    /// lights without a position. A power of two, so that it doesn't change when casters move a
+    /// little.
+    pub(crate) fn distance_from(&self, light: &Light) -> f32 {
+        let Some(position) = light.position() else {
+            return 0.0;
+        };
+        let distance = self
+            .boxes
+            .distance_from(position)
+            .min(self.own.distance_from(position));
+        power_of_two_below(distance * DISTANCE_SLACK)
+    }
+
     /// Returns the changes since [`forget_changes`](Self::forget_changes).
     pub(crate) fn changed_boxes(&self) -> &[Aabb] {
         &self.changed
@@ -539,6 +555,12 @@ impl MeshSlots {
     }
 }
 
+/// Returns the greatest power of two that is not above a positive number; 0 for subnormal ones.
+fn power_of_two_below(x: f32) -> f32 {
+    // Keep the exponent.
+    f32::from_bits(x.to_bits() & 0x7f80_0000)
+}
+
 /// Returns the box around a placed mesh.
 ///
 /// Errors if a number of the placement or of the box is not finite.
@@ -570,7 +592,15 @@ fn run_length(slots: &[u32]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::run_length;
+    use super::{power_of_two_below, run_length};
+
+    #[test]
+    fn powers_of_two_are_below() {
+        for (x, expected) in [(0.0, 0.0), (1.0, 1.0), (3.99, 2.0), (4.0, 4.0), (0.3, 0.25)] {
+            assert_eq!(power_of_two_below(x), expected, "{x}");
+        }
+        assert_eq!(power_of_two_below(f32::INFINITY), f32::INFINITY);
+    }
 
     #[test]
     fn near_slots_are_written_together() {

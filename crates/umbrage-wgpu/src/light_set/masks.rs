@@ -23,8 +23,7 @@ use umbrage_core::{BackendError, Invalid};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
     RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureSampleType,
-    TextureUsages,
-    TextureView, TextureViewDimension,
+    TextureUsages, TextureView, TextureViewDimension,
 };
 
 /// Inputs of the masks.

@@ -1,6 +1,7 @@
 //! Casters that the program draws itself into the set's layers, such as skinned meshes.
 
 use crate::light_set::{casters::Casters, culling::Volume, unknown};
+use glam::Vec3;
 use slotmap::{SlotMap, new_key_type};
 use umbrage_core::{Aabb, Invalid};
 
@@ -25,6 +26,15 @@ impl OwnCasters {
     /// Returns the box around all of them.
     pub(crate) fn bounds(&self) -> Aabb {
         self.0.values().fold(Aabb::EMPTY, |all, one| all.union(one))
+    }
+
+    /// Returns the distance from a point to the nearest box, metres; infinite without boxes.
+    pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
+        let distance = |bounds: &Aabb| {
+            let outside = (point - bounds.center()).abs() - bounds.extent() * 0.5;
+            outside.max(Vec3::ZERO).length()
+        };
+        self.0.values().map(distance).fold(f32::INFINITY, f32::min)
     }
 
     /// Returns those that may be visible in a layer.

@@ -25,8 +25,7 @@ use std::ops::Range;
 use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
 
 /// Draws the program's casters with these ids into a target.
-pub(crate) type OwnDraws<'a> =
-    &'a mut dyn FnMut(&mut RenderPass<'_>, &CastTarget, &[OwnCasterId]);
+pub(crate) type OwnDraws<'a> = &'a mut dyn FnMut(&mut RenderPass<'_>, &CastTarget, &[OwnCasterId]);
 
 /// The cast drawn by a pass.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +107,12 @@ impl PassList {
                 continue;
             }
             cast.volume.find(sources.casters.boxes(), &mut self.shown);
-            let has_own = sources.casters.own().shown_in(&cast.volume).next().is_some();
+            let has_own = sources
+                .casters
+                .own()
+                .shown_in(&cast.volume)
+                .next()
+                .is_some();
             let CastSources {
                 casters,
                 option,
@@ -180,7 +184,8 @@ impl PassList {
         // The program's casters count as moving.
         let first_own = self.own.len();
         if name.part != PassCasters::Still {
-            self.own.extend(sources.casters.own().shown_in(&cast.volume));
+            self.own
+                .extend(sources.casters.own().shown_in(&cast.volume));
         }
         self.passes.push(CastPass {
             name,

@@ -41,7 +41,7 @@ impl LightSet {
             recipes: &self.limits,
             unlisted: unlisted.as_deref(),
         };
-        let view = frame.view_of(light, self.casters_box());
+        let view = frame.view_of(light, self.casters_box(), self.casters.distance_from(light));
         plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
         Ok(())
     }
@@ -126,8 +126,13 @@ impl LightSet {
         };
         let before = self.planned.replace(now);
         let same_camera = before.is_some_and(|before| before.camera == now.camera);
-        let same_casters = before
-            .is_some_and(|before| PlannedFor { camera: now.camera, ..before } == now);
+        let same_casters = before.is_some_and(|before| {
+            PlannedFor {
+                camera: now.camera,
+                ..before
+            } == now
+        });
+        let casters_moved = !self.casters.changed_boxes().is_empty() || self.casters.is_rebased();
         // Meshes determine whether the device can build lists.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
@@ -142,13 +147,18 @@ impl LightSet {
         // Replace the plans of lights with changed inputs.
         for light in self.lights.values_mut() {
             let settings = &light.settings;
+            if casters_moved || light.has_changed {
+                let distance = self.casters.distance_from(&settings.light);
+                light.has_changed |= distance != light.nearest_caster;
+                light.nearest_caster = distance;
+            }
             let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
             if same_casters && is_alike && !light.has_changed && !meshes_changed {
                 continue;
             }
             light.has_changed = false;
             self.report.planned += 1;
-            let view = frame.view_of(&settings.light, now.casters);
+            let view = frame.view_of(&settings.light, now.casters, light.nearest_caster);
             match plan_light(&*settings.technique, &view, now.has_own, limits) {
                 Ok(plan) => {
                     self.layers_changed |= light.state.take_plan(plan) == Difference::Images;

@@ -94,11 +94,7 @@ impl Layouts {
 }
 
 /// Creates a layout with these slots in order.
-pub(crate) fn layout(
-    device: &Device,
-    visibility: ShaderStages,
-    slots: &[Slot],
-) -> BindGroupLayout {
+pub(crate) fn layout(device: &Device, visibility: ShaderStages, slots: &[Slot]) -> BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(slots)
         .map(|(binding, s)| entry(binding, visibility, *s))

@@ -49,7 +49,8 @@ struct Lit {
 impl Lit {
     fn new(options: LightSetOptions) -> Self {
         let e = Embedded::new();
-        let mut set = LightSet::new(&e.foreign.device, &e.foreign.queue, options).expect("the group is there");
+        let mut set = LightSet::new(&e.foreign.device, &e.foreign.queue, options)
+            .expect("the group is there");
         let casters = e.casters();
         let placement = casters.world_from_local.expect("is placed");
         let mesh = CasterMesh {
