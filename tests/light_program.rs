@@ -129,7 +129,8 @@ impl ForwardProgram {
             still_layers,
             ..LightSetOptions::default()
         };
-        LightSet::new(&self.d.device, options).expect("the device has two bind groups")
+        LightSet::new(&self.d.device, &self.d.queue, options)
+            .expect("the device has two bind groups")
     }
 
     /// Returns the textures of the visible surfaces.
@@ -158,8 +159,7 @@ impl ForwardProgram {
     /// # Panics
     /// Panics if the set reports an error.
     pub fn update(&self, set: &mut LightSet, frame: &SetFrame<'_>) {
-        set.prepare(&self.d.device, &self.d.queue, frame)
-            .expect("prepares");
+        set.prepare(frame).expect("prepares");
         let mut encoder = self.encoder();
         set.encode(&mut encoder).expect("was prepared");
         self.d.queue.submit([encoder.finish()]);

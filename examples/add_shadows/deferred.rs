@@ -66,7 +66,7 @@ impl Deferred {
         self.boxes.place(graphics, &placements);
         self.shadows.place(&placements)?;
         // Record the shadow passes into your encoder. Only what changed is drawn again.
-        self.shadows.prepare(graphics, &self.boxes)?;
+        self.shadows.prepare(&self.boxes)?;
         self.shadows.set.encode(encoder)?;
 
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -97,7 +97,7 @@ impl Deferred {
             format: MaskFormat::Unorm8,
         };
         let set = &mut self.shadows.set;
-        set.prepare_masks(&graphics.queue, &inputs)?;
+        set.prepare_masks(&inputs)?;
         // A texture with a layer for each light. It may be another one in the next frame.
         let masks = set.encode_masks(encoder)?;
 

@@ -42,7 +42,7 @@ impl Forward {
         };
         // Record the shadow passes into your encoder. Only what changed is drawn again.
         let set = &mut self.shadows.set;
-        set.prepare(&graphics.device, &graphics.queue, &frame)?;
+        set.prepare(&frame)?;
         set.encode(encoder)?;
         let (shadows, layout) = set.bind_group()?;
 

@@ -31,7 +31,7 @@ impl BoxShadows {
             group: 1,
             ..LightSetOptions::default()
         };
-        let mut set = LightSet::new(&graphics.device, options)?;
+        let mut set = LightSet::new(&graphics.device, &graphics.queue, options)?;
 
         let mesh = set.add_mesh(&CasterMesh {
             // Names the mesh in errors.
@@ -93,13 +93,12 @@ impl BoxShadows {
     }
 
     /// Determines the work for a frame.
-    pub fn prepare(&mut self, graphics: &Graphics, boxes: &Boxes) -> Result<()> {
+    pub fn prepare(&mut self, boxes: &Boxes) -> Result<()> {
         let frame = SetFrame {
             camera: &boxes.scene.camera,
             geometry: None,
         };
-        self.set
-            .prepare(&graphics.device, &graphics.queue, &frame)?;
+        self.set.prepare(&frame)?;
         Ok(())
     }
 }

@@ -19,13 +19,8 @@ impl SceneShadows for BoxShadows {
         Self::place(self, placements)
     }
 
-    fn encode(
-        &mut self,
-        graphics: &Graphics,
-        boxes: &Boxes,
-        encoder: &mut CommandEncoder,
-    ) -> Result<()> {
-        self.prepare(graphics, boxes)?;
+    fn encode(&mut self, _: &Graphics, boxes: &Boxes, encoder: &mut CommandEncoder) -> Result<()> {
+        self.prepare(boxes)?;
         Ok(self.set.encode(encoder)?)
     }
 
@@ -39,7 +34,7 @@ impl SceneShadows for BoxShadows {
 
     fn masks(
         &mut self,
-        graphics: &Graphics,
+        _: &Graphics,
         boxes: &Boxes,
         gbuffer: &SurfaceBuffer,
         encoder: &mut CommandEncoder,
@@ -59,7 +54,7 @@ impl SceneShadows for BoxShadows {
             lights: &self.lights,
             format: MaskFormat::Unorm8,
         };
-        self.set.prepare_masks(&graphics.queue, &inputs)?;
+        self.set.prepare_masks(&inputs)?;
         Ok(self.set.encode_masks(encoder)?.clone())
     }
 }

@@ -137,7 +137,11 @@ impl LitScene {
         technique: Arc<dyn ShadowTechnique>,
         has_triangles: bool,
     ) -> Result<Self> {
-        let mut set = LightSet::new(&graphics.device, LightSetOptions::default())?;
+        let mut set = LightSet::new(
+            &graphics.device,
+            &graphics.queue,
+            LightSetOptions::default(),
+        )?;
         let positions: Vec<[f32; 3]> = geometry.positions().iter().map(|p| p.to_array()).collect();
         let casters = geometry.run(&geometry.casters());
         let storage = wgpu::BufferUsages::STORAGE;
@@ -191,25 +195,21 @@ impl LitScene {
                 revision: 0,
             }),
         };
-        self.set
-            .prepare(&graphics.device, &graphics.queue, &frame)?;
+        self.set.prepare(&frame)?;
         if let Some((_, why)) = self.set.unserved_lights().next() {
             println!("{why}");
         }
         let make = submit_frame(graphics, |encoder| Ok(self.set.encode(encoder)?))?;
-        self.set.prepare_masks(
-            &graphics.queue,
-            &MaskInputs {
-                size: seen.size,
-                receivers: MaskReceivers::Positions(GBuffer {
-                    position: &seen.position,
-                    normal: &seen.normal,
-                    triangle: Some(&seen.triangle),
-                }),
-                lights: &[self.light],
-                format: MaskFormat::Float32,
-            },
-        )?;
+        self.set.prepare_masks(&MaskInputs {
+            size: seen.size,
+            receivers: MaskReceivers::Positions(GBuffer {
+                position: &seen.position,
+                normal: &seen.normal,
+                triangle: Some(&seen.triangle),
+            }),
+            lights: &[self.light],
+            format: MaskFormat::Float32,
+        })?;
         let lookup = submit_frame(graphics, |encoder| {
             self.set.encode_masks(encoder)?;
             Ok(())

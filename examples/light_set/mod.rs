@@ -232,7 +232,7 @@ pub fn casters() -> Result<()> {
             let place = placements[caster];
             shadows.set.move_caster(shadows.casters[caster], place)?;
         }
-        shadows.prepare(&graphics, &boxes)?;
+        shadows.prepare(&boxes)?;
         times.push(1e3 * (start.elapsed() - placing).as_secs_f64());
         let mut encoder = graphics.encoder();
         shadows.set.encode(&mut encoder)?;

@@ -42,10 +42,7 @@ fn prepare(stage: &mut Stage) {
         geometry: None,
     };
     let d = stage.program.d;
-    stage
-        .set
-        .prepare(&d.device, &d.queue, &frame)
-        .expect("prepares");
+    stage.set.prepare(&frame).expect("prepares");
 }
 
 /// A single test, since the counts are those of the whole program.
@@ -173,5 +170,5 @@ fn prepare_masks(stage: &mut Stage, seen: &DepthInputs, world_from_clip: Mat4, l
         format: MaskFormat::Unorm8,
     };
     let queue = &stage.program.d.queue;
-    stage.set.prepare_masks(queue, &inputs).expect("prepares");
+    stage.set.prepare_masks(&inputs).expect("prepares");
 }

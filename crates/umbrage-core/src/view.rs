@@ -17,6 +17,9 @@ pub struct View<'a> {
     pub light: &'a Light,
     /// Box around all casters, world space; empty if there are no casters.
     pub casters: Aabb,
+    /// Lower bound of the distance from the light's position to a caster, metres; 0 if unknown.
+    /// Perspective maps start there if there are no triangles.
+    pub nearest_caster: f32,
     /// The triangles; `None` if they exist only on the caller's GPU. Maps then end at the casters'
     /// box.
     pub geometry: Option<&'a Geometry>,
@@ -34,6 +37,7 @@ impl<'a> View<'a> {
             camera,
             light,
             casters: geometry.caster_bounds(),
+            nearest_caster: 0.0,
             geometry: Some(geometry),
             receivers: None,
             fits: None,

@@ -254,6 +254,12 @@ impl BufferedTriangles<'_> {
                 "use a range within the buffer",
             ));
         }
+        let drawn = range.end - range.start;
+        if !drawn.is_multiple_of(3) {
+            let why = format!("are {drawn}, which is no multiple of three");
+            let help = "use a range of whole triangles";
+            return Err(Invalid::new(self.unit_name(), why, help));
+        }
         if vertices == 0 && !range.is_empty() {
             return Err(Invalid::new(
                 "vertex buffer",
@@ -322,7 +328,7 @@ impl VertexLayout {
 
     /// Returns the number of vertices that fit in a buffer of this size in bytes. The last one may
     /// end with its position.
-    fn vertices(self, bytes: u64) -> u64 {
+    pub(crate) fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + self.format.bytes())
             .map_or(0, |rest| rest / self.stride + 1)

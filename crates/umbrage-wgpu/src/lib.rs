@@ -53,8 +53,8 @@ pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
-    MaskInputs, MaskReceivers, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetNormals,
-    SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    MaskInputs, MaskReceivers, MeshId, NormalCoding, OwnCasterId, PassCasters, SetBudget, SetFrame,
+    SetNormals, SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 #[allow(deprecated, reason = "former names stay for one release")]
 pub use light_set::{SetLight, SetReceivers};
@@ -64,7 +64,7 @@ pub use resources::counters::Counters;
 pub use resources::{
     cut_out_buffers::CutOutBuffers, images::texture_format, timestamps::PassTimestamps,
 };
-pub use targets::CastTarget;
+pub use targets::{CastTarget, CastTargetKey};
 pub use wgpu;
 pub use wgsl::kernel::receive_wgsl;
 #[cfg(feature = "testing")]

@@ -99,6 +99,14 @@ impl CastTarget {
         self.state().depth_stencil()
     }
 
+    /// Returns a key for caches of pipelines: targets with equal keys need equal pipelines.
+    pub fn key(&self) -> CastTargetKey {
+        CastTargetKey {
+            depth: self.state(),
+            peels: self.behind.is_some(),
+        }
+    }
+
     /// Returns the same target with another layer, which is cleared first.
     pub(crate) fn with_layer(&self, layer: TextureView) -> Self {
         let mut other = self.clone();
@@ -127,6 +135,13 @@ impl CastTarget {
     pub(crate) fn format(&self) -> Format {
         self.format
     }
+}
+
+/// Key of the pipelines that draw into a [`CastTarget`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CastTargetKey {
+    depth: DepthState,
+    peels: bool,
 }
 
 /// Returns the attachment of a layer of an image of depth or counts; the other aspect of a shared

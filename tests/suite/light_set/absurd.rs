@@ -96,7 +96,7 @@ fn sets_answer_or_refuse() {
                     revision: 0,
                 }),
             };
-            if set.prepare(&d.device, &d.queue, &frame).is_err() {
+            if set.prepare(&frame).is_err() {
                 refuse(&refused);
                 break;
             }

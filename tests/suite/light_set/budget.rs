@@ -7,9 +7,10 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, camera, hard, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    CasterMesh, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved, VertexLayout,
+    CasterMesh, Indices, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved,
+    VertexLayout,
 };
-use wgpu::BufferUsages;
+use wgpu::{BufferUsages, IndexFormat};
 
 #[test]
 fn a_still_frame_draws_and_writes_nothing() {
@@ -116,10 +117,7 @@ fn thrown_away_redraws_are_not_put_off() {
             geometry: None,
         };
         let d = stage.program.d;
-        stage
-            .set
-            .prepare(&d.device, &d.queue, &frame)
-            .expect("prepares");
+        stage.set.prepare(&frame).expect("prepares");
         if is_recorded {
             let mut encoder = stage.program.encoder();
             stage.set.encode(&mut encoder).expect("was prepared");
@@ -192,6 +190,31 @@ fn what_can_not_be_used_is_refused_by_name() {
         text.contains("mesh `crate`") && text.contains("VERTEX"),
         "{text}"
     );
+    let vertices = foreign::buffer(d, BufferUsages::VERTEX, &[0; 12 * 64]);
+    let indices = foreign::buffer(d, BufferUsages::INDEX, &[0; 2 * 36]);
+    let indexed = CasterMesh {
+        vertices: &vertices,
+        indices: Some(Indices {
+            buffer: &indices,
+            format: IndexFormat::Uint16,
+        }),
+        range: 0..36,
+        ..mesh
+    };
+    for (range, base_vertex, needed) in [
+        (0..35, 0, "multiple of three"),
+        (0..36, 64, "holds 64 vertices"),
+        (0..36, -70_000, "at most 65535"),
+    ] {
+        let mesh = CasterMesh {
+            range,
+            base_vertex,
+            ..indexed.clone()
+        };
+        let error = stage.set.add_mesh(&mesh).expect_err("no triangles");
+        assert!(error.to_string().contains(needed), "{error}");
+    }
+    stage.set.add_mesh(&indexed).expect("valid");
     stage.set.remove_caster(caster).expect("is there");
     let error = stage.set.remove_caster(caster).expect_err("is gone");
     assert!(error.to_string().contains("removed"), "{error}");

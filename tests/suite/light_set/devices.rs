@@ -9,8 +9,8 @@ use umbrage_tests::{
     light_stage::{LAYER, Stage, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    FrameGeometry, LightSet, MaskFormat, MaskInputs, MaskReceivers, PassCasters, SetBudget,
-    SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    FrameGeometry, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, PassCasters,
+    SetBudget, SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
 
@@ -87,10 +87,7 @@ fn the_required_limits_are_enough() {
         lights: &lights[..2],
         format: MaskFormat::Unorm8,
     };
-    stage
-        .set
-        .prepare_masks(&d.queue, &inputs)
-        .expect("the masks, too");
+    stage.set.prepare_masks(&inputs).expect("the masks, too");
 }
 
 #[test]
@@ -100,14 +97,14 @@ fn less_than_the_required_limits_is_not_enough() {
         ..LightSet::REQUIRED_LIMITS
     };
     let d = device(Features::empty(), limits);
-    let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &PLACES);
-    stage.light(0.0, 1.0);
-    let frame = SetFrame {
-        camera: &stage.camera,
-        geometry: None,
-    };
-    let prepared = stage.set.prepare(&d.device, &d.queue, &frame);
-    assert!(prepared.is_err(), "no tables can be bound");
+    let error = LightSet::new(&d.device, &d.queue, LightSetOptions::default())
+        .expect_err("no tables can be bound")
+        .to_string();
+    assert!(
+        error.contains("max_storage_buffers_per_shader_stage"),
+        "{error}"
+    );
+    assert!(error.contains("REQUIRED_LIMITS"), "{error}");
 }
 
 const TIMESTAMPS: Features =
@@ -122,10 +119,7 @@ fn each_pass_is_timed() {
         camera: &stage.camera,
         geometry: None,
     };
-    stage
-        .set
-        .prepare(&d.device, &d.queue, &frame)
-        .expect("prepares");
+    stage.set.prepare(&frame).expect("prepares");
     let queries = d.device.create_query_set(&wgpu::QuerySetDescriptor {
         label: None,
         ty: wgpu::QueryType::Timestamp,
@@ -139,7 +133,7 @@ fn each_pass_is_timed() {
     };
     stage
         .set
-        .encode_timed(&mut encoder, |_, _| (), &stamps, &mut casts)
+        .encode_timed(&mut encoder, |_, _, _| (), &stamps, &mut casts)
         .expect("was prepared");
     let cast = SetPass::Cast {
         layer: 0,
@@ -157,10 +151,7 @@ fn each_pass_is_timed() {
         lights: &lights,
         format: MaskFormat::Unorm8,
     };
-    stage
-        .set
-        .prepare_masks(&d.queue, &inputs)
-        .expect("prepares");
+    stage.set.prepare_masks(&inputs).expect("prepares");
     let mut masks: Vec<TimedPass> = Vec::new();
     let stamps = SetTimestamps {
         queries: &queries,

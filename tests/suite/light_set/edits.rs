@@ -367,9 +367,7 @@ impl<'a> Model<'a> {
             geometry: None,
         };
         let d = self.program.d;
-        self.set
-            .prepare(&d.device, &d.queue, &frame)
-            .expect("prepares");
+        self.set.prepare(&frame).expect("prepares");
     }
 
     fn frame(&mut self) {

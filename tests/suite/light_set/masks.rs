@@ -36,8 +36,7 @@ fn masks(
         lights,
         format: MaskFormat::Float32,
     };
-    set.prepare_masks(&program.d.queue, &inputs)
-        .expect("prepares");
+    set.prepare_masks(&inputs).expect("prepares");
     let mut encoder = program.encoder();
     let masks = set
         .encode_masks(&mut encoder)
@@ -134,7 +133,8 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             errors: when,
             ..LightSetOptions::default()
         };
-        stage.set = LightSet::new(&stage.program.d.device, options).expect("fits");
+        stage.set =
+            LightSet::new(&stage.program.d.device, &stage.program.d.queue, options).expect("fits");
         let light = ShadowedLight {
             light: spot(0.0),
             technique: Arc::new(Broken),
@@ -150,7 +150,7 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             format: MaskFormat::Unorm8,
         };
         let queue = &stage.program.d.queue;
-        let reported = stage.set.prepare_masks(queue, &inputs).err();
+        let reported = stage.set.prepare_masks(&inputs).err();
         let requested = stage.set.take_error();
         let (error, other) = match when {
             ApiErrors::AtOnce => (reported, requested),
@@ -309,4 +309,52 @@ fn masks_come_from_depth_and_normals_of_any_format() {
     let found = masks(&program, &mut stage.set, seen, &lights);
     let pairs = found.iter().flatten().zip(expected.iter().flatten());
     assert!(pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count() > 40);
+}
+
+/// Formats that can't hold the normals of a coding are refused by name.
+#[test]
+fn formats_of_normals_that_can_not_be_right_are_refused() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let light = stage.light(0.0, 1.0);
+    stage.frame();
+    let size = UVec2::new(8, 8);
+    let d = stage.program.d;
+    let depth = foreign::upload(d, size, TextureFormat::R32Float, &[0; 4 * 64]);
+    for (format, coding, needed) in [
+        (
+            TextureFormat::Rgba8Unorm,
+            NormalCoding::Components,
+            "NormalCoding::Halved",
+        ),
+        (
+            TextureFormat::Rgba8Unorm,
+            NormalCoding::Octahedral,
+            "NormalCoding::OctahedralHalved",
+        ),
+        (
+            TextureFormat::Rgba8Uint,
+            NormalCoding::Halved,
+            "not read as floats",
+        ),
+    ] {
+        let texture = foreign::upload(d, size, format, &[0; 4 * 64]);
+        let inputs = MaskInputs {
+            size,
+            receivers: MaskReceivers::Depth {
+                depth: DepthBuffer {
+                    depth: &depth,
+                    world_from_clip: Mat4::IDENTITY,
+                    empty: 1.0,
+                },
+                normals: Some(SetNormals {
+                    texture: &texture,
+                    coding,
+                }),
+            },
+            lights: &[light],
+            format: MaskFormat::Unorm8,
+        };
+        let error = stage.set.prepare_masks(&inputs).expect_err("no normals");
+        assert!(error.to_string().contains(needed), "{error}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::resources::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
-use wgpu::{Adapter, Device, DownlevelFlags, TextureFormat, TextureUsages};
+use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages};
 
 /// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon
 /// offset, count into 32-bit depth, and use comparison samplers. Useful before
@@ -49,6 +49,17 @@ pub(crate) fn limits(device: &Device) -> BackendLimits {
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size),
     }
+}
+
+/// Errors with the first limit of a device that is below a required one.
+pub(crate) fn check_limits(required: &Limits, device: &Limits) -> Result<(), Invalid> {
+    let mut missing = None;
+    required.check_limits_with_fail_fn(device, false, |name, needed, held| {
+        let why = format!("has `{name}` {held}, and light sets need {needed}");
+        let help = "request it with `LightSet::REQUIRED_LIMITS`";
+        missing.get_or_insert_with(|| Invalid::new("device", why, help));
+    });
+    missing.map_or(Ok(()), Err)
 }
 
 /// Errors if `device` is not the renderer's `own`.

@@ -192,6 +192,12 @@ pub(crate) fn why_not_listed(casters: &Casters, limits: &Limits) -> Option<Strin
             "caster lists support fewer than {MOST_CASTERS} triangles, and there are more"
         ));
     }
+    if !casters.own().is_empty() {
+        return Some(
+            "caster lists can't contain casters that the program draws (`add_own_caster`)"
+                .to_owned(),
+        );
+    }
     if casters.meshes().any(|(_, mesh)| mesh.draw.holes.is_some()) {
         return Some(
             "caster lists support alpha-tested triangles only in `SetFrame::geometry`".to_owned(),

@@ -5,14 +5,14 @@
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
-    light_set::{buffers::Uploaded, culling::CullingBoxes},
+    light_set::{buffers::Uploaded, culling::CullingBoxes, own_casters::OwnCasters, unknown},
     resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
     wgsl::stages::HoleRule,
 };
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
 use std::ops::Range;
-use umbrage_core::{Aabb, Invalid, invalid};
+use umbrage_core::{Aabb, Invalid, Light, invalid};
 use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
 
 new_key_type! {
@@ -29,6 +29,8 @@ const FIRST_SLOTS: u32 = 4;
 const GREATEST_GAP: u32 = 256;
 /// Casts read instances as vertices, and the passes that list casters read them as a table.
 const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
+/// More than the rounding of distances between points.
+const DISTANCE_SLACK: f32 = 0.999;
 /// Number of frames without a move after which a caster counts as still.
 const REST: u64 = 30;
 
@@ -95,6 +97,8 @@ type Columns = [f32; 12];
 pub(crate) struct Casters {
     meshes: SlotMap<MeshId, MeshSlots>,
     places: SlotMap<CasterId, CasterPlace>,
+    /// The casters that the program draws.
+    pub(super) own: OwnCasters,
     /// Box of the caster in each slot. Slots without a caster have an empty box.
     boxes: CullingBoxes,
     /// Placement in each slot.
@@ -108,14 +112,14 @@ pub(crate) struct Casters {
     /// Frame counter.
     frame: u64,
     /// Boxes with changes.
-    changed: Vec<Aabb>,
+    pub(super) changed: Vec<Aabb>,
     /// Boxes with changes among the still casters.
     still_changed: Vec<Aabb>,
     /// Slots whose placements changed.
     written: Vec<u32>,
-    /// True if meshes were added or removed, or slots added, since changes were cleared. Pipelines
-    /// and buffers may then have to be created.
-    has_grown: bool,
+    /// True if meshes or own casters were added or removed, or slots added, since changes were
+    /// cleared. Pipelines and buffers may then have to be created.
+    pub(super) has_grown: bool,
     /// True if casters were placed relative to another anchor since changes were cleared.
     is_rebased: bool,
 }
@@ -135,10 +139,36 @@ impl CasterMesh<'_> {
             let help = "use 0, and shift the range";
             return Err(Invalid::new("base vertex", why, help));
         }
+        self.check_base_vertex()?;
         self.bounds.validate()?;
         if self.bounds.is_empty() {
             let help = "use the box around the mesh's positions";
             return Err(Invalid::new("bounds", "are empty", help));
+        }
+        Ok(())
+    }
+
+    /// Errors if no index can refer to a vertex of the buffer. Only the device has the indices, so
+    /// a base vertex that is wrong for some of them can't be found.
+    fn check_base_vertex(&self) -> Result<(), Invalid> {
+        let base = i64::from(self.base_vertex);
+        let vertices = self.layout.vertices(self.vertices.size());
+        let greatest_index = match self.indices {
+            Some(Indices {
+                format: IndexFormat::Uint16,
+                ..
+            }) => i64::from(u16::MAX),
+            _ => i64::from(u32::MAX),
+        };
+        if base + greatest_index < 0 {
+            let why = format!("is {base}, and indices are at most {greatest_index}");
+            let help = "use the position of the mesh's first vertex in the buffer";
+            return Err(Invalid::new("base vertex", why, help));
+        }
+        if base >= vertices as i64 && !self.range.is_empty() {
+            let why = format!("is {base}, and the buffer holds {vertices} vertices");
+            let help = "count vertices, not bytes or indices";
+            return Err(Invalid::new("base vertex", why, help));
         }
         Ok(())
     }
@@ -343,7 +373,7 @@ impl Casters {
         Ok(())
     }
 
-    /// Marks a box as changed, for geometry that the caller draws.
+    /// Marks a box as changed.
     pub(crate) fn touch(&mut self, bounds: &Aabb) {
         self.changed.push(*bounds);
         self.still_changed.push(*bounds);
@@ -378,7 +408,21 @@ impl Casters {
 
     /// Returns the box around all casters.
     pub(crate) fn bounds(&self) -> Aabb {
-        self.boxes.around_all()
+        self.boxes.around_all().union(&self.own.bounds())
+    }
+
+    /// Returns a lower bound of the distance from a light's position to a caster's box, metres; 0 for
+    /// lights without a position. A power of two, so that it doesn't change when casters move a
+    /// little.
+    pub(crate) fn distance_from(&self, light: &Light) -> f32 {
+        let Some(position) = light.position() else {
+            return 0.0;
+        };
+        let distance = self
+            .boxes
+            .distance_from(position)
+            .min(self.own.distance_from(position));
+        power_of_two_below(distance * DISTANCE_SLACK)
     }
 
     /// Returns the changes since [`forget_changes`](Self::forget_changes).
@@ -471,9 +515,9 @@ impl Casters {
         self.meshes.get(id).map(|mesh| &mesh.draw)
     }
 
-    /// Returns the number of casters.
+    /// Returns the number of casters, the program's own included.
     pub(crate) fn count(&self) -> usize {
-        self.places.len()
+        self.places.len() + self.own.count()
     }
 
     fn put(&mut self, slot: u32, bounds: &Aabb, world_from_local: &Affine3A) {
@@ -511,6 +555,12 @@ impl MeshSlots {
     }
 }
 
+/// Returns the greatest power of two that is not above a positive number; 0 for subnormal ones.
+fn power_of_two_below(x: f32) -> f32 {
+    // Keep the exponent.
+    f32::from_bits(x.to_bits() & 0x7f80_0000)
+}
+
 /// Returns the box around a placed mesh.
 ///
 /// Errors if a number of the placement or of the box is not finite.
@@ -533,11 +583,6 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
     Ok(bounds)
 }
 
-fn unknown(what: &str) -> Invalid {
-    let help = "use an id that this set returned and that is not removed";
-    Invalid::new(what, "is not in the light set", help)
-}
-
 /// Returns the number of these rising slots to write together.
 fn run_length(slots: &[u32]) -> usize {
     let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
@@ -547,7 +592,15 @@ fn run_length(slots: &[u32]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::run_length;
+    use super::{power_of_two_below, run_length};
+
+    #[test]
+    fn powers_of_two_are_below() {
+        for (x, expected) in [(0.0, 0.0), (1.0, 1.0), (3.99, 2.0), (4.0, 4.0), (0.3, 0.25)] {
+            assert_eq!(power_of_two_below(x), expected, "{x}");
+        }
+        assert_eq!(power_of_two_below(f32::INFINITY), f32::INFINITY);
+    }
 
     #[test]
     fn near_slots_are_written_together() {

@@ -109,6 +109,47 @@ impl CullingBoxes {
         }
         all
     }
+
+    /// Returns the distance from a point to the nearest box; infinite without boxes.
+    pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
+        Simd::Native
+            .run_task(FindNearest { boxes: self, point })
+            .sqrt()
+    }
+}
+
+/// Finds the least squared distance from a point to a box.
+struct FindNearest<'a> {
+    boxes: &'a CullingBoxes,
+    point: Vec3,
+}
+
+impl SimdTask for FindNearest<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let mut least = [f32::INFINITY; CHUNK];
+        let CullingBoxes { centre, half } = self.boxes;
+        for start in (0..centre[0].len()).step_by(CHUNK) {
+            let end = (start + CHUNK).min(centre[0].len());
+            let mut squares = [0.0_f32; CHUNK];
+            for axis in 0..3 {
+                let at = self.point[axis];
+                let boxes = centre[axis][start..end].iter().zip(&half[axis][start..end]);
+                for (square, (&centre, &half)) in squares.iter_mut().zip(boxes) {
+                    // For empty boxes, the sum is infinite.
+                    let outside = (at - centre).abs() - half;
+                    let outside = if outside > 0.0 { outside } else { 0.0 };
+                    *square += outside * outside;
+                }
+            }
+            for (least, &square) in least.iter_mut().zip(&squares[..end - start]) {
+                *least = if square < *least { square } else { *least };
+            }
+        }
+        least.into_iter().fold(f32::INFINITY, f32::min)
+    }
 }
 
 /// Finds the least start and the greatest end of intervals.

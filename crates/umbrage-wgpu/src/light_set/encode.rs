@@ -4,36 +4,46 @@ use crate::{
     light_set::{
         LightSet, masks,
         options::LightId,
+        own_casters::OwnCasterId,
+        passes::OwnDraws,
         shader::unprepared_error,
         timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
     },
     targets::CastTarget,
 };
-use umbrage_core::BackendError;
+use umbrage_core::{BackendError, Invalid};
 use wgpu::{CommandEncoder, RenderPass, TextureView};
 
 impl LightSet {
     /// Records the passes that [`prepare`](Self::prepare) selected; no passes if nothing changed.
     ///
     /// # Errors
-    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before, or if there are casters that
+    /// the program draws: use [`encode_with`](Self::encode_with).
     pub fn encode(&mut self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.encode_with(encoder, |_, _| ())
+        let own = self.casters.own().count();
+        if own > 0 {
+            let why = format!("has {own} casters that the program draws");
+            return Err(Invalid::new("light set", why, "use `encode_with`, and draw them").into());
+        }
+        self.encode_passes(encoder, &mut |_, _, _| (), None)
     }
 
-    /// Records the passes like [`encode`](Self::encode), and calls `own_draws` at the end of each
-    /// pass that draws casters. Use it for geometry that the caller draws, such as skinned meshes.
+    /// Records the passes like [`encode`](Self::encode). Calls `own_draws` at the end of each pass
+    /// with casters that the program draws ([`add_own_caster`](Self::add_own_caster)), with the ids
+    /// of those that may be visible in the layer.
+    ///
     /// Pipelines need the target's [`primitive`](CastTarget::primitive) and
-    /// [`depth_stencil`](CastTarget::depth_stencil), and a vertex shader that ends in
-    /// `clip_from_world * p_world`. Changes of this geometry don't redraw layers: see
-    /// [`touch`](Self::touch).
+    /// [`depth_stencil`](CastTarget::depth_stencil); [`key`](CastTarget::key) tells targets apart
+    /// that need different ones. The vertex shader ends in `clip_from_world * p_world`: the pass
+    /// has this matrix at bind group 0 ([`cast_layout`](Self::cast_layout)).
     ///
     /// # Errors
-    /// Errors if [`encode`](Self::encode) does.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode_with(
         &mut self,
         encoder: &mut CommandEncoder,
-        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
+        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget, &[OwnCasterId]),
     ) -> Result<(), BackendError> {
         self.encode_passes(encoder, &mut own_draws, None)
     }
@@ -42,11 +52,11 @@ impl LightSet {
     /// `passes` receives the timed ones.
     ///
     /// # Errors
-    /// Errors if [`encode`](Self::encode) does.
+    /// Errors if [`encode_with`](Self::encode_with) does.
     pub fn encode_timed(
         &mut self,
         encoder: &mut CommandEncoder,
-        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
+        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget, &[OwnCasterId]),
         stamps: &SetTimestamps<'_>,
         passes: &mut Vec<TimedPass>,
     ) -> Result<(), BackendError> {
@@ -60,7 +70,7 @@ impl LightSet {
     fn encode_passes(
         &mut self,
         encoder: &mut CommandEncoder,
-        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        own_draws: OwnDraws<'_>,
         timer: Option<PassTimer<'_, '_>>,
     ) -> Result<(), BackendError> {
         if self.shader.bind_group().is_none() {

@@ -22,8 +22,8 @@ use glam::UVec2;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
-    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureUsages,
-    TextureView, TextureViewDimension,
+    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureSampleType,
+    TextureUsages, TextureView, TextureViewDimension,
 };
 
 /// Inputs of the masks.
@@ -156,6 +156,54 @@ fn views<'a>(receivers: &MaskReceivers<'a>) -> [Option<&'a TextureView>; 3] {
     }
 }
 
+impl SetNormals<'_> {
+    /// Errors if the texture's format can't hold normals in this coding.
+    fn check_format(&self) -> Result<(), Invalid> {
+        let format = self.texture.texture().format();
+        let is_float = matches!(
+            format.sample_type(None, None),
+            Some(TextureSampleType::Float { .. })
+        );
+        if !is_float {
+            let why = format!("have the format `{format:?}`, which is not read as floats");
+            let help = "use a float or normalised format, such as `Rgba16Float`";
+            return Err(Invalid::new("receivers' normals", why, help));
+        }
+        let halved = match self.coding {
+            NormalCoding::Halved | NormalCoding::OctahedralHalved => return Ok(()),
+            NormalCoding::Components => NormalCoding::Halved,
+            NormalCoding::Octahedral => NormalCoding::OctahedralHalved,
+        };
+        if is_unsigned(format) {
+            let coding = self.coding;
+            let why = format!("are `{coding:?}` in the format `{format:?}`, which holds 0 to 1");
+            let help = format!("use `NormalCoding::{halved:?}`, or a signed format");
+            return Err(Invalid::new("receivers' normals", why, help));
+        }
+        Ok(())
+    }
+}
+
+/// Returns whether a format of floats has no negative numbers.
+fn is_unsigned(format: TextureFormat) -> bool {
+    use TextureFormat as F;
+    matches!(
+        format,
+        F::R8Unorm
+            | F::Rg8Unorm
+            | F::Rgba8Unorm
+            | F::Rgba8UnormSrgb
+            | F::Bgra8Unorm
+            | F::Bgra8UnormSrgb
+            | F::Rgb10a2Unorm
+            | F::R16Unorm
+            | F::Rg16Unorm
+            | F::Rgba16Unorm
+            | F::Rg11b10Ufloat
+            | F::Rgb9e5Ufloat
+    )
+}
+
 impl MaskInputs<'_> {
     pub(crate) fn validate(&self) -> Result<(), BackendError> {
         if self.size.min_element() == 0 {
@@ -173,6 +221,7 @@ impl MaskInputs<'_> {
                     let texture = normals.texture.texture();
                     check_readable(texture, "receivers' normals")?;
                     self.check_texture(texture, "receivers' normals")?;
+                    normals.check_format()?;
                 }
             }
         }

@@ -9,6 +9,7 @@ mod dropped_encoders;
 mod encode;
 mod masks;
 mod options;
+mod own_casters;
 mod passes;
 mod plan;
 mod pool;
@@ -34,25 +35,32 @@ pub use options::{
     FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight,
     StillLayers, Unserved,
 };
+pub use own_casters::OwnCasterId;
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
-    device::{later_errors::LaterErrors, requirements::limits},
+    device::{
+        later_errors::LaterErrors,
+        requirements::{check_limits, limits},
+    },
     light_set::{
         buffers::MAX_LIGHTS, caster_lists::CasterLists, casters::Casters,
         dropped_encoders::DroppedEncoders, masks::MaskStage, passes::PassList, pool::LayerPool,
         prices::PriceMeter, shader::SetShader, state::HeldLight, still_layers::still_bytes,
     },
     resources::{
-        counters::Counters, cut_out_buffers::CutOutBuffers, cut_outs::GpuCutOuts,
-        pipelines::Pipelines, tables::Tables,
+        counters::Counters,
+        cut_out_buffers::CutOutBuffers,
+        cut_outs::GpuCutOuts,
+        pipelines::{Pipelines, cast_layout},
+        tables::Tables,
     },
 };
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
 use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
-use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
+use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 
 /// The shadows of any number of lights, each with its own technique. One
 /// [`prepare`](Self::prepare), one [`encode`](Self::encode), one bind group and one WGSL text serve
@@ -70,11 +78,12 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// /// Once: create a set with one light. Its text goes before the program's fragment shader.
 /// fn start(
 ///     device: &wgpu::Device,
+///     queue: &wgpu::Queue,
 ///     light: Light,
 ///     technique: Arc<dyn ShadowTechnique>,
 /// ) -> Result<LightSet, BackendError> {
 ///     let options = LightSetOptions { group: 1, ..LightSetOptions::default() };
-///     let mut set = LightSet::new(device, options)?;
+///     let mut set = LightSet::new(device, queue, options)?;
 ///     set.add_light(ShadowedLight { light, technique, priority: 1.0 })?;
 ///     Ok(set)
 /// }
@@ -83,12 +92,10 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// /// `shadow(light, position, normal, pixel)`.
 /// fn frame(
 ///     set: &mut LightSet,
-///     device: &wgpu::Device,
-///     queue: &wgpu::Queue,
 ///     encoder: &mut wgpu::CommandEncoder,
 ///     camera: &Camera,
 /// ) -> Result<(), BackendError> {
-///     set.prepare(device, queue, &SetFrame { camera, geometry: None })?;
+///     set.prepare(&SetFrame { camera, geometry: None })?;
 ///     set.encode(encoder)
 /// }
 /// ```
@@ -100,6 +107,7 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 #[derive(Debug)]
 pub struct LightSet {
     device: Device,
+    queue: Queue,
     options: LightSetOptions,
     limits: BackendLimits,
     // Scene.
@@ -126,6 +134,7 @@ pub struct LightSet {
     // GPU objects shared by all lights.
     counters: Counters,
     pipelines: Pipelines,
+    cast_layout: BindGroupLayout,
     /// Tables of filters.
     tables: Tables,
 }
@@ -142,6 +151,8 @@ struct SetCutOuts {
 struct PlannedFor {
     camera: Camera,
     casters: Aabb,
+    /// True if the program draws casters itself.
+    has_own: bool,
     geometry: Option<u64>,
 }
 
@@ -159,12 +170,25 @@ impl LightSet {
         ..Limits::downlevel_webgl2_defaults()
     };
 
-    /// Returns an empty set for this device.
+    /// Returns an empty set for this device and its queue, both of which it keeps. A device that
+    /// was lost and requested again needs a new set.
     ///
     /// # Errors
-    /// Errors if the device has too few bind groups for [`LightSetOptions::group`], or if the
-    /// prefix can't begin a WGSL identifier.
-    pub fn new(device: &Device, options: LightSetOptions) -> Result<Self, BackendError> {
+    /// Errors with the name of a limit of the device that is below
+    /// [`REQUIRED_LIMITS`](Self::REQUIRED_LIMITS), except for `max_storage_buffer_binding_size`.
+    /// Errors if there are too few bind groups for [`LightSetOptions::group`], or if the prefix
+    /// can't begin a WGSL identifier.
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        options: LightSetOptions,
+    ) -> Result<Self, BackendError> {
+        // Lights whose tables exceed the binding size are refused one by one.
+        let needed = Limits {
+            max_storage_buffer_binding_size: 0,
+            ..Self::REQUIRED_LIMITS
+        };
+        check_limits(&needed, &device.limits())?;
         let groups = device.limits().max_bind_groups;
         if options.group >= groups {
             let why = format!("is {}", options.group);
@@ -174,6 +198,7 @@ impl LightSet {
         let shader = SetShader::new(options.group, &options.prefix, &device.limits())?;
         Ok(Self {
             device: device.clone(),
+            queue: queue.clone(),
             options,
             limits: limits(device),
             casters: Casters::default(),
@@ -193,6 +218,7 @@ impl LightSet {
             dropped_encoders: DroppedEncoders::of_device(device),
             counters: Counters::default(),
             pipelines: Pipelines::default(),
+            cast_layout: cast_layout(device),
             tables: Tables::default(),
         })
     }
@@ -265,6 +291,44 @@ impl LightSet {
         self.casters.remove(caster)
     }
 
+    /// Adds a caster that the program draws itself in [`encode_with`](Self::encode_with), such as a
+    /// skinned figure. `bounds` (world space) must contain it in its current pose: lights are
+    /// planned for these boxes, and layers outside of them don't show the caster.
+    ///
+    /// Device-built caster lists don't contain such casters, so lights whose technique uses them
+    /// are refused, with this reason. Techniques that read triangles see only those of
+    /// [`SetFrame::geometry`]: add the figure's there.
+    ///
+    /// # Errors
+    /// Errors if the box is empty or not finite.
+    pub fn add_own_caster(&mut self, bounds: Aabb) -> Result<OwnCasterId, Invalid> {
+        self.casters.add_own(bounds)
+    }
+
+    /// Sets the box (world space) of a caster that the program draws itself. Layers that show the
+    /// old or the new box are redrawn: call it whenever the caster moves or changes its pose.
+    ///
+    /// # Errors
+    /// Errors if there is no such caster, or if the box is empty or not finite.
+    pub fn move_own_caster(&mut self, caster: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+        self.casters.move_own(caster, bounds)
+    }
+
+    /// Removes a caster that the program draws itself.
+    ///
+    /// # Errors
+    /// Errors if there is no such caster.
+    pub fn remove_own_caster(&mut self, caster: OwnCasterId) -> Result<(), Invalid> {
+        self.casters.remove_own(caster)
+    }
+
+    /// Returns the layout of the bind group that passes of [`encode_with`](Self::encode_with) have
+    /// set at index 0. It has one binding, for vertex shaders:
+    /// `@group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;`
+    pub fn cast_layout(&self) -> &BindGroupLayout {
+        &self.cast_layout
+    }
+
     /// Sets the alpha-tested triangles that cast in addition to the set's casters (world space).
     /// They replace the previous ones; `None` removes them. Maps use the same alpha test as all
     /// backends.
@@ -296,9 +360,8 @@ impl LightSet {
         Ok(())
     }
 
-    /// Reports a change in a box (world space) that the set can't detect: vertices in a buffer, or
-    /// geometry that the caller draws ([`encode_with`](Self::encode_with)). Call it with the box
-    /// before and the box after the change.
+    /// Reports a change in a box (world space) that the set can't detect: of vertices in a buffer.
+    /// Call it with the box before and the box after the change.
     ///
     /// # Errors
     /// Errors if a number is not finite.
@@ -409,7 +472,8 @@ impl LightSet {
         steady_box::steady_box_around(&self.casters.bounds())
     }
 
-    /// Returns the number of casters; a part of the alpha-tested ones counts as one.
+    /// Returns the number of casters, with those that the program draws; a part of the alpha-tested
+    /// ones counts as one.
     pub fn caster_count(&self) -> usize {
         self.casters.count()
     }
@@ -472,8 +536,13 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 }
 
 fn unknown_light() -> Invalid {
+    unknown("light")
+}
+
+/// Returns the error for an id of something that is not in the set.
+fn unknown(what: &str) -> Invalid {
     let help = "use an id that this set returned and that is not removed";
-    Invalid::new("light", "is not in the light set", help)
+    Invalid::new(what, "is not in the light set", help)
 }
 
 /// Sets can be shared between threads.

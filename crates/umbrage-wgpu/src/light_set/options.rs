@@ -68,12 +68,14 @@ pub struct SetFrame<'a> {
 }
 
 impl<'a> SetFrame<'a> {
-    /// Returns the view for a light's plan.
-    pub(crate) fn view_of(&self, light: &'a Light, casters: Aabb) -> View<'a> {
+    /// Returns the view for a light's plan: its casters are in a box, and at least at this distance
+    /// from the light's position.
+    pub(crate) fn view_of(&self, light: &'a Light, casters: Aabb, nearest_caster: f32) -> View<'a> {
         View {
             camera: self.camera,
             light,
             casters,
+            nearest_caster,
             geometry: self.geometry.map(|g| g.triangles),
             receivers: None,
             fits: None,

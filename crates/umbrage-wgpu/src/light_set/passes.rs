@@ -6,6 +6,7 @@ use crate::{
         casters::{Casters, MeshId},
         culling::{ShownSlots, Wanted},
         options::{LightId, StillLayers},
+        own_casters::OwnCasterId,
         prices::Prices,
         state::{HeldLight, LightCast, LightMaps, StillLayer},
         still_layers,
@@ -22,6 +23,9 @@ use crate::{
 use slotmap::SlotMap;
 use std::ops::Range;
 use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
+
+/// Draws the program's casters with these ids into a target.
+pub(crate) type OwnDraws<'a> = &'a mut dyn FnMut(&mut RenderPass<'_>, &CastTarget, &[OwnCasterId]);
 
 /// The cast drawn by a pass.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +52,8 @@ struct CastPass {
     name: PassName,
     /// Range in the list of draws.
     draws: Range<usize>,
+    /// Range in the list of the program's casters.
+    own: Range<usize>,
     /// Number of triangles.
     triangles: u64,
 }
@@ -70,6 +76,8 @@ pub(crate) struct PassList {
     draws: Vec<MeshDraws>,
     /// Runs of slots.
     runs: Vec<Range<u32>>,
+    /// The casters that the program draws.
+    own: Vec<OwnCasterId>,
     /// Scratch: the slots visible in a layer.
     shown: ShownSlots,
     bindings: CastBindings,
@@ -81,6 +89,7 @@ impl PassList {
         self.passes.clear();
         self.draws.clear();
         self.runs.clear();
+        self.own.clear();
     }
 
     /// Appends the passes that redraw the changed layers of a light.
@@ -98,6 +107,12 @@ impl PassList {
                 continue;
             }
             cast.volume.find(sources.casters.boxes(), &mut self.shown);
+            let has_own = sources
+                .casters
+                .own()
+                .shown_in(&cast.volume)
+                .next()
+                .is_some();
             let CastSources {
                 casters,
                 option,
@@ -105,7 +120,7 @@ impl PassList {
                 ..
             } = *sources;
             let splits = may_split
-                && still_layers::is_wanted(option, prices, casters, cast, &self.shown)
+                && still_layers::is_wanted(option, prices, casters, cast, &self.shown, has_own)
                 && has_still_layer(factory, cast, &mut sources.bytes_left);
             if !splits {
                 cast.still = None;
@@ -166,9 +181,16 @@ impl PassList {
                 runs,
             });
         }
+        // The program's casters count as moving.
+        let first_own = self.own.len();
+        if name.part != PassCasters::Still {
+            self.own
+                .extend(sources.casters.own().shown_in(&cast.volume));
+        }
         self.passes.push(CastPass {
             name,
             draws: first_draw..self.draws.len(),
+            own: first_own..self.own.len(),
             triangles,
         });
     }
@@ -196,19 +218,20 @@ impl PassList {
         self.passes.iter().map(|pass| pass.name)
     }
 
-    /// Records a cast; `own_draws` draws the caller's geometry in the same pass.
+    /// Records a cast; `own_draws` draws the program's casters in the same pass.
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
         pass_index: usize,
         cast: &LightCast,
         casters: &Casters,
-        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        own_draws: OwnDraws<'_>,
         clock: &mut PassClock<'_, '_>,
     ) {
         let CastPass {
             name,
             draws,
+            own,
             triangles,
         } = &self.passes[pass_index];
         let part = name.part;
@@ -255,9 +278,8 @@ impl PassList {
                 mesh.draw(&mut pass, run.clone());
             }
         }
-        // The caller's geometry counts as moving.
-        if part != PassCasters::Still {
-            own_draws(&mut pass, &cast.target);
+        if !own.is_empty() {
+            own_draws(&mut pass, &cast.target, &self.own[own.clone()]);
         }
     }
 }

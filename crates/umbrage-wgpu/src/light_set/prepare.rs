@@ -1,7 +1,7 @@
 //! Preparation of a frame: plans, layers, the choice of redraws, and uploads.
 
 use crate::{
-    device::{error_scopes::Scopes, requirements::check_device},
+    device::error_scopes::Scopes,
     light_set::{
         LightSet, PlannedFor,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
@@ -19,8 +19,7 @@ use crate::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
     },
 };
-use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
-use wgpu::{Device, Queue};
+use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique, View};
 
 impl LightSet {
     /// Checks whether the set supports a light with a technique. It creates nothing on the device,
@@ -37,43 +36,36 @@ impl LightSet {
         frame: &SetFrame<'_>,
     ) -> Result<(), RecipeError> {
         light.validate()?;
-        let view = frame.view_of(light, self.casters_box());
         let unlisted = why_not_listed(&self.casters, &self.device.limits());
         let limits = PlanLimits {
             recipes: &self.limits,
             unlisted: unlisted.as_deref(),
         };
-        LightPlan::of_light(technique, &view, limits)?;
+        let view = frame.view_of(light, self.casters_box(), self.casters.distance_from(light));
+        plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
         Ok(())
     }
 
     /// Plans the lights that changed, selects the layers to draw, and writes their inputs.
     ///
     /// # Errors
-    /// Errors if the camera is invalid or the device is not the set's. With
-    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it also errors if memory runs out, or a
-    /// kernel's WGSL is invalid (with the compiler's message). After an error all GPU objects are
-    /// recreated.
-    pub fn prepare(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        frame: &SetFrame<'_>,
-    ) -> Result<&SetReport, BackendError> {
-        check_device(device, &self.device)?;
+    /// Errors if the camera is invalid. With [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it
+    /// also errors if memory runs out, or a kernel's WGSL is invalid (with the compiler's message).
+    /// After an error all GPU objects are recreated.
+    pub fn prepare(&mut self, frame: &SetFrame<'_>) -> Result<&SetReport, BackendError> {
         frame.camera.validate()?;
         if self.dropped_encoders.any() || self.casters.is_rebased() {
             self.draw_all_again();
         }
         self.passes.clear();
         self.report = SetReport::default();
-        self.meter.collect(queue);
+        self.meter.collect(&self.queue);
         self.casters.begin_frame();
         self.plan_lights(frame);
         self.assign_layers();
         self.mark_stale();
         self.choose_redraws();
-        let result = self.write_within_scopes(queue);
+        let result = self.write_within_scopes();
         if let Err(error) = result {
             self.forget_objects();
             return Err(error);
@@ -89,11 +81,7 @@ impl LightSet {
     /// Errors with advice if nothing is prepared, if there is no such light, or if textures can't
     /// be used. With [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it also reports errors of the
     /// graphics API, like [`prepare`](Self::prepare).
-    pub fn prepare_masks(
-        &mut self,
-        queue: &Queue,
-        inputs: &MaskInputs<'_>,
-    ) -> Result<(), BackendError> {
+    pub fn prepare_masks(&mut self, inputs: &MaskInputs<'_>) -> Result<(), BackendError> {
         inputs.validate()?;
         if inputs
             .lights
@@ -105,7 +93,7 @@ impl LightSet {
         // Open scopes only for new objects: otherwise there are no device errors.
         let makes = !self.masks.is_made_for(&self.shader, inputs);
         let scopes = makes.then(|| Scopes::open(&self.device));
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         let lights = inputs.lights.iter().map(|&id| {
             let light = &self.lights[id];
             (id, light.state.shown_plan().map(|_| light.index))
@@ -133,12 +121,18 @@ impl LightSet {
         let now = PlannedFor {
             camera: *frame.camera,
             casters: self.casters_box(),
+            has_own: !self.casters.own().is_empty(),
             geometry: frame.geometry.map(|g| g.revision),
         };
         let before = self.planned.replace(now);
         let same_camera = before.is_some_and(|before| before.camera == now.camera);
-        let same_casters = before
-            .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
+        let same_casters = before.is_some_and(|before| {
+            PlannedFor {
+                camera: now.camera,
+                ..before
+            } == now
+        });
+        let casters_moved = !self.casters.changed_boxes().is_empty() || self.casters.is_rebased();
         // Meshes determine whether the device can build lists.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
@@ -153,14 +147,19 @@ impl LightSet {
         // Replace the plans of lights with changed inputs.
         for light in self.lights.values_mut() {
             let settings = &light.settings;
+            if casters_moved || light.has_changed {
+                let distance = self.casters.distance_from(&settings.light);
+                light.has_changed |= distance != light.nearest_caster;
+                light.nearest_caster = distance;
+            }
             let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
             if same_casters && is_alike && !light.has_changed && !meshes_changed {
                 continue;
             }
             light.has_changed = false;
             self.report.planned += 1;
-            let view = frame.view_of(&settings.light, now.casters);
-            match LightPlan::of_light(&*settings.technique, &view, limits) {
+            let view = frame.view_of(&settings.light, now.casters, light.nearest_caster);
+            match plan_light(&*settings.technique, &view, now.has_own, limits) {
                 Ok(plan) => {
                     self.layers_changed |= light.state.take_plan(plan) == Difference::Images;
                 }
@@ -260,35 +259,35 @@ impl LightSet {
     }
 
     /// Writes the frame. Collects errors of the graphics API if objects may be created.
-    fn write_within_scopes(&mut self, queue: &Queue) -> Result<(), BackendError> {
+    fn write_within_scopes(&mut self) -> Result<(), BackendError> {
         let shows_plans = |&id: &LightId| self.lights[id].state.has_next();
         let makes = self.shader.is_outdated()
             || self.casters.has_grown()
             || self.passes.lights.iter().any(shows_plans);
         if !makes {
-            return self.write(queue);
+            return self.write();
         }
         let scopes = Scopes::open(&self.device);
-        let result = self.write(queue);
+        let result = self.write();
         let closed = self.errors.close(scopes, self.options.errors);
         closed.and(result)
     }
 
     /// Creates and writes the resources of the chosen lights, moved casters and shaders.
-    fn write(&mut self, queue: &Queue) -> Result<(), BackendError> {
-        let textures_changed = self.make_textures(queue);
-        self.show_plans(queue);
-        self.list_passes(queue);
-        let mut uploaded = self.upload_passes(queue);
-        uploaded.add(self.write_shader(queue, textures_changed)?);
+    fn write(&mut self) -> Result<(), BackendError> {
+        let textures_changed = self.make_textures();
+        self.show_plans();
+        self.list_passes();
+        let mut uploaded = self.upload_passes();
+        uploaded.add(self.write_shader(textures_changed)?);
         self.report.redrawn = self.passes.count() as u32;
         self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
         Ok(())
     }
 
     /// Recreates the textures that are too small. Returns whether there were any.
-    fn make_textures(&mut self, queue: &Queue) -> bool {
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+    fn make_textures(&mut self) -> bool {
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         let lost = self.pool.make_textures(&mut factory);
         for (id, light) in &mut self.lights {
             let mut ranges = light.maps.ranges.iter();
@@ -305,8 +304,8 @@ impl LightSet {
     }
 
     /// Makes the newest plans of the chosen lights current.
-    fn show_plans(&mut self, queue: &Queue) {
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+    fn show_plans(&mut self) {
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         for &id in &self.passes.lights {
             let light = &mut self.lights[id];
             let Some(difference) = light.state.show_next() else {
@@ -336,7 +335,7 @@ impl LightSet {
     }
 
     /// Lists the passes that draw the chosen lights' layers.
-    fn list_passes(&mut self, queue: &Queue) {
+    fn list_passes(&mut self) {
         let held = self.pool.bytes() + still_bytes(&self.lights);
         let mut sources = CastSources {
             casters: &self.casters,
@@ -344,7 +343,7 @@ impl LightSet {
             prices: self.meter.prices(),
             bytes_left: self.options.budget.bytes.saturating_sub(held),
         };
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         for i in 0..self.passes.lights.len() {
             let id = self.passes.lights[i];
             let maps = &mut self.lights[id].maps;
@@ -355,8 +354,8 @@ impl LightSet {
     }
 
     /// Writes placements, and the inputs of the passes.
-    fn upload_passes(&mut self, queue: &Queue) -> Uploaded {
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+    fn upload_passes(&mut self) -> Uploaded {
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         let uploaded = self.casters.upload(&mut factory);
         let holes = self.cut_outs.as_ref().map(|held| &held.lists);
         self.passes
@@ -365,11 +364,7 @@ impl LightSet {
     }
 
     /// Writes the shader data of the lights, and the inputs of caster lists.
-    fn write_shader(
-        &mut self,
-        queue: &Queue,
-        textures_changed: bool,
-    ) -> Result<Uploaded, BackendError> {
+    fn write_shader(&mut self, textures_changed: bool) -> Result<Uploaded, BackendError> {
         let has_moved = self.lists.make_room(
             &self.device,
             &mut self.lights,
@@ -379,7 +374,7 @@ impl LightSet {
         if has_moved {
             self.shader.change();
         }
-        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         let uploaded = self.shader.write(
             &mut factory,
             &mut self.pipelines,
@@ -423,6 +418,28 @@ impl LightSet {
         }
         self.layers_changed = true;
     }
+}
+
+/// Plans a light. The view's triangles don't contain casters that the program draws (`has_own`), so
+/// maps are then fitted to the box around all casters.
+fn plan_light(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    has_own: bool,
+    limits: PlanLimits<'_>,
+) -> Result<LightPlan, RecipeError> {
+    if has_own && view.geometry.is_some() {
+        let boxes_only = View {
+            geometry: None,
+            ..*view
+        };
+        let plan = LightPlan::of_light(technique, &boxes_only, limits);
+        // Techniques without maps need the triangles.
+        if !matches!(plan, Err(RecipeError::Unsupported(_))) {
+            return plan;
+        }
+    }
+    LightPlan::of_light(technique, view, limits)
 }
 
 /// Returns whether a light's layers are those of its newest plan.

@@ -139,8 +139,11 @@ pub(crate) struct HeldLight {
     /// Index in shaders.
     pub(crate) index: u32,
     pub(crate) settings: ShadowedLight,
-    /// True if the settings changed since the last plan.
+    /// True if the light, its technique or `nearest_caster` changed since the last plan.
     pub(crate) has_changed: bool,
+    /// Lower bound of the distance from the light's position to a caster, metres: see
+    /// [`Casters::distance_from`](super::casters::Casters::distance_from).
+    pub(crate) nearest_caster: f32,
     pub(crate) state: LightState,
     pub(crate) maps: LightMaps,
     /// Number of frames for which its redraw waited.
@@ -194,6 +197,7 @@ impl HeldLight {
             index,
             settings,
             has_changed: true,
+            nearest_caster: 0.0,
             state: LightState::New,
             maps: LightMaps::default(),
             age: 0,

@@ -28,17 +28,20 @@ use wgpu::{TextureAspect, TextureUsages, TextureViewDimension};
 const PATIENCE: f64 = 1.5;
 
 /// Returns whether a layer to be redrawn should be split: something moves in it, and drawing the
-/// rest would cost more than copying it. `shown` are the slots visible in it.
+/// rest would cost more than copying it. `shown` are the slots visible in it; `has_own` is whether
+/// casters that the program draws are.
 pub(crate) fn is_wanted(
     option: StillLayers,
     prices: &Prices,
     casters: &Casters,
     cast: &LightCast,
     shown: &ShownSlots,
+    has_own: bool,
 ) -> bool {
     let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
     let moving = Wanted::Moving(casters.moving_flags());
-    if option == StillLayers::Never || triangles(casters, shown, moving) == 0 {
+    let has_moving = has_own || triangles(casters, shown, moving) > 0;
+    if option == StillLayers::Never || !has_moving {
         return false;
     }
     if option == StillLayers::Always {

@@ -5,7 +5,7 @@ use std::{collections::HashMap, num::NonZeroU64};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindGroupLayoutEntry, BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType,
-    Sampler, SamplerBindingType, ShaderStages, TextureSampleType, TextureView,
+    Device, Sampler, SamplerBindingType, ShaderStages, TextureSampleType, TextureView,
     TextureViewDimension,
 };
 
@@ -86,22 +86,23 @@ impl Layouts {
         visibility: ShaderStages,
         slots: &[Slot],
     ) -> BindGroupLayout {
-        let make = || {
-            let entries: Vec<_> = (0..)
-                .zip(slots)
-                .map(|(binding, s)| entry(binding, visibility, *s))
-                .collect();
-            let desc = BindGroupLayoutDescriptor {
-                label: Some("umbrage"),
-                entries: &entries,
-            };
-            factory.device.create_bind_group_layout(&desc)
-        };
         self.0
             .entry((visibility, slots.to_vec()))
-            .or_insert_with(make)
+            .or_insert_with(|| layout(factory.device, visibility, slots))
             .clone()
     }
+}
+
+/// Creates a layout with these slots in order.
+pub(crate) fn layout(device: &Device, visibility: ShaderStages, slots: &[Slot]) -> BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(slots)
+        .map(|(binding, s)| entry(binding, visibility, *s))
+        .collect();
+    device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+        label: Some("umbrage"),
+        entries: &entries,
+    })
 }
 
 fn entry(binding: u32, visibility: ShaderStages, slot: Slot) -> BindGroupLayoutEntry {

@@ -3,7 +3,7 @@
 use crate::{
     frame::VertexLayout,
     resources::{
-        bindings::{Layouts, Slot},
+        bindings::{self, Layouts, Slot},
         counters::ResourceFactory,
     },
     targets::{CastTarget, DepthState},
@@ -166,6 +166,11 @@ impl Pipelines {
         );
         self.kernels.entry(key).insert_entry(pipeline).get().clone()
     }
+}
+
+/// Creates the layout of the bind group with clip from world, which all casts have at index 0.
+pub(crate) fn cast_layout(device: &Device) -> BindGroupLayout {
+    bindings::layout(device, ShaderStages::VERTEX, &[MATRIX_SLOT])
 }
 
 /// Returns the layouts of the bind groups of casts: 0 is clip from world; 1 is world from local or

@@ -49,7 +49,8 @@ struct Lit {
 impl Lit {
     fn new(options: LightSetOptions) -> Self {
         let e = Embedded::new();
-        let mut set = LightSet::new(&e.foreign.device, options).expect("the group is there");
+        let mut set = LightSet::new(&e.foreign.device, &e.foreign.queue, options)
+            .expect("the group is there");
         let casters = e.casters();
         let placement = casters.world_from_local.expect("is placed");
         let mesh = CasterMesh {
@@ -85,7 +86,7 @@ impl Lit {
             camera: &self.e.stage.camera,
             geometry: None,
         };
-        let report = *self.set.prepare(device, queue, &frame).expect("valid");
+        let report = *self.set.prepare(&frame).expect("valid");
         let mut encoder = self.e.foreign.encoder();
         self.set.encode(&mut encoder).expect("it was prepared");
         queue.submit([encoder.finish()]);
@@ -104,7 +105,7 @@ impl Lit {
             format: MaskFormat::Float32,
         };
         let queue = &self.e.foreign.queue;
-        self.set.prepare_masks(queue, &inputs).expect("valid");
+        self.set.prepare_masks(&inputs).expect("valid");
         let mut encoder = self.e.foreign.encoder();
         let mask: &TextureView = self.set.encode_masks(&mut encoder).expect("prepared");
         read(&self.e.foreign, encoder, mask.texture())

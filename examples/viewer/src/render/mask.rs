@@ -75,7 +75,7 @@ impl PendingMask {
             lights: &[light],
             format: MaskFormat::Float32,
         };
-        set.prepare_masks(queue, &inputs)?;
+        set.prepare_masks(&inputs)?;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         // Record its passes, with timestamps if available.
         let clock = Timestamps::new(device, queue, 2);

@@ -107,8 +107,8 @@ impl Renderer {
         let scene = SceneBuffers::new(device, queue, &layouts, stage)?;
         let [left, right] = &settings.sides;
         let sides = [
-            Side::new(device, &layouts, &scene, left)?,
-            Side::new(device, &layouts, &scene, right)?,
+            Side::new(device, queue, &layouts, &scene, left)?,
+            Side::new(device, queue, &layouts, &scene, right)?,
         ];
         Ok(Self {
             overlay_pipeline: pipelines::overlay(device, &layouts),
@@ -183,7 +183,7 @@ impl Renderer {
                     let mut passes = Vec::new();
                     let stamps = clock.for_set();
                     side.set
-                        .encode_timed(encoder, |_, _| (), &stamps, &mut passes)?;
+                        .encode_timed(encoder, |_, _, _| (), &stamps, &mut passes)?;
                     clock.note(i, draws_all, &passes);
                 }
                 None => side.set.encode(encoder)?,

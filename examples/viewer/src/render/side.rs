@@ -46,6 +46,7 @@ pub(crate) struct Side {
 impl Side {
     pub(crate) fn new(
         device: &wgpu::Device,
+        queue: &wgpu::Queue,
         layouts: &Layouts,
         scene: &SceneBuffers,
         settings: &SideSettings,
@@ -54,7 +55,7 @@ impl Side {
             group: SET_GROUP,
             ..LightSetOptions::default()
         };
-        let mut set = LightSet::new(device, options)?;
+        let mut set = LightSet::new(device, queue, options)?;
         scene.add_casters(&mut set)?;
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
@@ -126,7 +127,7 @@ impl Side {
             }),
         };
         self.camera = None;
-        self.set.prepare(device, queue, &of_set)?;
+        self.set.prepare(&of_set)?;
         let (_, layout) = self.set.bind_group()?;
         let revision = self.set.wgsl_revision();
         if self

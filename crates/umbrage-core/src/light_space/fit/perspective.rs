@@ -232,9 +232,15 @@ fn whole_range(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) ->
             let pyramid = pyramid(view_from_world, half_angle);
             depth_range_of(&pyramid, g, g.casters()).map(|[near, _]| near)
         }
-        // For a box, only the nearest corner is known.
-        None => Some(-bounds_in(view_from_world, &caster_points(input)).max.z * 0.999)
-            .filter(|near| near.is_finite()),
+        // Without triangles, only the nearest corner of the casters' box and a distance are known.
+        None => {
+            let nearest_corner = -bounds_in(view_from_world, &caster_points(input)).max.z;
+            // Points at a distance are nearest along the view in the corners of the pyramid.
+            let tangent = half_angle.tan();
+            let cosine = 1.0 / (1.0 + 2.0 * tangent * tangent).sqrt();
+            let nearest = nearest_corner.max(input.view.nearest_caster * cosine);
+            Some(nearest * 0.999).filter(|near| near.is_finite())
+        }
     };
     range(near, far_plane(input, view_from_world))
 }

@@ -215,6 +215,10 @@ impl SunShadows {
 impl Made {
     /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers. `None`
     /// until Bevy has loaded them all.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a system of Bevy's names each resource"
+    )]
     fn new(
         technique: &Arc<dyn ShadowTechnique>,
         seen: &SeenScene,
@@ -223,8 +227,10 @@ impl Made {
         meshes: &RenderAssets<RenderMesh>,
         allocator: &MeshAllocator,
         device: &RenderDevice,
+        queue: &RenderQueue,
     ) -> std::result::Result<Option<Self>, BackendError> {
-        let mut set = LightSet::new(device.wgpu_device(), LightSetOptions::default())?;
+        let options = LightSetOptions::default();
+        let mut set = LightSet::new(device.wgpu_device(), queue, options)?;
         for caster in &seen.casters {
             // Find the caster in Bevy's buffers. Wait if it is not loaded.
             let slice = allocator.mesh_vertex_slice(&caster.mesh);
@@ -335,6 +341,7 @@ fn draw_masks(
             &meshes,
             &allocator,
             &device,
+            &queue,
         )?;
     }
     let draws_all_again = shadows.draws_all_again;
@@ -356,8 +363,6 @@ fn draw_masks(
         draws_all_again,
         depth,
         normal,
-        &device,
-        &queue,
         encoder,
     )?;
     encoder.copy_texture_to_texture(
@@ -374,18 +379,12 @@ fn draw_masks(
 
 impl Made {
     /// Records the passes for the camera's mask, and returns it.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what a frame of the caller's is made of"
-    )]
     fn draw(
         &mut self,
         camera: &Camera,
         draws_all_again: bool,
         depth: &wgpu::TextureView,
         normal: &wgpu::TextureView,
-        device: &RenderDevice,
-        queue: &RenderQueue,
         encoder: &mut wgpu::CommandEncoder,
     ) -> std::result::Result<wgpu::Texture, BackendError> {
         if draws_all_again {
@@ -396,7 +395,7 @@ impl Made {
             camera,
             geometry: None,
         };
-        self.set.prepare(device.wgpu_device(), queue, &frame)?;
+        self.set.prepare(&frame)?;
         self.set.encode(encoder)?;
         let view_from_world = glam::Mat4::from(camera.world_from_view.inverse());
         let clip_from_world = camera.clip_from_view * view_from_world;
@@ -417,7 +416,7 @@ impl Made {
             lights: &[self.light],
             format: MaskFormat::Float32,
         };
-        self.set.prepare_masks(queue, &inputs)?;
+        self.set.prepare_masks(&inputs)?;
         Ok(self.set.encode_masks(encoder)?.texture().clone())
     }
 }

@@ -1,0 +1,89 @@
+//! Casters that the program draws itself into the set's layers, such as skinned meshes.
+
+use crate::light_set::{casters::Casters, culling::Volume, unknown};
+use glam::Vec3;
+use slotmap::{SlotMap, new_key_type};
+use umbrage_core::{Aabb, Invalid};
+
+new_key_type! {
+    /// Identifies a caster of a [`LightSet`](crate::LightSet) that the program draws itself.
+    pub struct OwnCasterId;
+}
+
+/// The world-space boxes of the program's own casters.
+#[derive(Debug, Default)]
+pub(crate) struct OwnCasters(SlotMap<OwnCasterId, Aabb>);
+
+impl OwnCasters {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns the box around all of them.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.0.values().fold(Aabb::EMPTY, |all, one| all.union(one))
+    }
+
+    /// Returns the distance from a point to the nearest box, metres; infinite without boxes.
+    pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
+        let distance = |bounds: &Aabb| {
+            let outside = (point - bounds.center()).abs() - bounds.extent() * 0.5;
+            outside.max(Vec3::ZERO).length()
+        };
+        self.0.values().map(distance).fold(f32::INFINITY, f32::min)
+    }
+
+    /// Returns those that may be visible in a layer.
+    pub(crate) fn shown_in(&self, layer: &Volume) -> impl Iterator<Item = OwnCasterId> {
+        let shown = self.0.iter().filter(|(_, bounds)| layer.may_show(bounds));
+        shown.map(|(id, _)| id)
+    }
+}
+
+impl Casters {
+    pub(crate) fn own(&self) -> &OwnCasters {
+        &self.own
+    }
+
+    pub(crate) fn add_own(&mut self, bounds: Aabb) -> Result<OwnCasterId, Invalid> {
+        check(&bounds)?;
+        // With the first one, the device can no longer build caster lists.
+        self.has_grown = true;
+        self.changed.push(bounds);
+        Ok(self.own.0.insert(bounds))
+    }
+
+    pub(crate) fn move_own(&mut self, id: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+        check(&bounds)?;
+        let held = self.own.0.get_mut(id).ok_or_else(unknown_caster)?;
+        // The pose may differ within the same box.
+        self.changed.push(std::mem::replace(held, bounds));
+        self.changed.push(bounds);
+        Ok(())
+    }
+
+    pub(crate) fn remove_own(&mut self, id: OwnCasterId) -> Result<(), Invalid> {
+        let bounds = self.own.0.remove(id).ok_or_else(unknown_caster)?;
+        self.has_grown = true;
+        self.changed.push(bounds);
+        Ok(())
+    }
+}
+
+fn check(bounds: &Aabb) -> Result<(), Invalid> {
+    let within = |e: Invalid| e.within_context("own caster");
+    bounds.validate().map_err(within)?;
+    if bounds.is_empty() {
+        let help = "use the world-space box around the figure in its current pose";
+        return Err(within(Invalid::new("bounds", "are empty", help)));
+    }
+    Ok(())
+}
+
+fn unknown_caster() -> Invalid {
+    unknown("own caster")
+}
