@@ -66,6 +66,8 @@ struct SetPipeline {
 #[derive(Debug, Default)]
 pub struct Forward {
     drawn: Option<SetPipeline>,
+    /// True to keep the pipeline of a past revision, as programs must not.
+    pub keeps_stale_pipelines: bool,
 }
 
 impl ForwardProgram {
@@ -176,7 +178,7 @@ impl Forward {
         let (group, layout) = set.bind_group().expect("was prepared");
         let revision = set.wgsl_revision();
         let drawn = match self.drawn.take() {
-            Some(drawn) if drawn.revision == revision => drawn,
+            Some(drawn) if drawn.revision == revision || self.keeps_stale_pipelines => drawn,
             _ => program.compile(set.wgsl(), revision, layout),
         };
         let d = program.d;

@@ -1,16 +1,19 @@
 //! Tests of a frame's cost: nothing without changes, and never more than the budget.
 
 use glam::{Affine3A, Vec3};
+use std::sync::Arc;
 use umbrage_core::Aabb;
+use umbrage_techniques::{MapFilter as _, Pcf};
 use umbrage_tests::{
     foreign,
+    light_program::Forward,
     light_stage::{LAYER, Stage, camera, hard, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    CasterMesh, Indices, LightId, SetBudget, SetFrame, SetReport, ShadowedLight, Unserved,
-    VertexLayout,
+    CasterMesh, Indices, LightId, LightSet, SetBudget, SetFrame, SetReport, ShadowedLight,
+    Unserved, VertexLayout,
 };
-use wgpu::{BufferUsages, IndexFormat};
+use wgpu::{BufferUsages, ErrorFilter, IndexFormat};
 
 #[test]
 fn a_still_frame_draws_and_writes_nothing() {
@@ -232,4 +235,40 @@ fn what_can_not_be_used_is_refused_by_name() {
             .expect_err("no priority");
         assert!(error.to_string().contains("use 0 or more"), "{error}");
     }
+}
+
+/// A technique of another radius has another text. A pipeline with the text of before must not draw
+/// with the bind group of now.
+#[test]
+fn pipelines_of_past_revisions_are_refused() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let id = stage.light(0.0, 1.0);
+    stage.frame();
+    let index = stage.set.index_of(id).expect("is there");
+    let device = &stage.program.d.device;
+    let mut forward = Forward {
+        keeps_stale_pipelines: true,
+        ..Forward::default()
+    };
+    let mut draw = |set: &LightSet| {
+        let scope = device.push_error_scope(ErrorFilter::Validation);
+        forward.mask(&stage.program, set, index);
+        pollster::block_on(scope.pop()).map(|error| error.to_string())
+    };
+    assert_eq!(draw(&stage.set), None);
+    let map = hard().map;
+    for radius in [1, 2] {
+        let technique = Arc::new(Pcf { radius }.on(map));
+        stage.set.set_technique(id, technique).expect("is there");
+        let frame = SetFrame {
+            camera: &stage.camera,
+            geometry: None,
+        };
+        stage.program.update(&mut stage.set, &frame);
+        let error = draw(&stage.set).expect("a stale pipeline");
+        assert!(error.contains("layout"), "{error}");
+    }
+    forward.keeps_stale_pipelines = false;
+    let index = stage.set.index_of(id).expect("is there");
+    forward.mask(&stage.program, &stage.set, index);
 }

@@ -491,7 +491,8 @@ impl LightSet {
     }
 
     /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout
-    /// change. Rebuild the pipelines that contain the text then.
+    /// change. Rebuild the pipelines that contain the text then: the graphics API refuses to draw
+    /// with those of earlier revisions.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }

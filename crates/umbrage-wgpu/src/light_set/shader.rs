@@ -62,6 +62,9 @@ struct KernelRecord {
 
 /// Greatest number of bound textures: an index uses 8 bits of a light's entry.
 const MAX_MAPS: u32 = 256;
+/// Number of revisions until a first binding is used again. With [`MAX_MAPS`] and the other bindings,
+/// less than the 640 bindings that WebGPU guarantees in a group.
+const FIRST_BINDINGS: u64 = 256;
 /// Greatest number of kinds of kernels: a kind uses 8 bits of a light's entry.
 const MAX_KINDS: usize = 255;
 
@@ -404,9 +407,17 @@ impl SetShader {
         self.tables.retain(is_used, is_listed);
     }
 
+    /// Returns the number of the first binding. It differs between revisions, so that the graphics
+    /// API refuses pipelines with the text of an earlier one.
+    fn first_binding(&self) -> u32 {
+        (self.revision % FIRST_BINDINGS) as u32
+    }
+
     fn make_text(&mut self) -> Result<(), Invalid> {
+        self.revision += 1;
         let parts = TextParts {
             group: self.group,
+            first_binding: self.first_binding(),
             kinds: &self.kinds,
             numbers: &self.numbers,
             maps: &self.maps,
@@ -414,7 +425,6 @@ impl SetShader {
         };
         self.text = parts.text()?;
         self.prefixed_text = with_prefix(&self.text, &self.prefix)?;
-        self.revision += 1;
         Ok(())
     }
 
@@ -450,6 +460,7 @@ impl SetShader {
             entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
         let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        self.binding.first = self.first_binding();
         let layouts = &mut pipelines.layouts;
         self.binding
             .bind(factory, layouts, stages, "umbrage lights", entries);

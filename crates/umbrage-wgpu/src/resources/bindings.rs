@@ -77,7 +77,7 @@ fn texture_type(sample_type: TextureSampleType, layered: bool, multisampled: boo
 
 /// Bind group layouts by their contents, so that equal ones are shared.
 #[derive(Debug, Default)]
-pub(crate) struct Layouts(HashMap<(ShaderStages, Vec<Slot>), BindGroupLayout>);
+pub(crate) struct Layouts(HashMap<(ShaderStages, u32, Vec<Slot>), BindGroupLayout>);
 
 impl Layouts {
     pub(crate) fn get(
@@ -86,16 +86,31 @@ impl Layouts {
         visibility: ShaderStages,
         slots: &[Slot],
     ) -> BindGroupLayout {
+        self.get_from(factory, visibility, 0, slots)
+    }
+
+    fn get_from(
+        &mut self,
+        factory: &ResourceFactory<'_>,
+        visibility: ShaderStages,
+        first: u32,
+        slots: &[Slot],
+    ) -> BindGroupLayout {
         self.0
-            .entry((visibility, slots.to_vec()))
-            .or_insert_with(|| layout(factory.device, visibility, slots))
+            .entry((visibility, first, slots.to_vec()))
+            .or_insert_with(|| layout(factory.device, visibility, first, slots))
             .clone()
     }
 }
 
-/// Creates a layout with these slots in order.
-pub(crate) fn layout(device: &Device, visibility: ShaderStages, slots: &[Slot]) -> BindGroupLayout {
-    let entries: Vec<_> = (0..)
+/// Creates a layout with these slots in order, numbered from `first`.
+pub(crate) fn layout(
+    device: &Device,
+    visibility: ShaderStages,
+    first: u32,
+    slots: &[Slot],
+) -> BindGroupLayout {
+    let entries: Vec<_> = (first..)
         .zip(slots)
         .map(|(binding, s)| entry(binding, visibility, *s))
         .collect();
@@ -149,6 +164,8 @@ impl Bound {
 /// A bind group that is recreated only if another resource is bound.
 #[derive(Debug, Default)]
 pub(crate) struct Binding {
+    /// Number of the first binding; the others follow.
+    pub(crate) first: u32,
     bound: Vec<Bound>,
     layout: Option<BindGroupLayout>,
     group: Option<BindGroup>,
@@ -165,7 +182,7 @@ impl Binding {
         if self.layout.as_ref() == Some(layout) && self.bound == bound {
             return;
         }
-        let entries: Vec<_> = (0..)
+        let entries: Vec<_> = (self.first..)
             .zip(&bound)
             .map(|(binding, b)| BindGroupEntry {
                 binding,
@@ -193,7 +210,7 @@ impl Binding {
         entries: Vec<(Slot, Bound)>,
     ) -> BindGroupLayout {
         let (slots, bound): (Vec<Slot>, Vec<Bound>) = entries.into_iter().unzip();
-        let layout = layouts.get(factory, visibility, &slots);
+        let layout = layouts.get_from(factory, visibility, self.first, &slots);
         self.set(factory, label, &layout, bound);
         layout
     }

@@ -170,7 +170,7 @@ impl Pipelines {
 
 /// Creates the layout of the bind group with clip from world, which all casts have at index 0.
 pub(crate) fn cast_layout(device: &Device) -> BindGroupLayout {
-    bindings::layout(device, ShaderStages::VERTEX, &[MATRIX_SLOT])
+    bindings::layout(device, ShaderStages::VERTEX, 0, &[MATRIX_SLOT])
 }
 
 /// Returns the layouts of the bind groups of casts: 0 is clip from world; 1 is world from local or

@@ -34,6 +34,8 @@ pub(crate) struct MapBinding {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TextParts<'a> {
     pub(crate) group: u32,
+    /// Number of the first binding; the others follow.
+    pub(crate) first_binding: u32,
     pub(crate) kinds: &'a [KernelKind],
     pub(crate) numbers: &'a LightNumbers,
     pub(crate) maps: &'a [MapBinding],
@@ -136,7 +138,7 @@ impl TextParts<'_> {
             variables.push("var shadow_comparison: sampler_comparison".to_owned());
         }
         let group = self.group;
-        for (binding, variable) in variables.iter().enumerate() {
+        for (binding, variable) in (self.first_binding..).zip(&variables) {
             let _ = writeln!(text, "@group({group}) @binding({binding}) {variable};");
         }
     }
