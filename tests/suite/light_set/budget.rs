@@ -272,3 +272,30 @@ fn pipelines_of_past_revisions_are_refused() {
     let index = stage.set.index_of(id).expect("is there");
     forward.mask(&stage.program, &stage.set, index);
 }
+
+/// A light that is off costs nothing and is lit; afterwards, it has the shadows of a new set.
+#[test]
+fn lights_are_switched_off_and_on() {
+    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 4.0]);
+    let lights = [-4.0, 4.0].map(|x| stage.light(x, 1.0));
+    stage.frame();
+    let shadowed = stage.shadowed_pixels(lights[1]);
+    assert!(shadowed > 0);
+    let revision = stage.set.wgsl_revision();
+    stage.set.set_enabled(lights[1], false).expect("is there");
+    // Move a caster within the light that is off, and back.
+    for x in [4.1, 4.0] {
+        let place = translation_along_x(x);
+        let caster = stage.casters[1];
+        stage.set.move_caster(caster, place).expect("is there");
+        assert_eq!(stage.frame().redrawn, 0);
+        assert_eq!(stage.shadowed_pixels(lights[1]), 0);
+        assert!(stage.shadowed_pixels(lights[0]) > 0);
+    }
+    assert_eq!(stage.set.unserved_lights().count(), 0);
+    stage.set.set_enabled(lights[1], true).expect("is there");
+    assert_eq!(stage.frame().redrawn, 1);
+    assert_eq!(stage.shadowed_pixels(lights[1]), shadowed);
+    assert_eq!(stage.set.wgsl_revision(), revision);
+    assert_eq!(stage.frame(), SetReport::default());
+}

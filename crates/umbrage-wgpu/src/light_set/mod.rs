@@ -417,6 +417,20 @@ impl LightSet {
         Ok(())
     }
 
+    /// Switches a light on or off; new ones are on. A light that is off keeps its id, index and maps,
+    /// and neither the text nor the layout changes. Its layers are not redrawn, and shaders get 1.
+    ///
+    /// # Errors
+    /// Errors if there is no such light.
+    pub fn set_enabled(&mut self, id: LightId, is_enabled: bool) -> Result<(), Invalid> {
+        let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
+        if state.is_enabled != is_enabled {
+            state.is_enabled = is_enabled;
+            self.shader.change();
+        }
+        Ok(())
+    }
+
     /// Sets the priority of a light, used if not all lights can have shadows.
     ///
     /// # Errors
@@ -453,10 +467,12 @@ impl LightSet {
         Ok(state.index)
     }
 
-    /// Returns the lights without shadows as of the last [`prepare`](Self::prepare), with reasons.
+    /// Returns the lights without shadows as of the last [`prepare`](Self::prepare), with reasons;
+    /// without those that are switched off.
     pub fn unserved_lights(&self) -> impl Iterator<Item = (LightId, Unserved)> + '_ {
         self.lights
             .iter()
+            .filter(|(_, light)| light.is_enabled)
             .filter_map(|(id, light)| Some((id, light.state.unserved_reason()?)))
     }
 

@@ -96,7 +96,8 @@ impl LightSet {
         let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         let lights = inputs.lights.iter().map(|&id| {
             let light = &self.lights[id];
-            (id, light.state.shown_plan().map(|_| light.index))
+            let is_shown = light.is_enabled && light.state.shown_plan().is_some();
+            (id, is_shown.then_some(light.index))
         });
         let result = self.masks.prepare(
             &mut factory,
@@ -156,7 +157,11 @@ impl LightSet {
             if same_casters && is_alike && !light.has_changed && !meshes_changed {
                 continue;
             }
-            light.has_changed = false;
+            // Plan a light that is off when it is switched on.
+            light.has_changed = !light.is_enabled;
+            if !light.is_enabled {
+                continue;
+            }
             self.report.planned += 1;
             let view = frame.view_of(&settings.light, now.casters, light.nearest_caster);
             match plan_light(&*settings.technique, &view, now.has_own, limits) {
@@ -228,6 +233,9 @@ impl LightSet {
         let lights = &mut self.lights;
         let chosen = &mut self.passes.lights;
         for (id, light) in &*lights {
+            if !light.is_enabled {
+                continue;
+            }
             let is_shown = light.state.shown_plan().is_some();
             if light.state.has_next() || is_shown && light.waiting_layers() > 0 {
                 chosen.push(id);
@@ -295,7 +303,7 @@ impl LightSet {
             if has_lost && light.state.shown_plan().is_some() {
                 // Ignore the budget: shaders would read an empty texture.
                 light.state.lose_content();
-                if !self.passes.lights.contains(&id) {
+                if light.is_enabled && !self.passes.lights.contains(&id) {
                     self.passes.lights.push(id);
                 }
             }

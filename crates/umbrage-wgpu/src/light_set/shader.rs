@@ -282,6 +282,10 @@ impl SetShader {
     fn set_records(&mut self, lights: &SlotMap<LightId, HeldLight>) {
         let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
         for (id, light) in lights {
+            // The default entry is lit.
+            if !light.is_enabled {
+                continue;
+            }
             let Some(plan) = light.state.shown_plan() else {
                 continue;
             };

@@ -139,6 +139,8 @@ pub(crate) struct HeldLight {
     /// Index in shaders.
     pub(crate) index: u32,
     pub(crate) settings: ShadowedLight,
+    /// False for lights that are switched off.
+    pub(crate) is_enabled: bool,
     /// True if the light, its technique or `nearest_caster` changed since the last plan.
     pub(crate) has_changed: bool,
     /// Lower bound of the distance from the light's position to a caster, metres: see
@@ -196,6 +198,7 @@ impl HeldLight {
         Self {
             index,
             settings,
+            is_enabled: true,
             has_changed: true,
             nearest_caster: 0.0,
             state: LightState::New,
