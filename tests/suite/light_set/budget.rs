@@ -299,3 +299,21 @@ fn lights_are_switched_off_and_on() {
     assert_eq!(stage.set.wgsl_revision(), revision);
     assert_eq!(stage.frame(), SetReport::default());
 }
+
+/// An encoder that lives, but is not submitted before the next frame.
+#[test]
+fn frames_that_are_not_submitted_are_drawn_again() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let id = stage.light(0.0, 1.0);
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    stage.set.prepare(&frame).expect("prepares");
+    let mut kept = stage.program.encoder();
+    stage.set.encode(&mut kept).expect("was prepared");
+    assert_eq!(stage.frame().redrawn, 1);
+    assert!(stage.shadowed_pixels(id) > 0);
+    stage.program.d.queue.submit([kept.finish()]);
+    assert_eq!(stage.frame().redrawn, 0);
+}

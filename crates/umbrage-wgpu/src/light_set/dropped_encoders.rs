@@ -1,16 +1,17 @@
 //! Detection of recorded commands that were never submitted.
 
-use crate::resources::submissions::Submissions;
+use crate::resources::submissions::{Pending, Submissions};
 use std::sync::{
     Arc,
     atomic::{AtomicBool, Ordering},
 };
 use wgpu::{CommandEncoder, Device};
 
-/// Detects whether an encoder that a set recorded into was dropped without being submitted.
+/// Detects whether an encoder that a set recorded into was dropped, or not submitted so far.
 #[derive(Debug)]
 pub(crate) struct DroppedEncoders {
     submissions: Submissions,
+    pending: Pending,
     dropped: Arc<AtomicBool>,
 }
 
@@ -39,17 +40,30 @@ impl DroppedEncoders {
     pub(crate) fn of_device(device: &Device) -> Self {
         Self {
             submissions: Submissions::of_device(device),
+            pending: Pending::default(),
             dropped: Arc::default(),
         }
     }
 
-    /// Returns whether an encoder was dropped since the last call.
+    /// Returns whether an encoder was dropped since the last call, or waits to be submitted.
     pub(crate) fn any(&self) -> bool {
-        self.dropped.swap(false, Ordering::Acquire)
+        let waits = self.has_unsubmitted();
+        self.dropped.swap(false, Ordering::Acquire) | waits
+    }
+
+    /// Returns whether an encoder waits to be submitted. Browsers report submissions too late to
+    /// know.
+    fn has_unsubmitted(&self) -> bool {
+        if cfg!(target_arch = "wasm32") || self.pending.is_over() {
+            return false;
+        }
+        self.submissions.poll();
+        !self.pending.is_over()
     }
 
     /// Watches an encoder.
     pub(crate) fn watch(&self, encoder: &CommandEncoder) {
+        self.submissions.watch(encoder, &self.pending);
         let watch = Watch {
             dropped: self.dropped.clone(),
             submitted: false,

@@ -102,8 +102,8 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 ///
 /// # Order
 /// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. Writes of
-/// `prepare` take effect with the next submission. If an encoder is dropped without being
-/// submitted, its draws are repeated in the next frame.
+/// `prepare` take effect with the next submission. If an encoder is dropped, or not submitted before
+/// the next `prepare` (not detected in browsers), the next frame draws all layers again.
 #[derive(Debug)]
 pub struct LightSet {
     device: Device,
