@@ -1,6 +1,6 @@
 //! Detection of recorded commands that were never submitted.
 
-use crate::resources::submissions::{Pending, Submissions};
+use crate::resources::submissions::Submissions;
 use std::sync::{
     Arc,
     atomic::{AtomicBool, Ordering},
@@ -11,7 +11,7 @@ use wgpu::{CommandEncoder, Device};
 #[derive(Debug)]
 pub(crate) struct DroppedEncoders {
     submissions: Submissions,
-    pending: Pending,
+    /// Each encoder that waits holds one more reference.
     dropped: Arc<AtomicBool>,
 }
 
@@ -40,7 +40,6 @@ impl DroppedEncoders {
     pub(crate) fn of_device(device: &Device) -> Self {
         Self {
             submissions: Submissions::of_device(device),
-            pending: Pending::default(),
             dropped: Arc::default(),
         }
     }
@@ -54,16 +53,16 @@ impl DroppedEncoders {
     /// Returns whether an encoder waits to be submitted. Browsers report submissions too late to
     /// know.
     fn has_unsubmitted(&self) -> bool {
-        if cfg!(target_arch = "wasm32") || self.pending.is_over() {
+        let waits = || Arc::strong_count(&self.dropped) > 1;
+        if cfg!(target_arch = "wasm32") || !waits() {
             return false;
         }
         self.submissions.poll();
-        !self.pending.is_over()
+        waits()
     }
 
     /// Watches an encoder.
     pub(crate) fn watch(&self, encoder: &CommandEncoder) {
-        self.submissions.watch(encoder, &self.pending);
         let watch = Watch {
             dropped: self.dropped.clone(),
             submitted: false,
