@@ -317,3 +317,25 @@ fn frames_that_are_not_submitted_are_drawn_again() {
     stage.program.d.queue.submit([kept.finish()]);
     assert_eq!(stage.frame().redrawn, 0);
 }
+
+/// Ids look alike in two sets with the same parts.
+#[test]
+fn ids_of_another_set_are_refused() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let mut other = Stage::new(SetBudget::default(), &[0.0]);
+    let own = stage.light(0.0, 1.0);
+    let foreign_id = other.light(0.0, 1.0);
+    assert_ne!(own, foreign_id);
+    let refusals = [
+        stage.set.remove_light(foreign_id).err(),
+        stage.set.set_priority(foreign_id, 2.0).err(),
+        stage.set.index_of(foreign_id).err(),
+        stage.set.remove_caster(other.casters[0]).err(),
+    ];
+    for refusal in refusals {
+        let text = refusal.expect("an id of another set").to_string();
+        assert!(text.contains("another light set"), "{text}");
+    }
+    stage.frame();
+    assert!(stage.shadowed_pixels(own) > 0);
+}

@@ -1,6 +1,6 @@
 //! Buffers of a light set: one for the uniforms of all lights, and one for all tables.
 
-use crate::{light_set::options::LightId, resources::counters::ResourceFactory};
+use crate::{light_set::ids::LightKey, resources::counters::ResourceFactory};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
@@ -312,7 +312,7 @@ pub(crate) enum Region {
     /// Corners of all casters.
     Corners,
     /// A table of a light, by its index.
-    Light(LightId, usize),
+    Light(LightKey, usize),
 }
 
 #[derive(Debug)]
@@ -370,7 +370,7 @@ impl SharedTables {
     }
 
     /// Frees a light's regions.
-    pub(crate) fn free(&mut self, light: LightId) {
+    pub(crate) fn free(&mut self, light: LightKey) {
         let before = self.held.len();
         self.held.retain(
             |held| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light),
@@ -387,7 +387,7 @@ impl SharedTables {
     }
 
     /// Returns the bytes of all tables except a light's regions.
-    pub(crate) fn bytes_without(&self, light: LightId) -> u64 {
+    pub(crate) fn bytes_without(&self, light: LightKey) -> u64 {
         let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light);
         let others = self.held.iter().filter(is_other);
         16 * others.map(|held| u64::from(held.count)).sum::<u64>()
@@ -410,7 +410,7 @@ impl SharedTables {
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,
-        is_listed: impl Fn(LightId) -> bool,
+        is_listed: impl Fn(LightKey) -> bool,
     ) -> bool {
         let before = self.held.len();
         self.held.retain(|held| match &held.content {

@@ -11,7 +11,7 @@ use crate::{
         buffers::{Region, SharedTables},
         casters::Casters,
         corners::{CORNERS, CornerStage, group_counts, triangle_count, why_unreadable},
-        options::LightId,
+        ids::LightKey,
         state::{HeldLight, LightState},
     },
     resources::{
@@ -57,7 +57,7 @@ pub(crate) struct CasterLists {
     /// True if casters changed since their corners were written.
     corners_stale: bool,
     kinds: Vec<ListKind>,
-    lights: SecondaryMap<LightId, LightLists>,
+    lights: SecondaryMap<LightKey, LightLists>,
     /// [`SharedTables::moves`] at the time of the last build.
     moves: u64,
     pub(crate) limits: ItemLimits,
@@ -230,7 +230,7 @@ impl CasterLists {
     pub(crate) fn make_room(
         &mut self,
         device: &Device,
-        lights: &mut SlotMap<LightId, HeldLight>,
+        lights: &mut SlotMap<LightKey, HeldLight>,
         casters: &Casters,
         tables: &mut SharedTables,
     ) -> bool {
@@ -288,7 +288,7 @@ impl CasterLists {
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        lights: &SlotMap<LightId, HeldLight>,
+        lights: &SlotMap<LightKey, HeldLight>,
         casters: &Casters,
         tables: &SharedTables,
     ) {
@@ -338,7 +338,7 @@ impl CasterLists {
 
     /// Waits for the last lists of a light, and returns their result.
     #[cfg(feature = "testing")]
-    pub(crate) fn look(&mut self, device: &Device, id: LightId) -> Option<Listing> {
+    pub(crate) fn look(&mut self, device: &Device, id: LightKey) -> Option<Listing> {
         let lists = self.lights.get_mut(id)?;
         lists.read.wait(device).ok()?;
         lists.needed = lists.read.take(Listing::read).or(lists.needed);
@@ -355,7 +355,7 @@ impl CasterLists {
     pub(crate) fn encode<'q>(
         &mut self,
         encoder: &mut CommandEncoder,
-        mut stamps: impl FnMut(LightId) -> Option<ComputePassTimestampWrites<'q>>,
+        mut stamps: impl FnMut(LightKey) -> Option<ComputePassTimestampWrites<'q>>,
     ) {
         for (id, lists) in &mut self.lights {
             let Some(buffers) = &lists.buffers else {

@@ -5,22 +5,21 @@
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
-    light_set::{buffers::Uploaded, culling::CullingBoxes, own_casters::OwnCasters, unknown},
+    light_set::{
+        buffers::Uploaded,
+        culling::CullingBoxes,
+        ids::{CasterKey, MeshKey},
+        own_casters::OwnCasters,
+        unknown,
+    },
     resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
     wgsl::stages::HoleRule,
 };
 use glam::{Affine3A, Vec3};
-use slotmap::{SlotMap, new_key_type};
+use slotmap::SlotMap;
 use std::ops::Range;
 use umbrage_core::{Aabb, Invalid, Light, invalid};
 use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
-
-new_key_type! {
-    /// Identifies a mesh of a [`LightSet`](crate::LightSet).
-    pub struct MeshId;
-    /// Identifies a caster of a [`LightSet`](crate::LightSet).
-    pub struct CasterId;
-}
 
 /// Number of slots of a mesh with its first caster.
 const FIRST_SLOTS: u32 = 4;
@@ -77,12 +76,12 @@ pub(crate) struct MeshSlots {
     /// Slots reserved for the mesh.
     block: Range<u32>,
     /// The casters in the first of these slots, in order.
-    casters: Vec<CasterId>,
+    casters: Vec<CasterKey>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct CasterPlace {
-    mesh: MeshId,
+    mesh: MeshKey,
     /// Index among the mesh's casters.
     index: u32,
     /// The frame of its last move.
@@ -95,8 +94,8 @@ type Columns = [f32; 12];
 /// All meshes and casters.
 #[derive(Debug, Default)]
 pub(crate) struct Casters {
-    meshes: SlotMap<MeshId, MeshSlots>,
-    places: SlotMap<CasterId, CasterPlace>,
+    meshes: SlotMap<MeshKey, MeshSlots>,
+    places: SlotMap<CasterKey, CasterPlace>,
     /// The casters that the program draws.
     pub(super) own: OwnCasters,
     /// Box of the caster in each slot. Slots without a caster have an empty box.
@@ -108,7 +107,7 @@ pub(crate) struct Casters {
     /// For each slot, whether the caster moved recently.
     moving: Vec<bool>,
     /// The casters that moved recently.
-    moved_lately: Vec<CasterId>,
+    moved_lately: Vec<CasterKey>,
     /// Frame counter.
     frame: u64,
     /// Boxes with changes.
@@ -208,7 +207,7 @@ impl Casters {
         &mut self,
         mesh: &CasterMesh<'_>,
         limits: &Limits,
-    ) -> Result<MeshId, Invalid> {
+    ) -> Result<MeshKey, Invalid> {
         let name = || format!("mesh `{}`", mesh.label);
         mesh.validate(limits)
             .map_err(|e| e.within_context(name()))?;
@@ -233,7 +232,7 @@ impl Casters {
         lists: &GpuCutOuts,
         triangles: &Range<u32>,
         bounds: Aabb,
-    ) -> Result<CasterId, Invalid> {
+    ) -> Result<CasterKey, Invalid> {
         let mesh = self.insert(MeshDraw {
             label: "alpha-tested triangles".to_owned(),
             vertices: lists.positions.clone(),
@@ -248,13 +247,13 @@ impl Casters {
     }
 
     /// Removes a part added by [`add_cut_outs`](Self::add_cut_outs).
-    pub(crate) fn remove_cut_outs(&mut self, id: CasterId) -> Result<(), Invalid> {
+    pub(crate) fn remove_cut_outs(&mut self, id: CasterKey) -> Result<(), Invalid> {
         let place = *self.places.get(id).ok_or_else(|| unknown("caster"))?;
         self.remove(id)?;
         self.remove_mesh(place.mesh)
     }
 
-    fn insert(&mut self, draw: MeshDraw) -> MeshId {
+    fn insert(&mut self, draw: MeshDraw) -> MeshKey {
         self.has_grown = true;
         self.meshes.insert(MeshSlots {
             draw,
@@ -264,7 +263,7 @@ impl Casters {
     }
 
     /// Removes a mesh that has no casters.
-    pub(crate) fn remove_mesh(&mut self, id: MeshId) -> Result<(), Invalid> {
+    pub(crate) fn remove_mesh(&mut self, id: MeshKey) -> Result<(), Invalid> {
         let mesh = self.meshes.get(id).ok_or_else(|| unknown("mesh"))?;
         if !mesh.casters.is_empty() {
             let why = format!("has {} casters", mesh.casters.len());
@@ -279,9 +278,9 @@ impl Casters {
 
     pub(crate) fn add(
         &mut self,
-        mesh_id: MeshId,
+        mesh_id: MeshKey,
         world_from_local: Affine3A,
-    ) -> Result<CasterId, Invalid> {
+    ) -> Result<CasterKey, Invalid> {
         let mesh = self.meshes.get(mesh_id).ok_or_else(|| unknown("mesh"))?;
         let bounds = world_bounds(&mesh.draw, &world_from_local)?;
         let index = mesh.casters.len() as u32;
@@ -306,7 +305,7 @@ impl Casters {
 
     pub(crate) fn place(
         &mut self,
-        id: CasterId,
+        id: CasterKey,
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
         let place = *self.places.get(id).ok_or_else(|| unknown("caster"))?;
@@ -335,7 +334,7 @@ impl Casters {
     /// still or moving.
     pub(crate) fn rebase(
         &mut self,
-        id: CasterId,
+        id: CasterKey,
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
         let place = self.places.get(id).ok_or_else(|| unknown("caster"))?;
@@ -347,7 +346,7 @@ impl Casters {
         Ok(())
     }
 
-    pub(crate) fn remove(&mut self, id: CasterId) -> Result<(), Invalid> {
+    pub(crate) fn remove(&mut self, id: CasterKey) -> Result<(), Invalid> {
         let place = self.places.remove(id).ok_or_else(|| unknown("caster"))?;
         let mesh = &mut self.meshes[place.mesh];
         let slot = mesh.block.start + place.index;
@@ -507,11 +506,11 @@ impl Casters {
     }
 
     /// Returns each mesh with the slots of its casters.
-    pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshId, &MeshSlots)> {
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshKey, &MeshSlots)> {
         self.meshes.iter()
     }
 
-    pub(crate) fn mesh(&self, id: MeshId) -> Option<&MeshDraw> {
+    pub(crate) fn mesh(&self, id: MeshKey) -> Option<&MeshDraw> {
         self.meshes.get(id).map(|mesh| &mesh.draw)
     }
 
@@ -527,7 +526,7 @@ impl Casters {
     }
 
     /// Doubles the slots of a mesh by moving it behind all others; its old slots stay empty.
-    fn grow(&mut self, id: MeshId) {
+    fn grow(&mut self, id: MeshKey) {
         self.has_grown = true;
         let mesh = &mut self.meshes[id];
         let old = mesh.block.clone();

@@ -2,7 +2,10 @@
 
 use crate::{
     frame::PositionFormat,
-    light_set::casters::{Casters, MeshDraw, MeshId, MeshSlots},
+    light_set::{
+        casters::{Casters, MeshDraw, MeshSlots},
+        ids::MeshKey,
+    },
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -26,9 +29,9 @@ const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
 pub(crate) struct CornerStage {
     pipeline: Option<ComputePipeline>,
     numbers: Windows,
-    bindings: SecondaryMap<MeshId, Binding>,
+    bindings: SecondaryMap<MeshKey, Binding>,
     /// The meshes that have casters, in order, with their numbers of triangles.
-    placed: Vec<(MeshId, u32)>,
+    placed: Vec<(MeshKey, u32)>,
 }
 
 /// Returns the number of triangles of all casters, counting each placement.

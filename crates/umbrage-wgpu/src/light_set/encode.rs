@@ -2,9 +2,9 @@
 
 use crate::{
     light_set::{
-        LightSet, masks,
-        options::LightId,
-        own_casters::OwnCasterId,
+        LightSet,
+        ids::{LightKey, OwnCasterId},
+        masks,
         passes::OwnDraws,
         shader::unprepared_error,
         timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
@@ -60,7 +60,7 @@ impl LightSet {
         stamps: &SetTimestamps<'_>,
         passes: &mut Vec<TimedPass>,
     ) -> Result<(), BackendError> {
-        let timer = PassTimer::new(stamps, passes);
+        let timer = PassTimer::new(self.number, stamps, passes);
         self.encode_passes(encoder, &mut own_draws, Some(timer))
     }
 
@@ -91,7 +91,7 @@ impl LightSet {
             timer,
         };
         // Record the casts and filters of each light.
-        let mut filtered: Option<LightId> = None;
+        let mut filtered: Option<LightKey> = None;
         let mut names = self.passes.names().enumerate().peekable();
         while let Some((pass, name)) = names.next() {
             let light = &self.lights[name.light];
@@ -158,7 +158,7 @@ impl LightSet {
         stamps: &SetTimestamps<'_>,
         passes: &mut Vec<TimedPass>,
     ) -> Result<&TextureView, BackendError> {
-        let timer = PassTimer::new(stamps, passes);
+        let timer = PassTimer::new(self.number, stamps, passes);
         self.masks
             .encode(encoder, &self.shader, Some(timer))
             .ok_or_else(masks::unprepared_error)

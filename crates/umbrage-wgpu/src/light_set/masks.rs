@@ -5,7 +5,7 @@ use crate::{
     frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
-        options::LightId,
+        ids::{LightId, LightKey},
         shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
@@ -124,7 +124,7 @@ pub(crate) struct MaskStage {
     whole: Option<TextureView>,
     layers: Vec<TextureView>,
     /// For each layer, the light and its index in shaders; `None` for lights without shadows.
-    lights: Vec<(LightId, Option<u32>)>,
+    lights: Vec<(LightKey, Option<u32>)>,
 }
 
 /// The caller's bound textures: depth and normals, or positions, normals and triangles.
@@ -260,7 +260,7 @@ impl MaskStage {
         pipelines: &mut Pipelines,
         shader: &SetShader,
         inputs: &MaskInputs<'_>,
-        lights: impl Iterator<Item = (LightId, Option<u32>)>,
+        lights: impl Iterator<Item = (LightKey, Option<u32>)>,
     ) -> Result<(), BackendError> {
         // Write the per-frame data.
         self.lights.clear();

@@ -7,6 +7,7 @@ mod corners;
 mod culling;
 mod dropped_encoders;
 mod encode;
+mod ids;
 mod masks;
 mod options;
 mod own_casters;
@@ -25,17 +26,17 @@ mod timestamps;
 
 #[cfg(feature = "testing")]
 pub use caster_lists::Listing;
-pub use casters::{CasterId, CasterMesh, MeshId};
+pub use casters::CasterMesh;
+pub use ids::{CasterId, LightId, MeshId, OwnCasterId};
 #[allow(deprecated, reason = "former names stay for one release")]
 pub use masks::SetReceivers;
 pub use masks::{MaskFormat, MaskInputs, MaskReceivers, NormalCoding, SetNormals};
 #[allow(deprecated, reason = "former names stay for one release")]
 pub use options::SetLight;
 pub use options::{
-    FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight,
-    StillLayers, Unserved,
+    FrameGeometry, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight, StillLayers,
+    Unserved,
 };
-pub use own_casters::OwnCasterId;
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
@@ -44,9 +45,18 @@ use crate::{
         requirements::{check_limits, limits},
     },
     light_set::{
-        buffers::MAX_LIGHTS, caster_lists::CasterLists, casters::Casters,
-        dropped_encoders::DroppedEncoders, masks::MaskStage, passes::PassList, pool::LayerPool,
-        prices::PriceMeter, shader::SetShader, state::HeldLight, still_layers::still_bytes,
+        buffers::MAX_LIGHTS,
+        caster_lists::CasterLists,
+        casters::Casters,
+        dropped_encoders::DroppedEncoders,
+        ids::{CasterKey, LightKey, SetNumber},
+        masks::MaskStage,
+        passes::PassList,
+        pool::LayerPool,
+        prices::PriceMeter,
+        shader::SetShader,
+        state::HeldLight,
+        still_layers::still_bytes,
     },
     resources::{
         counters::Counters,
@@ -106,6 +116,8 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 /// the next `prepare` (not detected in browsers), the next frame draws all layers again.
 #[derive(Debug)]
 pub struct LightSet {
+    /// Checks the ids that callers pass.
+    number: SetNumber,
     device: Device,
     queue: Queue,
     options: LightSetOptions,
@@ -114,7 +126,7 @@ pub struct LightSet {
     casters: Casters,
     /// Alpha-tested casters.
     cut_outs: Option<SetCutOuts>,
-    lights: SlotMap<LightId, HeldLight>,
+    lights: SlotMap<LightKey, HeldLight>,
     // Inputs of the lights' plans, and whether layers must be assigned again.
     planned: Option<PlannedFor>,
     /// Reason why the device can't build caster lists, if it can't.
@@ -143,7 +155,7 @@ pub struct LightSet {
 #[derive(Debug)]
 struct SetCutOuts {
     lists: GpuCutOuts,
-    casters: Vec<CasterId>,
+    casters: Vec<CasterKey>,
 }
 
 /// Inputs of all plans in addition to their lights.
@@ -197,6 +209,7 @@ impl LightSet {
         }
         let shader = SetShader::new(options.group, &options.prefix, &device.limits())?;
         Ok(Self {
+            number: SetNumber::next(),
             device: device.clone(),
             queue: queue.clone(),
             options,
@@ -229,7 +242,8 @@ impl LightSet {
     /// Errors with the mesh's label if a buffer lacks a usage, if layout or range don't fit the
     /// buffers, or if the bounds are empty or not finite.
     pub fn add_mesh(&mut self, mesh: &CasterMesh<'_>) -> Result<MeshId, Invalid> {
-        self.casters.add_mesh(mesh, &self.device.limits())
+        let key = self.casters.add_mesh(mesh, &self.device.limits())?;
+        Ok(MeshId::new(self.number, key))
     }
 
     /// Removes a mesh, and releases its buffers.
@@ -237,7 +251,7 @@ impl LightSet {
     /// # Errors
     /// Errors if casters use it, or if there is no such mesh.
     pub fn remove_mesh(&mut self, mesh: MeshId) -> Result<(), Invalid> {
-        self.casters.remove_mesh(mesh)
+        self.casters.remove_mesh(mesh.key_in(self.number)?)
     }
 
     /// Adds a caster: a placement of a mesh. Casters of one mesh are drawn as instances.
@@ -249,7 +263,9 @@ impl LightSet {
         mesh: MeshId,
         world_from_local: Affine3A,
     ) -> Result<CasterId, Invalid> {
-        self.casters.add(mesh, world_from_local)
+        let mesh = mesh.key_in(self.number)?;
+        let key = self.casters.add(mesh, world_from_local)?;
+        Ok(CasterId::new(self.number, key))
     }
 
     /// Moves a caster. Layers are redrawn at its old and its new position. Nothing is redrawn if it
@@ -262,6 +278,7 @@ impl LightSet {
         caster: CasterId,
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
+        let caster = caster.key_in(self.number)?;
         self.casters.place(caster, world_from_local)
     }
 
@@ -280,6 +297,7 @@ impl LightSet {
         caster: CasterId,
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
+        let caster = caster.key_in(self.number)?;
         self.casters.rebase(caster, world_from_local)
     }
 
@@ -288,7 +306,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such caster.
     pub fn remove_caster(&mut self, caster: CasterId) -> Result<(), Invalid> {
-        self.casters.remove(caster)
+        self.casters.remove(caster.key_in(self.number)?)
     }
 
     /// Adds a caster that the program draws itself in [`encode_with`](Self::encode_with), such as a
@@ -302,7 +320,8 @@ impl LightSet {
     /// # Errors
     /// Errors if the box is empty or not finite.
     pub fn add_own_caster(&mut self, bounds: Aabb) -> Result<OwnCasterId, Invalid> {
-        self.casters.add_own(bounds)
+        let key = self.casters.add_own(bounds)?;
+        Ok(OwnCasterId::new(self.number, key))
     }
 
     /// Sets the box (world space) of a caster that the program draws itself. Layers that show the
@@ -311,6 +330,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such caster, or if the box is empty or not finite.
     pub fn move_own_caster(&mut self, caster: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+        let caster = caster.key_in(self.number)?;
         self.casters.move_own(caster, bounds)
     }
 
@@ -319,7 +339,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such caster.
     pub fn remove_own_caster(&mut self, caster: OwnCasterId) -> Result<(), Invalid> {
-        self.casters.remove_own(caster)
+        self.casters.remove_own(caster.key_in(self.number)?)
     }
 
     /// Returns the layout of the bind group that passes of [`encode_with`](Self::encode_with) have
@@ -385,7 +405,8 @@ impl LightSet {
             return Err(Invalid::new("light set", why, help));
         }
         let index = self.shader.take_index();
-        Ok(self.lights.insert(HeldLight::new(index, light)))
+        let key = self.lights.insert(HeldLight::new(index, light));
+        Ok(LightId::new(self.number, key))
     }
 
     /// Moves or changes a light. Has no effect if the light is unchanged.
@@ -393,7 +414,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light, or if one of its numbers can't be used.
     pub fn set_light(&mut self, id: LightId, light: Light) -> Result<(), Invalid> {
-        let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
+        let state = self.light_mut(id)?;
         check_light(&light, state.settings.priority)?;
         if state.settings.light != light {
             state.settings.light = light;
@@ -411,7 +432,7 @@ impl LightSet {
         id: LightId,
         technique: Arc<dyn ShadowTechnique>,
     ) -> Result<(), Invalid> {
-        let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
+        let state = self.light_mut(id)?;
         state.settings.technique = technique;
         state.has_changed = true;
         Ok(())
@@ -423,7 +444,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light.
     pub fn set_enabled(&mut self, id: LightId, is_enabled: bool) -> Result<(), Invalid> {
-        let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
+        let state = self.light_mut(id)?;
         if state.is_enabled != is_enabled {
             state.is_enabled = is_enabled;
             self.shader.change();
@@ -436,7 +457,7 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light, or if the priority is negative or not finite.
     pub fn set_priority(&mut self, id: LightId, priority: f32) -> Result<(), Invalid> {
-        let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
+        let state = self.light_mut(id)?;
         check_priority(priority)?;
         self.layers_changed |= state.settings.priority != priority;
         state.settings.priority = priority;
@@ -448,8 +469,9 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light.
     pub fn remove_light(&mut self, id: LightId) -> Result<(), Invalid> {
-        let light = self.lights.remove(id).ok_or_else(unknown_light)?;
-        self.shader.forget(id);
+        let key = self.light_key(id)?;
+        let light = self.lights.remove(key).ok_or_else(unknown_light)?;
+        self.shader.forget(key);
         self.shader.give_back_index(light.index);
         for range in &light.maps.ranges {
             self.pool.give_back(range);
@@ -463,8 +485,8 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light.
     pub fn index_of(&self, id: LightId) -> Result<u32, Invalid> {
-        let state = self.lights.get(id).ok_or_else(unknown_light)?;
-        Ok(state.index)
+        let key = self.light_key(id)?;
+        Ok(self.lights[key].index)
     }
 
     /// Returns the lights without shadows as of the last [`prepare`](Self::prepare), with reasons;
@@ -473,7 +495,10 @@ impl LightSet {
         self.lights
             .iter()
             .filter(|(_, light)| light.is_enabled)
-            .filter_map(|(id, light)| Some((id, light.state.unserved_reason()?)))
+            .filter_map(|(key, light)| {
+                let id = LightId::new(self.number, key);
+                Some((id, light.state.unserved_reason()?))
+            })
     }
 
     /// Returns the statistics of the last [`prepare`](Self::prepare).
@@ -531,6 +556,22 @@ impl LightSet {
         let error = self.errors.take()?;
         self.forget_objects();
         Some(error)
+    }
+
+    /// Returns the key of a light.
+    ///
+    /// Errors if it is in another set, or removed.
+    fn light_key(&self, id: LightId) -> Result<LightKey, Invalid> {
+        let key = id.key_in(self.number)?;
+        if self.lights.contains_key(key) {
+            return Ok(key);
+        }
+        Err(unknown_light())
+    }
+
+    fn light_mut(&mut self, id: LightId) -> Result<&mut HeldLight, Invalid> {
+        let key = id.key_in(self.number)?;
+        self.lights.get_mut(key).ok_or_else(unknown_light)
     }
 
     /// Returns the bytes of all maps, including the layers of still casters.

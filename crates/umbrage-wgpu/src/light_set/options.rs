@@ -1,7 +1,6 @@
 //! Options of a set, its lights and frames, and its reports.
 
 use crate::device::later_errors::ApiErrors;
-use slotmap::new_key_type;
 use std::sync::Arc;
 use umbrage_core::{Aabb, Camera, Geometry, Light, RecipeError, ShadowTechnique, View};
 
@@ -90,11 +89,6 @@ pub struct FrameGeometry<'a> {
     pub triangles: &'a Geometry,
     /// A number that must change whenever the triangles do.
     pub revision: u64,
-}
-
-new_key_type! {
-    /// Identifies a light of a [`LightSet`](crate::LightSet).
-    pub struct LightId;
 }
 
 /// A light with its shadow technique.

@@ -1,18 +1,13 @@
 //! Casters that the program draws itself into the set's layers, such as skinned meshes.
 
-use crate::light_set::{casters::Casters, culling::Volume, unknown};
+use crate::light_set::{casters::Casters, culling::Volume, ids::OwnCasterKey, unknown};
 use glam::Vec3;
-use slotmap::{SlotMap, new_key_type};
+use slotmap::SlotMap;
 use umbrage_core::{Aabb, Invalid};
-
-new_key_type! {
-    /// Identifies a caster of a [`LightSet`](crate::LightSet) that the program draws itself.
-    pub struct OwnCasterId;
-}
 
 /// The world-space boxes of the program's own casters.
 #[derive(Debug, Default)]
-pub(crate) struct OwnCasters(SlotMap<OwnCasterId, Aabb>);
+pub(crate) struct OwnCasters(SlotMap<OwnCasterKey, Aabb>);
 
 impl OwnCasters {
     pub(crate) fn is_empty(&self) -> bool {
@@ -38,7 +33,7 @@ impl OwnCasters {
     }
 
     /// Returns those that may be visible in a layer.
-    pub(crate) fn shown_in(&self, layer: &Volume) -> impl Iterator<Item = OwnCasterId> {
+    pub(crate) fn shown_in(&self, layer: &Volume) -> impl Iterator<Item = OwnCasterKey> {
         let shown = self.0.iter().filter(|(_, bounds)| layer.may_show(bounds));
         shown.map(|(id, _)| id)
     }
@@ -49,7 +44,7 @@ impl Casters {
         &self.own
     }
 
-    pub(crate) fn add_own(&mut self, bounds: Aabb) -> Result<OwnCasterId, Invalid> {
+    pub(crate) fn add_own(&mut self, bounds: Aabb) -> Result<OwnCasterKey, Invalid> {
         check(&bounds)?;
         // With the first one, the device can no longer build caster lists.
         self.has_grown = true;
@@ -57,7 +52,7 @@ impl Casters {
         Ok(self.own.0.insert(bounds))
     }
 
-    pub(crate) fn move_own(&mut self, id: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+    pub(crate) fn move_own(&mut self, id: OwnCasterKey, bounds: Aabb) -> Result<(), Invalid> {
         check(&bounds)?;
         let held = self.own.0.get_mut(id).ok_or_else(unknown_caster)?;
         // The pose may differ within the same box.
@@ -66,7 +61,7 @@ impl Casters {
         Ok(())
     }
 
-    pub(crate) fn remove_own(&mut self, id: OwnCasterId) -> Result<(), Invalid> {
+    pub(crate) fn remove_own(&mut self, id: OwnCasterKey) -> Result<(), Invalid> {
         let bounds = self.own.0.remove(id).ok_or_else(unknown_caster)?;
         self.has_grown = true;
         self.changed.push(bounds);

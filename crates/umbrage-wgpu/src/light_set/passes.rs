@@ -3,10 +3,10 @@
 use crate::{
     cast::CastBindings,
     light_set::{
-        casters::{Casters, MeshId},
+        casters::Casters,
         culling::{ShownSlots, Wanted},
-        options::{LightId, StillLayers},
-        own_casters::OwnCasterId,
+        ids::{LightKey, MeshKey, OwnCasterId, SetNumber},
+        options::StillLayers,
         prices::Prices,
         state::{HeldLight, LightCast, LightMaps, StillLayer},
         still_layers,
@@ -30,7 +30,7 @@ pub(crate) type OwnDraws<'a> = &'a mut dyn FnMut(&mut RenderPass<'_>, &CastTarge
 /// The cast drawn by a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassName {
-    pub(crate) light: LightId,
+    pub(crate) light: LightKey,
     /// Index among the light's casts.
     pub(crate) cast: usize,
     pub(crate) part: PassCasters,
@@ -39,6 +39,7 @@ pub(crate) struct PassName {
 /// Inputs for the selection and recording of passes.
 #[derive(Debug)]
 pub(crate) struct CastSources<'a> {
+    pub(crate) set: SetNumber,
     pub(crate) casters: &'a Casters,
     pub(crate) option: StillLayers,
     pub(crate) prices: &'a Prices,
@@ -61,7 +62,7 @@ struct CastPass {
 /// The draws of a mesh.
 #[derive(Debug)]
 struct MeshDraws {
-    mesh: MeshId,
+    mesh: MeshKey,
     pipeline: RenderPipeline,
     /// Range in the list of runs.
     runs: Range<usize>,
@@ -71,7 +72,7 @@ struct MeshDraws {
 #[derive(Debug, Default)]
 pub(crate) struct PassList {
     /// The lights whose uniforms or layers change in this frame.
-    pub(crate) lights: Vec<LightId>,
+    pub(crate) lights: Vec<LightKey>,
     passes: Vec<CastPass>,
     draws: Vec<MeshDraws>,
     /// Runs of slots.
@@ -98,7 +99,7 @@ impl PassList {
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut CastSources<'_>,
-        light: LightId,
+        light: LightKey,
         maps: &mut LightMaps,
     ) {
         let may_split = maps.may_split();
@@ -184,8 +185,9 @@ impl PassList {
         // The program's casters count as moving.
         let first_own = self.own.len();
         if name.part != PassCasters::Still {
+            let shown = sources.casters.own().shown_in(&cast.volume);
             self.own
-                .extend(sources.casters.own().shown_in(&cast.volume));
+                .extend(shown.map(|key| OwnCasterId::new(sources.set, key)));
         }
         self.passes.push(CastPass {
             name,
@@ -200,7 +202,7 @@ impl PassList {
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        lights: &SlotMap<LightId, HeldLight>,
+        lights: &SlotMap<LightKey, HeldLight>,
         holes: Option<&GpuCutOuts>,
     ) {
         let passes = self.passes.iter();

@@ -6,14 +6,14 @@ use crate::{
         LightSet, PlannedFor,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         caster_lists::{CasterLists, why_not_listed},
+        ids::LightKey,
         masks::{MaskInputs, MaskStage},
-        options::{LightId, SetFrame, SetReport},
+        options::{SetFrame, SetReport},
         passes::{CastSources, PassList},
         plan::{Difference, LightPlan, PlanLimits},
         pool::{LayerClass, LayerPool},
         state::{HeldLight, LightMaps, LightState},
         still_layers::still_bytes,
-        unknown_light,
     },
     resources::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
@@ -83,21 +83,23 @@ impl LightSet {
     /// graphics API, like [`prepare`](Self::prepare).
     pub fn prepare_masks(&mut self, inputs: &MaskInputs<'_>) -> Result<(), BackendError> {
         inputs.validate()?;
-        if inputs
-            .lights
-            .iter()
-            .any(|&id| !self.lights.contains_key(id))
-        {
-            return Err(unknown_light().into());
+        for &id in inputs.lights {
+            self.light_key(id)?;
         }
         // Open scopes only for new objects: otherwise there are no device errors.
         let makes = !self.masks.is_made_for(&self.shader, inputs);
         let scopes = makes.then(|| Scopes::open(&self.device));
         let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
-        let lights = inputs.lights.iter().map(|&id| {
-            let light = &self.lights[id];
+        let lights = &self.lights;
+        // All ids were checked above.
+        let keys = inputs
+            .lights
+            .iter()
+            .filter_map(|id| id.key_in(self.number).ok());
+        let lights = keys.map(|key| {
+            let light = &lights[key];
             let is_shown = light.is_enabled && light.state.shown_plan().is_some();
-            (id, is_shown.then_some(light.index))
+            (key, is_shown.then_some(light.index))
         });
         let result = self.masks.prepare(
             &mut factory,
@@ -182,7 +184,7 @@ impl LightSet {
             return;
         }
         // Select the lights that fit into the budget, by priority.
-        let mut order: Vec<LightId> = self.lights.keys().collect();
+        let mut order: Vec<LightKey> = self.lights.keys().collect();
         order.sort_by(|&a, &b| {
             let a = &self.lights[a];
             let b = &self.lights[b];
@@ -268,7 +270,7 @@ impl LightSet {
 
     /// Writes the frame. Collects errors of the graphics API if objects may be created.
     fn write_within_scopes(&mut self) -> Result<(), BackendError> {
-        let shows_plans = |&id: &LightId| self.lights[id].state.has_next();
+        let shows_plans = |&id: &LightKey| self.lights[id].state.has_next();
         let makes = self.shader.is_outdated()
             || self.casters.has_grown()
             || self.passes.lights.iter().any(shows_plans);
@@ -346,6 +348,7 @@ impl LightSet {
     fn list_passes(&mut self) {
         let held = self.pool.bytes() + still_bytes(&self.lights);
         let mut sources = CastSources {
+            set: self.number,
             casters: &self.casters,
             option: self.options.still_layers,
             prices: self.meter.prices(),

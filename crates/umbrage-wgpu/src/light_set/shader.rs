@@ -6,7 +6,7 @@ use crate::{
             ImagePlace, LightEntry, LightNumbers, NumberSpace, Records, Region, SharedTables,
             Uploaded,
         },
-        options::LightId,
+        ids::LightKey,
         plan::LightPlan,
         pool::LayerPool,
         state::{HeldLight, LightState},
@@ -41,7 +41,7 @@ pub(crate) struct SetShader {
     classes: Vec<Vec<Vec<usize>>>,
     tables: SharedTables,
     /// Uniform record of each shown light.
-    records: SecondaryMap<LightId, KernelRecord>,
+    records: SecondaryMap<LightKey, KernelRecord>,
     text: String,
     /// The text with the user's prefix.
     prefixed_text: String,
@@ -140,7 +140,7 @@ impl SetShader {
 
     /// Frees a light's uniforms. From the next [`write`](Self::write) on, it has no shadows in
     /// shaders.
-    pub(crate) fn forget(&mut self, light: LightId) {
+    pub(crate) fn forget(&mut self, light: LightKey) {
         if let Some(KernelRecord { kind, index }) = self.records.remove(light) {
             self.numbers.kernels[kind].give_back(index);
         }
@@ -163,7 +163,7 @@ impl SetShader {
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        lights: &mut SlotMap<LightId, HeldLight>,
+        lights: &mut SlotMap<LightKey, HeldLight>,
         pool: &LayerPool,
         maps_changed: bool,
     ) -> Result<Uploaded, BackendError> {
@@ -192,7 +192,7 @@ impl SetShader {
     }
 
     /// Ensures that kinds and bindings for all shown lights are registered.
-    fn register_all(&mut self, lights: &mut SlotMap<LightId, HeldLight>) {
+    fn register_all(&mut self, lights: &mut SlotMap<LightKey, HeldLight>) {
         let is_registered = |light: &HeldLight| {
             let plan = light.state.shown_plan();
             plan.is_none_or(|plan| self.has_registered(plan, light))
@@ -279,7 +279,7 @@ impl SetShader {
     }
 
     /// Sets the uniforms of all lights.
-    fn set_records(&mut self, lights: &SlotMap<LightId, HeldLight>) {
+    fn set_records(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
         let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
         for (id, light) in lights {
             // The default entry is lit.
@@ -317,7 +317,7 @@ impl SetShader {
 
     fn entry(
         &mut self,
-        id: LightId,
+        id: LightKey,
         plan: &LightPlan,
         light: &HeldLight,
         record: KernelRecord,
@@ -353,12 +353,12 @@ impl SetShader {
 
     /// Refuses the lights of least priority whose tables, together with those of all lights before
     /// them, exceed what a shader can bind.
-    fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, HeldLight>, most: u64) {
+    fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightKey, HeldLight>, most: u64) {
         let mut bytes = self.tables.made_bytes();
         // Add up the tables by priority, counting shared ones once.
-        let mut order: Vec<LightId> = lights.keys().collect();
+        let mut order: Vec<LightKey> = lights.keys().collect();
         order.sort_by(|&a, &b| {
-            let priority = |id: LightId| lights[id].settings.priority;
+            let priority = |id: LightKey| lights[id].settings.priority;
             priority(b).total_cmp(&priority(a))
         });
         let mut counted: Vec<Arc<[[u32; 4]]>> = Vec::new();
@@ -395,7 +395,7 @@ impl SetShader {
     }
 
     /// Drops the tables that no shown light uses.
-    fn retain_tables(&mut self, lights: &SlotMap<LightId, HeldLight>) {
+    fn retain_tables(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
         let plans = || lights.values().filter_map(|light| light.state.shown_plan());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| {
@@ -404,7 +404,7 @@ impl SetShader {
                 used.any(|held| held == rows)
             })
         };
-        let is_listed = |id: LightId| {
+        let is_listed = |id: LightKey| {
             let shown = lights.get(id).and_then(|light| light.state.shown_plan());
             shown.is_some_and(|plan| plan.lists.is_some())
         };

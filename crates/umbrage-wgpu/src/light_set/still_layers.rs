@@ -10,7 +10,8 @@ use crate::{
     light_set::{
         casters::Casters,
         culling::{ShownSlots, Wanted},
-        options::{LightId, StillLayers},
+        ids::LightKey,
+        options::StillLayers,
         prices::Prices,
         state::{HeldLight, LightCast, StillLayer},
     },
@@ -86,7 +87,7 @@ pub(crate) fn bytes_of(target: &CastTarget) -> u64 {
 }
 
 /// Returns the bytes of all layers of still casters.
-pub(crate) fn still_bytes(lights: &SlotMap<LightId, HeldLight>) -> u64 {
+pub(crate) fn still_bytes(lights: &SlotMap<LightKey, HeldLight>) -> u64 {
     let casts = lights.values().flat_map(|light| &light.maps.casts);
     let layers = casts.filter_map(|cast| cast.still.as_ref());
     layers.map(|still| bytes_of(&still.target)).sum()

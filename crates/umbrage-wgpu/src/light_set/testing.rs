@@ -1,7 +1,7 @@
 //! Access to a set for tests.
 
 use crate::{
-    light_set::{LightSet, caster_lists::Listing, options::LightId, prices::Prices},
+    light_set::{LightId, LightSet, caster_lists::Listing, prices::Prices},
     resources::counters::Counters,
 };
 
@@ -33,7 +33,8 @@ impl LightSet {
 
     /// Waits for the last lists of a light, and returns their result; `None` if there are none.
     pub fn listings(&mut self, id: LightId) -> Option<Listing> {
-        self.lists.look(&self.device, id)
+        let key = id.key_in(self.number).ok()?;
+        self.lists.look(&self.device, key)
     }
 
     /// Returns the number of GPU objects created so far.

@@ -1,7 +1,10 @@
 //! Timestamps around the passes of a set.
 
 use crate::{
-    light_set::{options::LightId, prices::FrameMeter},
+    light_set::{
+        ids::{LightId, LightKey, SetNumber},
+        prices::FrameMeter,
+    },
     resources::timestamps::{PassTimestamps, TimedStage},
 };
 use std::ops::Range;
@@ -70,7 +73,7 @@ impl PassClock<'_, '_> {
     /// Returns the timestamps of a pass that draws this number of triangles.
     pub(crate) fn cast(
         &mut self,
-        light: LightId,
+        light: LightKey,
         layer: u32,
         casters: PassCasters,
         triangles: u64,
@@ -87,7 +90,7 @@ impl PassClock<'_, '_> {
     }
 
     /// Returns the timestamps of all filter passes of a light's layers. They follow a cast pass.
-    pub(crate) fn filters(&mut self, light: LightId) -> Option<PassTimestamps<'_>> {
+    pub(crate) fn filters(&mut self, light: LightKey) -> Option<PassTimestamps<'_>> {
         let timer = self.timer.as_mut()?;
         let begin = timer.begin(light, SetPass::Filters)?;
         Some(PassTimestamps {
@@ -100,15 +103,21 @@ impl PassClock<'_, '_> {
 /// Assigns queries to passes, and records the assignment.
 #[derive(Debug)]
 pub(crate) struct PassTimer<'a, 'out> {
+    set: SetNumber,
     queries: &'a QuerySet,
     left: Range<u32>,
     out: &'out mut Vec<TimedPass>,
 }
 
 impl<'a, 'out> PassTimer<'a, 'out> {
-    pub(crate) fn new(stamps: &SetTimestamps<'a>, out: &'out mut Vec<TimedPass>) -> Self {
+    pub(crate) fn new(
+        set: SetNumber,
+        stamps: &SetTimestamps<'a>,
+        out: &'out mut Vec<TimedPass>,
+    ) -> Self {
         out.clear();
         Self {
+            set,
             queries: stamps.queries,
             left: stamps.range.clone(),
             out,
@@ -116,18 +125,19 @@ impl<'a, 'out> PassTimer<'a, 'out> {
     }
 
     /// Returns the first of two queries for a pass, if there are any left.
-    fn begin(&mut self, light: LightId, pass: SetPass) -> Option<u32> {
+    fn begin(&mut self, light: LightKey, pass: SetPass) -> Option<u32> {
         if self.left.len() < 2 {
             return None;
         }
         let begin = self.left.start;
         self.left.start += 2;
+        let light = LightId::new(self.set, light);
         self.out.push(TimedPass { light, pass, begin });
         Some(begin)
     }
 
     /// Returns the timestamps of the pass that builds a light's lists.
-    pub(crate) fn lists(&mut self, light: LightId) -> Option<ComputePassTimestampWrites<'a>> {
+    pub(crate) fn lists(&mut self, light: LightKey) -> Option<ComputePassTimestampWrites<'a>> {
         let begin = self.begin(light, SetPass::Lists)?;
         Some(ComputePassTimestampWrites {
             query_set: self.queries,
@@ -139,7 +149,7 @@ impl<'a, 'out> PassTimer<'a, 'out> {
     /// Returns the timestamps of one pass.
     pub(crate) fn writes(
         &mut self,
-        light: LightId,
+        light: LightKey,
         pass: SetPass,
     ) -> Option<RenderPassTimestampWrites<'a>> {
         let begin = self.begin(light, pass)?;
