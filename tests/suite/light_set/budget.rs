@@ -1,6 +1,6 @@
 //! Tests of a frame's cost: nothing without changes, and never more than the budget.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::Aabb;
 use umbrage_techniques::{MapFilter as _, Pcf};
@@ -316,6 +316,26 @@ fn frames_that_are_not_submitted_are_drawn_again() {
     assert!(stage.shadowed_pixels(id) > 0);
     stage.program.d.queue.submit([kept.finish()]);
     assert_eq!(stage.frame().redrawn, 0);
+}
+
+/// Before the first frame, and after one that failed, nothing waits for a budget.
+#[test]
+fn lights_of_a_frame_that_failed_are_not_prepared() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    stage.light(0.0, 1.0);
+    let reasons = |set: &LightSet| -> Vec<Unserved> {
+        set.unserved_lights().map(|(_, reason)| reason).collect()
+    };
+    assert_eq!(reasons(&stage.set), [Unserved::NotPrepared]);
+    let camera = stage.camera.with_size(UVec2::ZERO);
+    let frame = SetFrame {
+        camera: &camera,
+        geometry: None,
+    };
+    assert!(stage.set.prepare(&frame).is_err());
+    assert_eq!(reasons(&stage.set), [Unserved::NotPrepared]);
+    stage.frame();
+    assert_eq!(reasons(&stage.set), []);
 }
 
 /// Ids look alike in two sets with the same parts.

@@ -132,6 +132,8 @@ pub struct LightSet {
     /// Reason why the device can't build caster lists, if it can't.
     unlisted: Option<String>,
     layers_changed: bool,
+    /// True if the last frame was prepared without an error.
+    is_prepared: bool,
     // Shader resources.
     pool: LayerPool,
     shader: SetShader,
@@ -220,6 +222,7 @@ impl LightSet {
             planned: None,
             unlisted: None,
             layers_changed: false,
+            is_prepared: false,
             pool: LayerPool::default(),
             shader,
             lists: CasterLists::default(),
@@ -497,7 +500,9 @@ impl LightSet {
             .filter(|(_, light)| light.is_enabled)
             .filter_map(|(key, light)| {
                 let id = LightId::new(self.number, key);
-                Some((id, light.state.unserved_reason()?))
+                let reason = light.state.unserved_reason()?;
+                let waits = reason == Unserved::Waiting && !self.is_prepared;
+                Some((id, if waits { Unserved::NotPrepared } else { reason }))
             })
     }
 

@@ -134,6 +134,10 @@ pub enum Unserved {
     /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     #[error("its maps wait for one of the next frames, because of the redraw budget")]
     Waiting,
+    /// The last [`LightSet::prepare`](crate::LightSet::prepare) returned an error, or there was
+    /// none.
+    #[error("the set is not prepared: call `prepare`, and check its error")]
+    NotPrepared,
 }
 
 /// Statistics of [`LightSet::prepare`](crate::LightSet::prepare).

@@ -53,6 +53,7 @@ impl LightSet {
     /// also errors if memory runs out, or a kernel's WGSL is invalid (with the compiler's message).
     /// After an error all GPU objects are recreated.
     pub fn prepare(&mut self, frame: &SetFrame<'_>) -> Result<&SetReport, BackendError> {
+        self.is_prepared = false;
         frame.camera.validate()?;
         if self.dropped_encoders.any() || self.casters.is_rebased() {
             self.draw_all_again();
@@ -71,6 +72,7 @@ impl LightSet {
             return Err(error);
         }
         self.casters.forget_changes();
+        self.is_prepared = true;
         Ok(&self.report)
     }
 
