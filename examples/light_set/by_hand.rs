@@ -51,6 +51,7 @@ impl ByHand {
         let mut spaces: Vec<Mat4> = Vec::new();
         for light in &boxes.scene.lights {
             let view = View {
+                nearest_caster: 0.0,
                 camera: &boxes.scene.camera,
                 light,
                 casters,

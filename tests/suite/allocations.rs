@@ -41,7 +41,6 @@ fn prepare(stage: &mut Stage) {
         camera: &stage.camera,
         geometry: None,
     };
-    let d = stage.program.d;
     stage.set.prepare(&frame).expect("prepares");
 }
 
@@ -169,6 +168,5 @@ fn prepare_masks(stage: &mut Stage, seen: &DepthInputs, world_from_clip: Mat4, l
         lights,
         format: MaskFormat::Unorm8,
     };
-    let queue = &stage.program.d.queue;
     stage.set.prepare_masks(&inputs).expect("prepares");
 }

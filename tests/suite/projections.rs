@@ -148,6 +148,7 @@ fn stable(camera: &Camera, sun: Vec3, range: f32) -> LightSpace {
         angular_diameter: 0.0,
     };
     let view = View {
+        nearest_caster: 0.0,
         camera,
         light: &light,
         casters: Aabb::EMPTY,

@@ -119,7 +119,6 @@ fn thrown_away_redraws_are_not_put_off() {
             camera: &stage.camera,
             geometry: None,
         };
-        let d = stage.program.d;
         stage.set.prepare(&frame).expect("prepares");
         if is_recorded {
             let mut encoder = stage.program.encoder();
@@ -246,10 +245,8 @@ fn pipelines_of_past_revisions_are_refused() {
     stage.frame();
     let index = stage.set.index_of(id).expect("is there");
     let device = &stage.program.d.device;
-    let mut forward = Forward {
-        keeps_stale_pipelines: true,
-        ..Forward::default()
-    };
+    let mut forward = Forward::default();
+    forward.keeps_stale_pipelines = true;
     let mut draw = |set: &LightSet| {
         let scope = device.push_error_scope(ErrorFilter::Validation);
         forward.mask(&stage.program, set, index);
@@ -284,7 +281,7 @@ fn lights_are_switched_off_and_on() {
     let revision = stage.set.wgsl_revision();
     stage.set.set_enabled(lights[1], false).expect("is there");
     // Move a caster within the light that is off, and back.
-    for x in [4.1, 4.0] {
+    for x in [3.9, 4.0] {
         let place = translation_along_x(x);
         let caster = stage.casters[1];
         stage.set.move_caster(caster, place).expect("is there");

@@ -63,6 +63,7 @@ impl World {
     fn answers(&self, set: &LightSet, light: &Light, casters_count: bool) -> Vec<f32> {
         let camera = &self.scene.cameras[0];
         let view = View {
+            nearest_caster: 0.0,
             camera,
             light,
             casters: set.casters_box(),

@@ -366,7 +366,6 @@ impl<'a> Model<'a> {
             camera: &camera(self.turn, self.anchor),
             geometry: None,
         };
-        let d = self.program.d;
         self.set.prepare(&frame).expect("prepares");
     }
 

@@ -149,7 +149,6 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
             lights: &[light],
             format: MaskFormat::Unorm8,
         };
-        let queue = &stage.program.d.queue;
         let reported = stage.set.prepare_masks(&inputs).err();
         let requested = stage.set.take_error();
         let (error, other) = match when {

@@ -117,12 +117,8 @@ impl Figure {
 
     fn draw(&mut self, layout: &BindGroupLayout, pass: &mut RenderPass<'_>, target: &CastTarget) {
         self.draws += 1;
-        let Self {
-            has_holes,
-            bone_layout,
-            ..
-        } = &*self;
-        let make = || pipeline(target, *has_holes, [layout, bone_layout]);
+        let groups = [layout, &self.bone_layout];
+        let make = || pipeline(target, self.has_holes, groups);
         pass.set_pipeline(self.pipelines.entry(target.key()).or_insert_with(make));
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
@@ -262,6 +258,18 @@ fn lamp() -> Light {
     }
 }
 
+/// Returns the place at a height whose shadow is at the floor's centre, moved by `offset`.
+fn place(light: &Light, height: f32, offset: Vec3) -> Vec3 {
+    let center = match light.position() {
+        Some(position) => position.with_y(height),
+        None => {
+            let from_light = -light.direction_from(Vec3::ZERO);
+            from_light * (height / from_light.y)
+        }
+    };
+    center + offset
+}
+
 /// Returns techniques on one map and on several.
 fn techniques(light: &Light) -> Vec<Arc<dyn ShadowTechnique>> {
     let one = ShadowMap {
@@ -291,7 +299,7 @@ fn a_figure_of_the_program_casts_its_shadow_and_moves() {
         for has_holes in [false, true] {
             let techniques = techniques(&light);
             let mut stage = Stage::new(light, &techniques, StillLayers::Auto, has_holes);
-            let center = Vec3::new(0.5, 3.0, 0.2);
+            let center = place(&light, 3.0, Vec3::new(0.5, 0.0, 0.2));
             let bounds = stage.figure.pose(center);
             let id = stage.set.add_own_caster(bounds).expect("valid");
             let calls = stage.update();
@@ -301,7 +309,7 @@ fn a_figure_of_the_program_casts_its_shadow_and_moves() {
             // Nothing moves, so nothing is drawn.
             assert_eq!(stage.update().len(), 0);
             // The figure leaves the box that lights were planned for.
-            let center = Vec3::new(-3.0, 3.5, 1.0);
+            let center = place(&light, 3.5, Vec3::new(-1.2, 0.0, 0.3));
             let bounds = stage.figure.pose(center);
             stage.set.move_own_caster(id, bounds).expect("valid");
             assert!(stage.update().len() >= 3);
@@ -326,11 +334,11 @@ fn figures_are_drawn_on_copies_of_still_casters() {
     }))];
     let mut stage = Stage::new(light, &techniques, StillLayers::Always, false);
     let still = Block {
-        center: Vec3::new(5.0, 3.0, 0.0),
-        half: Vec3::splat(0.7),
+        center: place(&light, 3.0, Vec3::X * 2.5),
+        half: Vec3::splat(0.9),
     };
     add_block(&mut stage.set, &still);
-    let center = Vec3::new(-3.0, 3.0, 0.0);
+    let center = place(&light, 3.0, Vec3::X * -1.5);
     let bounds = stage.figure.pose(center);
     let id = stage.set.add_own_caster(bounds).expect("valid");
     stage.update();
@@ -370,7 +378,7 @@ fn maps_show_figures_that_the_triangles_of_the_frame_lack() {
         .expect("a built-in scene")
         .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
-    let center = Vec3::new(0.5, 3.0, 0.2);
+    let center = place(&light, 3.0, Vec3::new(0.5, 0.0, 0.2));
     let bounds = stage.figure.pose(center);
     stage.set.add_own_caster(bounds).expect("valid");
     stage.update_with(Some(&geometry));
@@ -414,7 +422,6 @@ fn targets_that_peel_have_another_key() {
     let mut stage = Stage::new(sun(), &peeling, StillLayers::Auto, false);
     let bounds = stage.figure.pose(Vec3::Y * 3.0);
     stage.set.add_own_caster(bounds).expect("valid");
-    let d = device();
     let camera = camera();
     let frame = SetFrame {
         camera: &camera,

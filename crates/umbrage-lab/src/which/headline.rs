@@ -41,39 +41,43 @@ fn figure(group: &SettingGroup, scenes: &[&SceneResult], is_card: bool) -> Figur
     let clock = group.clock();
     let front = group.front(clock);
     let others = others_by_distance(group, &front);
-    let point = |&place: &usize| {
+    let front: Vec<usize> = front.into_iter().take(POINTS).collect();
+    let others = others.into_iter().take(POINTS - front.len());
+    let point = |place: usize| {
         let setting = &group.settings[place];
-        Some(Point {
-            label: label(setting),
-            ..Point::at_position(setting.take(clock)?, setting.error.max(MIN_ERROR))
-        })
-    };
-    let front: Vec<Point> = front.iter().take(POINTS).filter_map(point).collect();
-    let others = others.iter().take(POINTS - front.len()).filter_map(point);
-    let others: Vec<Point> = others.collect();
-    let line = Series {
-        style: Style::Dashed(1.5),
-        ..Series::line("", COLORS[0], unlabelled(&front))
+        Some(Point::at_position(
+            setting.take(clock)?,
+            100.0 * setting.error,
+        ))
     };
     let mut figure = Figure::new(
         format!("Error and time of shadows on {}", group.backend),
         "time of a frame's shadows, relative to one 2048 map with one comparison",
-        "error, relative to no shadows",
+        "error, % of no shadows",
     )
-    .log(true, true)
-    .with(line)
-    .with(Series::points(
-        "",
-        COLORS[0],
-        Marker::Circle,
-        unlabelled(&front),
-    ))
-    .with(Series::points(
-        "",
-        COLORS[6],
-        Marker::Circle,
-        unlabelled(&others),
-    ));
+    .with(Series {
+        style: Style::Dashed(1.5),
+        ..Series::line(
+            "",
+            COLORS[0],
+            front.iter().copied().filter_map(point).collect(),
+        )
+    });
+    // Name each setting in the legend: labels at the points would overlap.
+    let colored = front.iter().map(|&place| (place, COLORS[0]));
+    let colored = colored.chain(others.map(|place| (place, COLORS[6])));
+    for ((place, color), marker) in colored.zip(Marker::ALL) {
+        let Some(point) = point(place) else {
+            continue;
+        };
+        let name = format!(
+            "{}: {}, {:.1}x",
+            label(&group.settings[place]),
+            percent(point.y),
+            point.x
+        );
+        figure = figure.with(Series::points(name, color, marker, vec![point]));
+    }
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     let hardware = if is_card {
         ""
@@ -84,8 +88,7 @@ fn figure(group: &SettingGroup, scenes: &[&SceneResult], is_card: bool) -> Figur
         "means over {}; down and left is better{hardware}",
         names.join(", ")
     );
-    figure.size = [800.0, 480.0];
-    figure.notes = front.into_iter().chain(others).collect();
+    figure.size = [800.0, 400.0];
     figure
 }
 
@@ -129,12 +132,13 @@ fn others_by_distance(group: &SettingGroup, front: &[usize]) -> Vec<usize> {
     best.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Returns points without their labels, which the chart draws apart.
-fn unlabelled(points: &[Point]) -> Vec<Point> {
-    points
-        .iter()
-        .map(|p| Point::at_position(p.x, p.y))
-        .collect()
+/// Returns an error in percent, as the legend shows it.
+fn percent(error: f64) -> String {
+    if error == 0.0 {
+        "exact".to_owned()
+    } else {
+        format!("{error:.0} %")
+    }
 }
 
 /// Returns a short label: the technique, its first setting, and its cascades.

@@ -448,8 +448,9 @@ impl LightSet {
     /// Errors if there is no such light.
     pub fn set_enabled(&mut self, id: LightId, is_enabled: bool) -> Result<(), Invalid> {
         let state = self.light_mut(id)?;
-        if state.is_enabled != is_enabled {
-            state.is_enabled = is_enabled;
+        let has_changed = state.is_enabled != is_enabled;
+        state.is_enabled = is_enabled;
+        if has_changed {
             self.shader.change();
         }
         Ok(())
@@ -462,8 +463,9 @@ impl LightSet {
     pub fn set_priority(&mut self, id: LightId, priority: f32) -> Result<(), Invalid> {
         let state = self.light_mut(id)?;
         check_priority(priority)?;
-        self.layers_changed |= state.settings.priority != priority;
+        let has_changed = state.settings.priority != priority;
         state.settings.priority = priority;
+        self.layers_changed |= has_changed;
         Ok(())
     }
 

@@ -1,10 +1,6 @@
 //! Tests of a light set with a test technique: its masks, and the states of its lights.
 
-use crate::{
-    embedded::Embedded,
-    foreign::{Foreign, read},
-    scene::BackendScene,
-};
+use crate::{embedded::Embedded, foreign::read, scene::BackendScene};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Light, Recipe, RecipeError, ShadowTechnique, View};
@@ -81,7 +77,6 @@ impl Lit {
 
     /// Prepares a frame and submits it. Returns the report.
     fn frame(&mut self) -> SetReport {
-        let Foreign { device, queue } = &self.e.foreign;
         let frame = SetFrame {
             camera: &self.e.stage.camera,
             geometry: None,
@@ -89,7 +84,7 @@ impl Lit {
         let report = *self.set.prepare(&frame).expect("valid");
         let mut encoder = self.e.foreign.encoder();
         self.set.encode(&mut encoder).expect("it was prepared");
-        queue.submit([encoder.finish()]);
+        self.e.foreign.queue.submit([encoder.finish()]);
         report
     }
 
@@ -104,7 +99,6 @@ impl Lit {
             lights: &[light],
             format: MaskFormat::Float32,
         };
-        let queue = &self.e.foreign.queue;
         self.set.prepare_masks(&inputs).expect("valid");
         let mut encoder = self.e.foreign.encoder();
         let mask: &TextureView = self.set.encode_masks(&mut encoder).expect("prepared");

@@ -237,6 +237,7 @@ fn cascades_of_box(camera: &Camera, casters: Aabb, sun: Vec3, split: Split) -> L
         angular_diameter: 0.0,
     };
     let view = View {
+        nearest_caster: 0.0,
         camera,
         light: &light,
         casters,
