@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes the images of the README and of docs, the figures of docs/failures.md, and docs/which.md. Takes about half an hour.
+# Writes the images of the README and of docs, the figures of docs/failures.md, and docs/which.md. Takes about an hour.
 # (examples/viewer/try.py writes docs/viewer.png.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -32,4 +32,8 @@ for light in hard soft; do
 done
 cargo xtask stability --out "$report/stability"
 cp "$report/stability/matrix.svg" docs/matrix.svg
-cargo xtask which "$report/suite" "$report/stability" --out docs
+# Times of the card, errors of the CPU.
+scenes=(nave nave-soft street street-soft forest forest-soft valley valley-soft dancer dancer-soft leaf-cards leaf-cards-soft
+  night-room night-room-soft hall hall-soft statue town town-soft)
+cargo xtask compare "${scenes[@]}" --backend cpu --out "$report/which"
+cargo xtask which "$report/which" "$report/stability" --card docs/cards/nvidia-h100.json --out docs

@@ -53,7 +53,7 @@ fn figure(group: &SettingGroup, scenes: &[&SceneResult], is_card: bool) -> Figur
     let mut figure = Figure::new(
         format!("Error and time of shadows on {}", group.backend),
         "time of a frame's shadows, relative to one 2048 map with one comparison",
-        "error, % of no shadows",
+        "error relative to no shadows, %",
     )
     .with(Series {
         style: Style::Dashed(1.5),
