@@ -9,12 +9,12 @@ from Xlib import X, display
 from Xlib.protocol import event
 
 VERSION = 5
-# How long the window may take to answer, seconds: it does between two frames.
+# Timeout of the window's answers, in seconds: it answers between two frames.
 PATIENCE = 60
 
 
 class Drag:
-    """Files that are dragged over the window that has a number, from the moment they enter."""
+    """A drag of files over the window with an id, from XdndEnter on."""
 
     def __init__(self, window, files):
         self.display = display.Display()
@@ -23,7 +23,7 @@ class Drag:
         self.source = root.create_window(0, 0, 1, 1, 0, X.CopyFromParent)
         uris = ["file://" + urllib.parse.quote(str(pathlib.Path(file).resolve())) for file in files]
         self.uris = "".join(uri + "\r\n" for uri in uris).encode()
-        # Other programs ask the selection's owner for what is dragged.
+        # Other programs query the selection's owner for the dragged data.
         self.source.set_selection_owner(self.atom("XdndSelection"), X.CurrentTime)
         self.send("XdndEnter", VERSION << 24, self.atom("text/uri-list"), 0, 0)
 
@@ -37,7 +37,7 @@ class Drag:
         self.display.flush()
 
     def answer(self, kind):
-        """Hands the files' names to the window as it asks for them, until its answer of this kind comes; returns that."""
+        """Sends the files' names when the window requests them, until a message of this kind arrives; returns its flags."""
         end = time.time() + PATIENCE
         while time.time() < end:
             if not self.display.pending_events():
@@ -58,11 +58,11 @@ class Drag:
         self.display.flush()
 
     def over(self, x, y):
-        """Moves them to a place of the display; asserts that the window would take them."""
+        """Moves the drag to a position of the display; asserts that the window accepts the files."""
         self.send("XdndPosition", 0, x << 16 | y, X.CurrentTime, self.atom("XdndActionCopy"))
         _, flags, *_ = self.answer("XdndStatus")
         is_taken = flags & 1
-        assert is_taken, "the window takes no files"
+        assert is_taken, "the window accepts no files"
 
     def leave(self):
         self.send("XdndLeave", 0, 0, 0, 0)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Compares pictures: those of the viewer's window and page with each other, and with small ones that are kept in folders `goldens`.
+"""Compares screenshots of the viewer's window and page with each other and with the reduced ones in folders `goldens`.
 
-    python3 examples/viewer/pictures.py     # tests the comparison itself: spoilt pictures must fail
-    python3 examples/viewer/try.py --bless  # keeps the present pictures of the window; web/try.py --bless those of the page
+    python3 examples/viewer/pictures.py     # tests the comparison itself: altered pictures must fail
+    python3 examples/viewer/try.py --bless  # overwrites the goldens of the window; web/try.py --bless those of the page
 
 Pictures are kept at a quarter of their width and height, so that each of their pixels is the mean of 16.
 
@@ -30,28 +30,28 @@ MOST_BYTES = 300_000
 
 
 def spread(image):
-    """How far an image's levels are from one colour, of 255: 0 if it is blank."""
+    """Returns the standard deviation of an image's levels (0 to 255): 0 if it is blank."""
     return sum(ImageStat.Stat(image).stddev) / 3
 
 
 def difference(a, b):
-    """How far two images are apart in the mean, of 255."""
+    """Returns the mean absolute difference of two images (0 to 255)."""
     return sum(ImageStat.Stat(ImageChops.difference(a, b)).mean) / 3
 
 
 def halves(image):
-    """What is left and right of the divider in the middle, without the divider."""
+    """Returns the parts left and right of the divider, without the divider."""
     middle = image.width // 2
     return image.crop((0, 0, middle - 20, image.height)), image.crop((middle + 20, 0, image.width, image.height))
 
 
 def small(image):
-    """A region as it is kept."""
+    """Returns a region reduced to the size of its golden."""
     return image.convert("RGB").reduce(SHRINK)
 
 
 def fault(kept, seen):
-    """Says what is wrong with a picture beside the kept one; none if nothing is."""
+    """Describes how a picture differs from its golden, or returns None."""
     if kept.size != seen.size:
         return f"it has {seen.size} pixels, the kept one {kept.size}"
     whole = max(abs(a - b) for a, b in zip(ImageStat.Stat(kept).mean, ImageStat.Stat(seen).mean))
@@ -69,7 +69,7 @@ def fault(kept, seen):
 
 
 class Goldens:
-    """Compares pictures, or keeps them."""
+    """Compares pictures with goldens, or overwrites the goldens."""
 
     def __init__(self, folder, blesses, out):
         self.folder = folder
@@ -83,17 +83,17 @@ class Goldens:
         self.seen.add(file)
         if self.blesses:
             seen.save(file, optimize=True)
-            print(f"golden kept: {name}, {file.stat().st_size} bytes")
+            print(f"golden written: {name}, {file.stat().st_size} bytes")
             return
         assert file.exists(), f"there is no {file}; if the picture is right, keep it with --bless"
         wrong = fault(Image.open(file).convert("RGB"), seen)
         if wrong:
             seen.save(self.out / f"{name}-seen.png")
         assert wrong is None, f"the picture `{name}` is not as {file}: {wrong}. See {self.out / name}-seen.png; if that is right, keep it with --bless"
-        print(f"as the golden: {name}")
+        print(f"matches the golden: {name}")
 
     def end(self):
-        """Goldens that nothing was compared with are none."""
+        """Fails on unused goldens, or deletes them when blessing."""
         idle = set(self.folder.glob("*.png")) - self.seen
         if self.blesses:
             for file in idle:
@@ -105,7 +105,7 @@ class Goldens:
 
 
 def spoilt(image):
-    """Pictures with a fault that a person would see, each with its name."""
+    """Yields altered pictures with a visible fault, each with its name."""
     width, height = image.size
     yield "moved by 8 pixels of the window", ImageChops.offset(image, 2, 0)
     # Away from the end of the scale that is nearer: there is nothing lighter than white.
@@ -122,7 +122,7 @@ def spoilt(image):
 
 
 def test():
-    """The comparison takes a picture for itself, also after it was packed again, and takes no spoilt one for it."""
+    """The comparison accepts a picture and its JPEG copy, and rejects altered ones."""
     files = sorted(file for folder in FOLDERS for file in folder.glob("*.png"))
     assert files, f"there are no goldens in {FOLDERS}"
     for file in files:

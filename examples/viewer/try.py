@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Tries the viewer's window as a user would, without a display: real keys, a real mouse, and what came of it.
+"""Tests the viewer's window under Xvfb with real key and mouse events.
 
     apt-get install xvfb xdotool xclip imagemagick libxkbcommon-x11-0 libxcursor1 libxi6 mesa-vulkan-drivers
     pip install pillow python-xlib
     python3 examples/viewer/try.py          # some minutes; screenshots in target/viewer-tried
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
-Regions of the pictures are compared with those in `goldens` (see `pictures.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, dropped, holes, readable, scaled, fluent, mouse, views, or handed.
+Regions of the screenshots are compared with those in `goldens` (see `pictures.py`); `--bless` overwrites the goldens instead.
+`--only NAME` runs one part: keyboard, moving, loading, dropped, holes, readable, scaled, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and hands what was copied to the example `forward`. With
 `--copied FILE...` it also takes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
-The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
+The program writes its state, its measurements and the panel's widgets to a file (`--report`). Widgets are found by their text.
 """
 
 import argparse
@@ -51,11 +51,11 @@ class Window:
         self.out = out
         self.scale = scale
         self.size = size
-        # Another window in the same folder finds what the last one kept.
+        # Another window in the same folder loads the settings of the last one.
         self.folder = folder or pathlib.Path(tempfile.mkdtemp())
-        self.file = self.folder / "told.json"
+        self.file = self.folder / "report.json"
         self.file.unlink(missing_ok=True)
-        # Settings of the last time are kept in here.
+        # Settings are saved in here.
         environment = dict(os.environ, WINIT_X11_SCALE_FACTOR=str(scale), XDG_DATA_HOME=str(self.folder))
         environment.pop("WAYLAND_DISPLAY", None)
         self.log = open(self.folder / "log", "w+")
@@ -72,26 +72,26 @@ class Window:
     def do(self, *arguments):
         return subprocess.run(["xdotool", *map(str, arguments)], check=True, capture_output=True, text=True).stdout
 
-    def told(self):
+    def file_content(self):
         if self.program.poll() is not None:
             self.log.seek(0)
             raise AssertionError(f"the program ended with {self.program.returncode}: {self.log.read()}")
         return json.loads(self.file.read_text()) if self.file.exists() else None
 
     def report(self):
-        return self.told()["report"]
+        return self.file_content()["report"]
 
     def wait(self, holds, what, seconds=120, part="report"):
         end = time.time() + seconds
         while time.time() < end:
-            told = self.told()
-            if told and told[part] is not None and holds(told[part]):
-                return told[part]
+            content = self.file_content()
+            if content and content[part] is not None and holds(content[part]):
+                return content[part]
             time.sleep(0.1)
         raise AssertionError(f"{what} did not come within {seconds} s: {self.report()}")
 
     def measured(self, seconds=300):
-        """Waits until truth is traced, both sides are compared with it, and masks with the CPU's."""
+        """Waits until truth is traced and both sides and their CPU masks are compared."""
         time.sleep(1)
         self.wait(lambda a: True, "the masks' comparison", seconds, "agreement")
         return self.report()
@@ -103,7 +103,7 @@ class Window:
         return image if self.scale == 1 else image.reduce(self.scale)
 
     def still(self, name, region=(PANEL, 70, WIDTH, HEIGHT)):
-        """A region of the window once it stays as it is: frames come after what is told of them."""
+        """Returns a region of the window once it stops changing: frames follow the report."""
         last = None
         for _ in range(60):
             image = self.shot(name).crop(region)
@@ -118,15 +118,15 @@ class Window:
         time.sleep(0.4)
 
     def click(self, words, nth=0, role=None):
-        """Clicks on the n-th part of the panel with these words."""
+        """Clicks the n-th widget of the panel with this text."""
         for _ in range(20):
             left, top, right, bottom = self.place(words, nth, role)
             if top >= 0 and bottom <= HEIGHT - 10:
                 break
-            # The panel is scrolled until the part shows.
+            # Scrolls the panel until the widget is visible.
             self.move(20, HEIGHT / 2)
             self.do("click", 5 if bottom > HEIGHT - 10 else 4)
-            # It glides for a while.
+            # Scrolling is animated.
             time.sleep(1.5)
         self.move((left + right) / 2, (top + bottom) / 2)
         self.do("click", 1)
@@ -134,11 +134,11 @@ class Window:
 
     def place(self, words, nth=0, role=None):
         for _ in range(20):
-            # Frames may take long: a menu comes with one of the next.
+            # Frames may be slow: a menu appears some frames later.
             time.sleep(0.6)
-            parts = self.told()["widgets"]
+            parts = self.file_content()["widgets"]
             found = [p["at"] for p in parts if words in (p["label"], p["value"]) and role in (None, p["role"])]
-            # They are told of in no order: from top to bottom.
+            # The report has no order: sorts from top to bottom.
             found.sort(key=lambda at: (at[1], at[0]))
             if len(found) > nth:
                 break
@@ -146,7 +146,7 @@ class Window:
         return found[nth]
 
     def press(self, *names, holds=None, what=None, seconds=120):
-        """Presses keys, and leaves the mouse where it is. Waits until something holds."""
+        """Presses keys without moving the mouse, then waits until `holds` is true."""
         for name in names:
             self.do("key", name)
             time.sleep(0.3)
@@ -187,15 +187,15 @@ def halves(image):
 
 def agreed(window):
     """The masks that were compared are those of the techniques that are shown, and as the CPU's."""
-    told = window.told()
-    for side, shown in zip(told["agreement"]["sides"], told["report"]["sides"]):
+    content = window.file_content()
+    for side, shown in zip(content["agreement"]["sides"], content["report"]["sides"]):
         print(f"  against the CPU: {side}")
         assert side["technique"] == shown["technique"], (side, shown)
         assert side.get("decided_off") == 0, side
 
 
 def messages(program):
-    """What goes wrong before there is a window is told in plain words."""
+    """Errors before the window opens are printed as messages, without a panic."""
     for what, arguments, code, word, environment in [
         ("a broken size", ["--size", "12"], 2, "write it as 1280x720", {}),
         ("an unknown technique", ["--left", "nothing"], 2, "possible values", {}),
@@ -211,7 +211,7 @@ def messages(program):
         done = subprocess.run([program, *arguments], capture_output=True, text=True, timeout=60, env=all_of_it)
         said = done.stdout + done.stderr
         assert done.returncode == code and word in said and "panicked" not in said, (what, done.returncode, said)
-        print(f"told in words: {what}")
+        print(f"message printed: {what}")
 
 
 def measured(window):
@@ -261,7 +261,7 @@ def dragged_light(window):
     window.key("f")
     before = window.measured()
     light = before["lights"][0]
-    marker = window.told()["report"]["handles"]
+    marker = window.file_content()["report"]["handles"]
     assert marker, "the light's marker is out of the picture"
     picture_before = window.shot("light")
     x, y = marker
@@ -328,7 +328,7 @@ def planned(window):
     window.click("Close")
     window.shot("planned")
     stale = "Outdated: view, light or settings changed. Search again."
-    parts = [part["label"] or part["value"] for part in window.told()["widgets"]]
+    parts = [part["label"] or part["value"] for part in window.file_content()["widgets"]]
     assert stale not in parts, parts
     window.move(900, 600)
     window.do("keydown", "w")
@@ -382,7 +382,7 @@ def refused(program, out):
     report = window.press("p", holds=lambda r: r["planning"] or r["plan"], what="a plan's begin")
     assert report["refused"] == ["planar", "volumes"], report["refused"]
     window.close()
-    print(f"a technique that is refused says why: {left['refusal']}")
+    print(f"a refused technique gives the reason: {left['refusal']}")
 
 
 def switched_off(program, out):
@@ -434,8 +434,8 @@ def moved(program, out):
     agreed(window)
     window.shot("parallel")
     window.key("F12")
-    told = window.wait(lambda r: "screenshot is in" in (r["message"] or ""), "the screenshot")["message"]
-    file = pathlib.Path(told.split(" is in ")[1].rstrip("."))
+    message = window.wait(lambda r: "screenshot is in" in (r["message"] or ""), "the screenshot")["message"]
+    file = pathlib.Path(message.split(" is in ")[1].rstrip("."))
     kept = Image.open(file).convert("RGB")
     assert kept.size == (WIDTH, HEIGHT), kept.size
     window.press("Escape", holds=lambda r: r["message"] is None, what="the message's end")
@@ -479,7 +479,7 @@ def remembered(program, out):
 
 
 def lost(program, out):
-    """A device that is lost in mid-flight: the window comes back with its lights, and says so."""
+    """After a lost device the window reopens with its lights and shows a message."""
     window = Window(program, out, ["cubes", "--left", "midpoint", "--lose-device-after", "9"])
     window.key("Right")
     lights = window.press("Insert", holds=lambda r: len(r["lights"]) == 2, what="another light")["lights"]
@@ -493,7 +493,7 @@ def lost(program, out):
     assert report["lights"] == lights, (lights, report["lights"])
     window.measured()
     window.close()
-    print(f"told in the window: {report['message']}")
+    print(f"message in the window: {report['message']}")
 
 
 def seconds_of_cores(process):
@@ -570,7 +570,7 @@ def tabbed(window):
 
 
 def moving(program, out):
-    """A place of failure that moves plays its path, until it is paused or the user moves the camera or the light."""
+    """A moving failure follows its path until it is paused or the user moves the camera or the light."""
     window = Window(program, out, ["hills-pan", "--failure", "--fresh"])
     begin = window.report()
     assert begin["path"]["playing"] and begin["scene"] == "hills", begin["path"]
@@ -611,7 +611,7 @@ def moving(program, out):
 
 
 def keyboard(program, out, kept):
-    """All is done without a mouse."""
+    """Everything can be operated without a mouse."""
     window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"])
     window.press("F1", holds=lambda r: r["help"], what="the keys")
     kept.check("keys", window.still("keys"))
@@ -727,7 +727,7 @@ def loading(program, out):
             window.press("Return", "Escape")
             continue
         window.press("Return", holds=lambda r: word in (r["message"] or ""), what="a message about the broken file")
-        print(f"  told in the window: {window.report()['message']}")
+        print(f"  message in the window: {window.report()['message']}")
         assert window.report()["scene"] == "figure", "the old scene is gone"
         window.press("Escape")
     window.shot("broken")
@@ -756,8 +756,8 @@ def bowl(file):
 def taken(preset, forward, out):
     """Hands a preset file to the example `forward`, which must draw with its technique."""
     technique = preset.read_text().split('technique = "')[1].split('"')[0]
-    told = subprocess.run([forward, preset.resolve()], cwd=out, check=True, capture_output=True, text=True, timeout=300).stdout
-    assert told.strip().endswith(f", {technique}"), told
+    output = subprocess.run([forward, preset.resolve()], cwd=out, check=True, capture_output=True, text=True, timeout=300).stdout
+    assert output.strip().endswith(f", {technique}"), output
     (out / "forward.png").rename(out / f"{preset.name}.png")
     print(f"the example `forward` draws with {technique}")
 
@@ -805,7 +805,7 @@ def dropped(program, out):
     window.shot("dropped-held")
     held.leave()
     time.sleep(1)
-    labels = [part["label"] or part["value"] for part in window.told()["widgets"]]
+    labels = [part["label"] or part["value"] for part in window.file_content()["widgets"]]
     assert "Drop it here to show bowl.obj." not in labels and window.report()["scene"] == "cubes", labels
     for files, scene in [([notes, model], "bowl"), ([card], "card")]:
         drop.dropped(window.window, files)
@@ -817,7 +817,7 @@ def dropped(program, out):
     for file, word in [(broken, "broken.obj"), (notes, "notes.txt")]:
         drop.dropped(window.window, [file])
         message = window.wait(lambda r: word in (r["message"] or ""), "a message about the file")["message"]
-        print(f"  told in the window: {message}")
+        print(f"  message in the window: {message}")
         assert window.report()["scene"] == "card", "the old scene is gone"
     window.close()
     print("files that are dropped are shown, with what they are named while they are held over the window")
@@ -882,7 +882,7 @@ def holes(program, out):
 
 
 def readable(program, out):
-    """Text is as large on a display of many pixels, whatever that tells; the user's choice is remembered."""
+    """Text stays readable on a large display, whatever scale it reports; the user's choice is saved."""
     first = Window(program, out, ["cubes", "--fresh"], size=(3840, 2160))
     report = first.wait(lambda r: r["pixels_per_point"] == 2, "text of twice the size")
     left, top, right, bottom = first.place("Failures", role="Button")
@@ -938,7 +938,7 @@ def mouse(program, out, kept):
 
 
 def overlays(program, out, kept):
-    """What lies over the picture is as the goldens."""
+    """Overlays match the goldens."""
     window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"])
     window.measured()
     for name in ["Error", "Truth", "Mask", "Texels", "Layers", "Lists"]:
@@ -949,7 +949,7 @@ def overlays(program, out, kept):
 
 
 def views(program, out):
-    """What is measured is what is shown, whatever the user does to it."""
+    """Measurements match what is shown, whatever the user changes."""
     hidden(program, out)
     refused(program, out)
     switched_off(program, out)
@@ -989,7 +989,7 @@ def main():
     kept = compared.Goldens(compared.FOLDERS[0], options.bless, options.out)
     messages(program)
     display = f":{random.randrange(90, 990)}"
-    # Without a reset: as its last window closes it would begin anew, and refuse the next one meanwhile.
+    # -noreset: otherwise the server restarts as its last window closes, and refuses the next one.
     server = subprocess.Popen(["Xvfb", display, "-screen", "0", "3840x2160x24", "-noreset"], stderr=subprocess.DEVNULL)
     os.environ["DISPLAY"] = display
     time.sleep(1)
@@ -1007,14 +1007,14 @@ def main():
         "handed": lambda: handed(program, options.out, target.resolve() / "release/examples/forward", options.copied),
     }
     try:
-        for name, play in parts.items():
+        for name, run in parts.items():
             if options.only in (None, name):
-                play()
+                run()
         if options.only is None:
             kept.end()
     finally:
         server.terminate()
-    print(f"all well; screenshots are in {options.out}")
+    print(f"all parts passed; screenshots are in {options.out}")
 
 
 if __name__ == "__main__":
