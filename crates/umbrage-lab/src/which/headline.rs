@@ -12,8 +12,8 @@ use crate::{
 /// Greatest number of points: more labels would overlap at the width of a page.
 const POINTS: usize = 10;
 
-/// Returns the chart of scenes under a sun without extent, of all sizes. Times are a card's if there
-/// is one, else the first backend's. `None` without such scenes.
+/// Returns the chart of scenes under a sun without extent, of all sizes. Times are a card's if
+/// there is one, else the first backend's. `None` without such scenes.
 pub(super) fn chart(groups: &[WhichGroup]) -> Option<Figure> {
     let suns = groups
         .iter()

@@ -45,9 +45,10 @@ pub struct CasterMesh<'a> {
     pub layout: VertexLayout,
     /// Vertex indices; `None` if every three vertices are a triangle.
     pub indices: Option<Indices<'a>>,
-    /// Range of indices to draw, or of vertices if there are no indices.
+    /// Range of indices to draw, or of vertices if there are no indices. Its length is a multiple
+    /// of three.
     pub range: Range<u32>,
-    /// Added to each index.
+    /// Added to each index; less than the number of vertices in the buffer.
     pub base_vertex: i32,
     /// Box around the positions in the buffer. Casters outside a map are not drawn into it, so
     /// shadows are lost if the box is too small.
@@ -410,9 +411,8 @@ impl Casters {
         self.boxes.around_all().union(&self.own.bounds())
     }
 
-    /// Returns a lower bound of the distance from a light's position to a caster's box, metres; 0 for
-    /// lights without a position. A power of two, so that it doesn't change when casters move a
-    /// little.
+    /// Returns a lower bound of the distance from a light's position to a caster's box, metres; 0
+    /// for lights without a position. It is a power of two, so it seldom changes when casters move.
     pub(crate) fn distance_from(&self, light: &Light) -> f32 {
         let Some(position) = light.position() else {
             return 0.0;

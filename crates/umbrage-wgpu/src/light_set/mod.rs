@@ -112,8 +112,9 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 ///
 /// # Order
 /// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. Writes of
-/// `prepare` take effect with the next submission. If an encoder is dropped, or not submitted before
-/// the next `prepare` (not detected in browsers), the next frame draws all layers again.
+/// `prepare` take effect with the next submission. If an encoder is dropped, or not submitted
+/// before the next `prepare`, the next frame draws all layers again. Browsers report submissions too
+/// late for that. Elsewhere, `prepare` polls the device while an encoder waits.
 #[derive(Debug)]
 pub struct LightSet {
     /// Checks the ids that callers pass.
@@ -314,7 +315,7 @@ impl LightSet {
 
     /// Adds a caster that the program draws itself in [`encode_with`](Self::encode_with), such as a
     /// skinned figure. `bounds` (world space) must contain it in its current pose: lights are
-    /// planned for these boxes, and layers outside of them don't show the caster.
+    /// planned for these boxes, and it is drawn only into layers in which its box may be visible.
     ///
     /// Device-built caster lists don't contain such casters, so lights whose technique uses them
     /// are refused, with this reason. Techniques that read triangles see only those of
@@ -383,8 +384,8 @@ impl LightSet {
         Ok(())
     }
 
-    /// Reports a change in a box (world space) that the set can't detect: of vertices in a buffer.
-    /// Call it with the box before and the box after the change.
+    /// Reports that vertices in a buffer changed within a box (world space), which the set can't
+    /// detect. Call it with the box before and the box after the change.
     ///
     /// # Errors
     /// Errors if a number is not finite.
@@ -441,8 +442,10 @@ impl LightSet {
         Ok(())
     }
 
-    /// Switches a light on or off; new ones are on. A light that is off keeps its id, index and maps,
-    /// and neither the text nor the layout changes. Its layers are not redrawn, and shaders get 1.
+    /// Switches a light on or off; new ones are on. The next [`prepare`](Self::prepare) applies it.
+    /// A light that is off keeps its id, index and maps, and neither the text nor the layout
+    /// changes. Its layers are not redrawn, and shaders get 1. Its maps still count towards
+    /// [`SetBudget::bytes`]: to free them, use [`remove_light`](Self::remove_light).
     ///
     /// # Errors
     /// Errors if there is no such light.
@@ -540,7 +543,7 @@ impl LightSet {
 
     /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout
     /// change. Rebuild the pipelines that contain the text then: the graphics API refuses to draw
-    /// with those of earlier revisions.
+    /// with those of the 255 revisions before.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }
@@ -549,7 +552,7 @@ impl LightSet {
     /// in every frame, after [`prepare`](Self::prepare).
     ///
     /// # Errors
-    /// Errors if [`encode`](Self::encode) does.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
         self.shader
             .bind_group()

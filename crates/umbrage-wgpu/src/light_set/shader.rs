@@ -62,8 +62,8 @@ struct KernelRecord {
 
 /// Greatest number of bound textures: an index uses 8 bits of a light's entry.
 const MAX_MAPS: u32 = 256;
-/// Number of revisions until a first binding is used again. With [`MAX_MAPS`] and the other bindings,
-/// less than the 640 bindings that WebGPU guarantees in a group.
+/// Number of revisions until a first binding is used again. With [`MAX_MAPS`] and the other
+/// bindings, less than the 1,000 bindings of a group that WebGPU guarantees.
 const FIRST_BINDINGS: u64 = 256;
 /// Greatest number of kinds of kernels: a kind uses 8 bits of a light's entry.
 const MAX_KINDS: usize = 255;
