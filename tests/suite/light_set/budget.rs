@@ -333,6 +333,38 @@ fn lights_of_a_frame_that_failed_are_not_prepared() {
     assert_eq!(reasons(&stage.set), [Unserved::NotPrepared]);
     stage.frame();
     assert_eq!(reasons(&stage.set), []);
+    stage.light(0.0, 1.0);
+    assert_eq!(reasons(&stage.set), [Unserved::NotPrepared]);
+}
+
+/// A budget of one layer a frame doesn't show a light that was switched on as it was before.
+#[test]
+fn lights_switched_on_show_their_new_shadows_at_once() {
+    let budget = SetBudget {
+        redraws: 1,
+        ..SetBudget::default()
+    };
+    let mut stage = Stage::new(budget, &[-4.0, 4.0]);
+    // The first light is more urgent, and its caster moves in every frame.
+    let lights = [stage.light(-4.0, 100.0), stage.light(4.0, 1.0)];
+    stage.frame();
+    stage.frame();
+    assert!(stage.shadowed_pixels(lights[1]) > 0);
+    stage.set.set_enabled(lights[1], false).expect("is there");
+    let away = translation_along_x(8.0);
+    stage
+        .set
+        .move_caster(stage.casters[1], away)
+        .expect("is there");
+    stage.frame();
+    let place = translation_along_x(-3.9);
+    stage
+        .set
+        .move_caster(stage.casters[0], place)
+        .expect("is there");
+    stage.set.set_enabled(lights[1], true).expect("is there");
+    assert_eq!(stage.frame().redrawn, 2);
+    assert_eq!(stage.shadowed_pixels(lights[1]), 0);
 }
 
 /// Ids look alike in two sets with the same parts.

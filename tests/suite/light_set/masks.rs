@@ -335,6 +335,16 @@ fn formats_of_normals_that_can_not_be_right_are_refused() {
             NormalCoding::Halved,
             "not read as floats",
         ),
+        (
+            TextureFormat::Rg16Float,
+            NormalCoding::Components,
+            "at least 3 channels",
+        ),
+        (
+            TextureFormat::Rgba8UnormSrgb,
+            NormalCoding::Halved,
+            "linear format",
+        ),
     ] {
         let texture = foreign::upload(d, size, format, &[0; 4 * 64]);
         let inputs = MaskInputs {

@@ -121,7 +121,7 @@ pub(crate) struct Casters {
     /// cleared. Pipelines and buffers may then have to be created.
     pub(super) has_grown: bool,
     /// True if casters were placed relative to another anchor since changes were cleared.
-    is_rebased: bool,
+    pub(super) is_rebased: bool,
 }
 
 impl CasterMesh<'_> {

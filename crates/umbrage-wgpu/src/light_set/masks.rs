@@ -169,6 +169,16 @@ impl SetNormals<'_> {
             let help = "use a float or normalised format, such as `Rgba16Float`";
             return Err(Invalid::new("receivers' normals", why, help));
         }
+        let needed = match self.coding {
+            NormalCoding::Components | NormalCoding::Halved => 3,
+            NormalCoding::Octahedral | NormalCoding::OctahedralHalved => 2,
+        };
+        if format.components() < needed || format.is_srgb() {
+            let coding = self.coding;
+            let why = format!("are `{coding:?}` in the format `{format:?}`");
+            let help = format!("use a linear format with at least {needed} channels");
+            return Err(Invalid::new("receivers' normals", why, help));
+        }
         let halved = match self.coding {
             NormalCoding::Halved | NormalCoding::OctahedralHalved => return Ok(()),
             NormalCoding::Components => NormalCoding::Halved,
@@ -192,9 +202,7 @@ fn is_unsigned(format: TextureFormat) -> bool {
         F::R8Unorm
             | F::Rg8Unorm
             | F::Rgba8Unorm
-            | F::Rgba8UnormSrgb
             | F::Bgra8Unorm
-            | F::Bgra8UnormSrgb
             | F::Rgb10a2Unorm
             | F::R16Unorm
             | F::Rg16Unorm

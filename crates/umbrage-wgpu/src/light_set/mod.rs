@@ -338,6 +338,16 @@ impl LightSet {
         self.casters.move_own(caster, bounds)
     }
 
+    /// Sets the box of a caster that the program draws itself after a change of the
+    /// [`Anchor`](umbrage_core::Anchor), like [`rebase_caster`](Self::rebase_caster).
+    ///
+    /// # Errors
+    /// Errors if [`move_own_caster`](Self::move_own_caster) does.
+    pub fn rebase_own_caster(&mut self, caster: OwnCasterId, bounds: Aabb) -> Result<(), Invalid> {
+        let caster = caster.key_in(self.number)?;
+        self.casters.rebase_own(caster, bounds)
+    }
+
     /// Removes a caster that the program draws itself.
     ///
     /// # Errors
@@ -453,6 +463,13 @@ impl LightSet {
         let state = self.light_mut(id)?;
         let has_changed = state.is_enabled != is_enabled;
         state.is_enabled = is_enabled;
+        if has_changed && is_enabled {
+            // No budget delays layers that changed meanwhile.
+            let is_replaced = state.has_changed;
+            for cast in &mut state.maps.casts {
+                cast.is_drawn &= !cast.is_stale && !is_replaced;
+            }
+        }
         if has_changed {
             self.shader.change();
         }

@@ -134,8 +134,8 @@ pub enum Unserved {
     /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     #[error("its maps wait for one of the next frames, because of the redraw budget")]
     Waiting,
-    /// The last [`LightSet::prepare`](crate::LightSet::prepare) returned an error, or there was
-    /// none.
+    /// There was no [`LightSet::prepare`](crate::LightSet::prepare) since the light was added, or
+    /// the last one failed.
     #[error("the set is not prepared: call `prepare`, and check its error")]
     NotPrepared,
 }

@@ -61,6 +61,14 @@ impl Casters {
         Ok(())
     }
 
+    /// Sets a box without recording a change: everything is redrawn.
+    pub(crate) fn rebase_own(&mut self, id: OwnCasterKey, bounds: Aabb) -> Result<(), Invalid> {
+        check(&bounds)?;
+        *self.own.0.get_mut(id).ok_or_else(unknown_caster)? = bounds;
+        self.is_rebased = true;
+        Ok(())
+    }
+
     pub(crate) fn remove_own(&mut self, id: OwnCasterKey) -> Result<(), Invalid> {
         let bounds = self.own.0.remove(id).ok_or_else(unknown_caster)?;
         self.has_grown = true;

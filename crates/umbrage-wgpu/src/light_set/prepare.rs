@@ -416,6 +416,7 @@ impl LightSet {
 
     /// Drops all GPU objects, so that the next frame recreates them.
     pub(super) fn forget_objects(&mut self) {
+        self.is_prepared = false;
         self.pipelines = Pipelines::default();
         self.masks = MaskStage::default();
         self.tables = Tables::default();

@@ -65,7 +65,8 @@ impl LightState {
         match self {
             Self::Refused(error) => Some(Unserved::Refused(error.clone())),
             Self::OverBudget(_) => Some(Unserved::OverBudget),
-            Self::New | Self::Waiting(_) => Some(Unserved::Waiting),
+            Self::New => Some(Unserved::NotPrepared),
+            Self::Waiting(_) => Some(Unserved::Waiting),
             Self::Shown { .. } => None,
         }
     }
