@@ -311,7 +311,17 @@ fn frames_that_are_not_submitted_are_drawn_again() {
     stage.set.encode(&mut kept).expect("was prepared");
     assert_eq!(stage.frame().redrawn, 1);
     assert!(stage.shadowed_pixels(id) > 0);
+    let away = translation_along_x(8.0);
+    stage
+        .set
+        .move_caster(stage.casters[0], away)
+        .expect("is there");
+    assert_eq!(stage.frame().redrawn, 1);
+    assert_eq!(stage.shadowed_pixels(id), 0);
+    // The encoder of the first frame overwrites the layer.
     stage.program.d.queue.submit([kept.finish()]);
+    assert_eq!(stage.frame().redrawn, 1);
+    assert_eq!(stage.shadowed_pixels(id), 0);
     assert_eq!(stage.frame().redrawn, 0);
 }
 

@@ -189,7 +189,7 @@ impl Measure {
             Self::PenumbraWidth => {
                 "passes within a quarter of the true width; fails if off by more than half of it"
             }
-            Self::AllLit => "nothing may be darkened: any pixel that is not white in 8 bits fails",
+            Self::AllLit => "nothing may be darkened: any darkened pixel fails",
             Self::ScaleDrift(_) => "passes up to 1/255; fails above four times that",
             Self::Fill => "passes up to four fragments per pixel; fails above sixteen",
             Self::Shimmer => {
@@ -330,14 +330,11 @@ fn mean_width_error(ratios: &[Option<f64>]) -> f64 {
     100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 
-/// Least visibility that rounds to white in an image of 8 bits.
-const WHITE: f32 = 1.0 - 0.5 / 255.0;
-
-/// Returns the percentage of pixels that the mask darkens visibly, of those that don't face away
-/// from the light. Bounds of moments are off by some roundings.
+/// Returns the percentage of pixels that the mask darkens at all, of those that don't face away
+/// from the light.
 fn darkened_share(mask: &[f32], pixels: &[Pixel]) -> f64 {
     let facing = (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
-    open::share(facing.map(|i| mask[i] < WHITE))
+    open::share(facing.map(|i| mask[i] < 1.0))
 }
 
 fn worst(bins: [f64; open::BINS]) -> f64 {

@@ -13,6 +13,8 @@ pub(crate) struct DroppedEncoders {
     submissions: Submissions,
     /// Each encoder that waits holds one more reference.
     dropped: Arc<AtomicBool>,
+    /// True if an encoder waited at the last call of [`any`](Self::any).
+    waited: bool,
 }
 
 /// Sets the flag when it is dropped, unless the encoder's commands were submitted.
@@ -41,13 +43,16 @@ impl DroppedEncoders {
         Self {
             submissions: Submissions::of_device(device),
             dropped: Arc::default(),
+            waited: false,
         }
     }
 
-    /// Returns whether an encoder was dropped since the last call, or waits to be submitted.
-    pub(crate) fn any(&self) -> bool {
+    /// Returns whether an encoder was dropped since the last call, waits to be submitted, or waited
+    /// then: it may have overwritten newer layers since.
+    pub(crate) fn any(&mut self) -> bool {
         let waits = self.has_unsubmitted();
-        self.dropped.swap(false, Ordering::Acquire) | waits
+        let waited = std::mem::replace(&mut self.waited, waits);
+        self.dropped.swap(false, Ordering::Acquire) | waits | waited
     }
 
     /// Returns whether an encoder waits to be submitted. Browsers report submissions too late to

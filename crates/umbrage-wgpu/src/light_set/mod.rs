@@ -113,8 +113,8 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 /// # Order
 /// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. Writes of
 /// `prepare` take effect with the next submission. If an encoder is dropped, or not submitted
-/// before the next `prepare`, the next frame draws all layers again. Browsers report submissions too
-/// late for that. Elsewhere, `prepare` polls the device while an encoder waits.
+/// before the next `prepare`, the next frame draws all layers again. Browsers report submissions
+/// too late for that. Elsewhere, `prepare` polls the device while an encoder waits.
 #[derive(Debug)]
 pub struct LightSet {
     /// Checks the ids that callers pass.
