@@ -109,7 +109,8 @@ impl MapFilter for Msm {
             MomentPrecision::Bits16 => MOMENT_BIAS_16,
         });
         map::check("moment bias", moment_bias, 0.0, 1.0)?;
-        let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
+        let bleeding =
+            BleedingReduction::new(self.bleeding_reduction)?.with_moment_bias(moment_bias);
         let images = self.images();
         let kernel = |lookup, mipmaps| MsmKernel {
             images,

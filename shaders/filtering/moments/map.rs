@@ -44,6 +44,21 @@ impl BleedingReduction {
             scale: 1.0 / (1.0 - amount),
         })
     }
+
+    /// Returns the reduction for light of which `1.0 - bias` comes from the map, and the rest from
+    /// depths that don't belong to it, 0..=1.
+    ///
+    /// A bound of the mixture's light divided by `1.0 - bias` bounds the map's light, since the
+    /// rest is dark at worst. So receivers before an empty map are fully lit. The uniforms contain
+    /// this quotient: (l / (1 - b) - a) / (1 - a) is (l - a (1 - b)) / ((1 - a) (1 - b)).
+    pub(crate) fn with_moment_bias(self, bias: f32) -> Self {
+        // A bias of 1 leaves nothing of the map. Then the least divisor keeps the scale finite.
+        let share = (1.0 - bias).max(f32::EPSILON);
+        Self {
+            amount: self.amount * share,
+            scale: self.scale / share,
+        }
+    }
 }
 
 /// Checks that a number of the settings is within its range.

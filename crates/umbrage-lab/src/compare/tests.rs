@@ -456,16 +456,11 @@ fn what_is_not_supported_is_reported_with_its_reason() {
             "{scene}"
         );
         for (technique, measured) in rows {
-            // An empty map has only the far plane's moments, and the bias mixes in 3e-6 of a
-            // distribution of which 13/16 are nearer. The shadow is at most the share of that
-            // distribution, which the bleeding reduction stretches by 1 / (1 - 0.1): 2.7e-6. The
-            // rest allows for rounding, up to 6e-8 per sum of numbers near 1.
-            let allowed = if technique == "msm" { 4e-6 } else { 0.0 };
             match measured.rmse() {
                 // Everything that is compared is correct.
                 Some(rmse) => {
                     assert!(nothing.is_none(), "{scene}, {technique}");
-                    assert!(rmse <= allowed, "{scene}, {technique}: {rmse}");
+                    assert_eq!(rmse, 0.0, "{scene}, {technique}");
                 }
                 // If nothing is compared, this is reported, and not as an error of 0.
                 None => assert!(nothing.is_some(), "{scene}, {technique}"),
