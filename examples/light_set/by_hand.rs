@@ -5,11 +5,14 @@ use super::program::{SceneShadows, SurfaceBuffer};
 use crate::renderer::{self, BOX_BUFFERS, Boxes, DEPTH, Graphics, UNIFORMS, floats};
 use anyhow::Result;
 use umbrage::{
-    ShadowTechnique, View,
+    ShadowTechnique,
     glam::{Affine3A, Mat4, UVec2},
-    gpu::wgpu::{
-        self, BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, Texture,
-        TextureFormat, TextureView, TextureViewDescriptor, TextureViewDimension,
+    gpu::{
+        LightSet, SetFrame,
+        wgpu::{
+            self, BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline,
+            Texture, TextureFormat, TextureView, TextureViewDescriptor, TextureViewDimension,
+        },
     },
 };
 
@@ -39,27 +42,22 @@ pub(crate) struct ByHand {
 }
 
 impl ByHand {
-    /// Places maps like the technique, so that only the work is compared.
+    /// Places maps like the set does with a technique, so that only the work is compared.
     pub(crate) fn new(
         graphics: &Graphics,
         boxes: &Boxes,
         technique: &dyn ShadowTechnique,
-        casters: umbrage::Aabb,
+        set: &LightSet,
         lookup: HandLookup,
     ) -> Result<Self> {
         // Fit the light spaces.
         let mut spaces: Vec<Mat4> = Vec::new();
         for light in &boxes.scene.lights {
-            let view = View {
-                nearest_caster: 0.0,
+            let frame = SetFrame {
                 camera: &boxes.scene.camera,
-                light,
-                casters,
                 geometry: None,
-                receivers: None,
-                fits: None,
             };
-            let recipe = technique.recipe(&view)?;
+            let recipe = technique.recipe(&set.view(&frame, light))?;
             spaces.push(recipe.casts[0].space.clip_from_world());
         }
         // Create the maps, and a matrix for each.

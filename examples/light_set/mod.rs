@@ -133,14 +133,13 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
     let of_set = boxes()?;
     let mut set = BoxShadows::new(graphics, &of_set)?;
     set.add_lights(&of_set.scene.lights, &technique)?;
-    let casters = set.set.casters_box();
     let of_hand = boxes()?;
     let lookup = HandLookup {
         bias: BIAS,
         radius: radius as i32,
         map_size: MAP_SIZE,
     };
-    let hand = ByHand::new(graphics, &of_hand, &*technique, casters, lookup)?;
+    let hand = ByHand::new(graphics, &of_hand, &*technique, &set.set, lookup)?;
     let mut set = TimedRenderer::new(graphics, of_set, set, stage);
     let mut hand = TimedRenderer::new(graphics, of_hand, hand, stage);
     let differing = check_alike(graphics, &mut set, &mut hand)?;

@@ -54,7 +54,8 @@ pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
     MaskInputs, MaskReceivers, MeshId, NormalCoding, OwnCasterId, PassCasters, SetBudget, SetFrame,
-    SetNormals, SetPass, SetReport, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    SetNormals, SetPass, SetReport, SetText, SetTimestamps, ShadowedLight, StillLayers, TimedPass,
+    Unserved,
 };
 #[allow(deprecated, reason = "former names stay for one release")]
 pub use light_set::{SetLight, SetReceivers};

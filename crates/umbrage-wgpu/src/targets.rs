@@ -26,8 +26,9 @@ pub struct CastTarget {
     pub clip_from_world: Mat4,
     /// True to draw all geometry that the camera may see, not only casters.
     pub everything: bool,
-    /// Layer to peel, `texture_2d<f32>`, for depth peeling. The pipeline then needs a fragment
-    /// shader without outputs that discards the fragments that are not behind it:
+    /// Layer to peel, for depth peeling: a `texture_2d<f32>` for fragment shaders, not filterable.
+    /// The pipeline then needs a fragment shader without outputs that discards the fragments that
+    /// are not behind it:
     /// `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x { discard; }`
     /// Here `at` is `@builtin(position)`. In a [`Format::Depth16`] image, compare both sides as
     /// `round(65535.0 * z)`.

@@ -2,8 +2,10 @@
 
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
-use umbrage_core::Aabb;
-use umbrage_techniques::{MapFilter as _, Pcf};
+use umbrage_core::{Aabb, Layout, ShadowTechnique};
+use umbrage_techniques::{
+    Bias, Evsm, Exact, MapFilter as _, Midpoint, Pcf, PcfHardware, ShadowMap,
+};
 use umbrage_tests::{
     foreign,
     light_program::Forward,
@@ -270,6 +272,93 @@ fn pipelines_of_past_revisions_are_refused() {
     forward.mask(&stage.program, &stage.set, index);
 }
 
+/// A program can have the text of other techniques before it sets them, and returns to a text of
+/// before without new pipelines.
+#[test]
+fn texts_are_known_beforehand() {
+    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 4.0]);
+    let lights = [-4.0, 4.0].map(|x| stage.light(x, 1.0));
+    stage.frame();
+    let map = hard().map;
+    let small = ShadowMap { size: 32, ..map };
+    let several = ShadowMap {
+        layout: Layout::Cube,
+        ..map
+    };
+    let techniques: [Arc<dyn ShadowTechnique>; 7] = [
+        Arc::new(Pcf { radius: 1 }.on(map)),
+        Arc::new(Pcf { radius: 1 }.on(small)),
+        Arc::new(Pcf { radius: 2 }.on(several)),
+        Arc::new(PcfHardware::default().on(map)),
+        Arc::new(Evsm::default().on(map)),
+        Arc::new(Midpoint::default().on(small)),
+        Arc::new(Exact::default()),
+    ];
+    let mut revisions = Vec::new();
+    for technique in &techniques {
+        let frame = SetFrame {
+            camera: &stage.camera,
+            geometry: None,
+        };
+        let before = stage.set.wgsl_revision();
+        let change = [(lights[1], technique.clone())];
+        let expected = stage.set.text_with(&frame, &change).expect("supported");
+        // Nothing changed yet.
+        assert_eq!(stage.set.wgsl_revision(), before);
+        assert_eq!(stage.frame(), SetReport::default());
+        stage
+            .set
+            .set_technique(lights[1], technique.clone())
+            .expect("is there");
+        stage.frame();
+        assert_eq!(stage.unserved_ids(), []);
+        let (_, layout) = stage.set.bind_group().expect("is prepared");
+        assert!(stage.set.wgsl() == expected.wgsl, "{technique:?}");
+        assert_eq!(*layout, expected.layout);
+        assert_eq!(stage.set.wgsl_revision(), expected.revision);
+        assert!(!revisions.contains(&expected.revision), "{technique:?}");
+        assert!(stage.shadowed_pixels(lights[1]) > 0);
+        revisions.push(expected.revision);
+    }
+    // An earlier text keeps its number.
+    let again = techniques[0].clone();
+    stage.set.set_technique(lights[1], again).expect("is there");
+    stage.frame();
+    assert_eq!(stage.set.wgsl_revision(), revisions[0]);
+    assert!(stage.shadowed_pixels(lights[1]) > 0);
+}
+
+/// Settings that are uniforms change neither text nor layout.
+#[test]
+fn a_radius_a_bias_and_a_size_change_no_text() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let id = stage.light(0.0, 1.0);
+    let map = ShadowMap {
+        bias: Bias::CONSTANT,
+        ..hard().map
+    };
+    let bias = Bias {
+        constant: 2.0 * map.bias.constant,
+        ..map.bias
+    };
+    let mut texts = Vec::new();
+    for technique in [
+        Pcf { radius: 2 }.on(map),
+        Pcf { radius: 3 }.on(map),
+        Pcf { radius: 3 }.on(ShadowMap { bias, ..map }),
+        Pcf { radius: 3 }.on(ShadowMap { size: 96, ..map }),
+    ] {
+        stage
+            .set
+            .set_technique(id, Arc::new(technique))
+            .expect("is there");
+        stage.frame();
+        assert!(stage.shadowed_pixels(id) > 0);
+        texts.push(stage.set.wgsl_revision());
+    }
+    assert!(texts.iter().all(|text| *text == texts[0]), "{texts:?}");
+}
+
 /// A light that is off costs nothing and is lit; afterwards, it has the shadows of a new set.
 #[test]
 fn lights_are_switched_off_and_on() {
@@ -295,6 +384,51 @@ fn lights_are_switched_off_and_on() {
     assert_eq!(stage.shadowed_pixels(lights[1]), shadowed);
     assert_eq!(stage.set.wgsl_revision(), revision);
     assert_eq!(stage.frame(), SetReport::default());
+}
+
+/// Lists of a light that is off are not rebuilt.
+#[test]
+fn lists_of_lights_that_are_off_are_not_rebuilt() {
+    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 4.0]);
+    let lights = [-4.0, 4.0].map(|x| stage.light(x, 1.0));
+    for &id in &lights {
+        let technique = Arc::new(Exact::default());
+        stage.set.set_technique(id, technique).expect("is there");
+    }
+    assert_eq!(stage.frame().listed, 2);
+    let shadowed = stage.shadowed_pixels(lights[1]);
+    assert!(shadowed > 0);
+    stage.set.set_enabled(lights[1], false).expect("is there");
+    for x in [3.9, 4.0] {
+        let place = translation_along_x(x);
+        let caster = stage.casters[1];
+        stage.set.move_caster(caster, place).expect("is there");
+        assert_eq!(stage.frame().listed, 1);
+        assert_eq!(stage.shadowed_pixels(lights[1]), 0);
+    }
+    stage.set.set_enabled(lights[1], true).expect("is there");
+    assert_eq!(stage.frame().listed, 1);
+    assert_eq!(stage.shadowed_pixels(lights[1]), shadowed);
+    assert_eq!(stage.frame(), SetReport::default());
+}
+
+/// Passes of a light that was removed after `prepare` are skipped.
+#[test]
+fn lights_may_be_removed_between_prepare_and_encode() {
+    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 4.0]);
+    let lights = [-4.0, 4.0].map(|x| stage.light(x, 1.0));
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    stage.set.prepare(&frame).expect("prepares");
+    stage.set.remove_light(lights[0]).expect("is there");
+    let mut encoder = stage.program.encoder();
+    stage.set.encode(&mut encoder).expect("was prepared");
+    stage.program.d.queue.submit([encoder.finish()]);
+    assert!(stage.shadowed_pixels(lights[1]) > 0);
+    assert_eq!(stage.frame().redrawn, 0);
+    assert!(stage.shadowed_pixels(lights[1]) > 0);
 }
 
 /// An encoder that lives, but is not submitted before the next frame.

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Kernel, Light, NO_TRIANGLE, Scene, ShadowTechnique, Uniforms, View,
+    Backend, Kernel, Light, NO_TRIANGLE, Scene, ShadowTechnique, Uniforms,
     light_sample::{LightSampler, ray_origin, segment},
     math::dot3,
 };
@@ -62,15 +62,7 @@ impl World {
     /// Returns the visibility by rays, with or without casters.
     fn answers(&self, set: &LightSet, light: &Light, casters_count: bool) -> Vec<f32> {
         let camera = &self.scene.cameras[0];
-        let view = View {
-            nearest_caster: 0.0,
-            camera,
-            light,
-            casters: set.casters_box(),
-            geometry: None,
-            receivers: None,
-            fits: None,
-        };
+        let view = set.view(&self.frame_without_triangles(), light);
         let made = Exact::default().device_recipe(&view).expect("lists");
         let recipe = made.expect("serves the light").recipe;
         let kernel: &dyn Kernel = &*recipe.receive.kernel;

@@ -17,10 +17,11 @@ use umbrage_wgpu::{
 };
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, RenderPass, RenderPipeline};
 
-/// A skinned figure of two bones, the upper of which is cut out where local x > 0 if `HAS_HOLES`.
+/// A skinned figure of two bones, which may be cut out where local x > 0.
 const SHADER: &str = "
 @group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;
 @group(1) @binding(0) var<uniform> bones: array<vec4f, 2>;
+@group(2) @binding(0) var behind: texture_2d<f32>;
 struct Corner {
     @builtin(position) at: vec4f,
     @location(0) local_x: f32,
@@ -29,8 +30,18 @@ struct Corner {
     let bone = bones[select(0, 1, p.y > 0.0)];
     return Corner(clip_from_world * vec4f(p + bone.xyz, 1.0), p.x);
 }
+fn is_hole(corner: Corner) -> bool { return corner.local_x > 0.0; }
+fn is_peeled(corner: Corner) -> bool {
+    return corner.at.z <= textureLoad(behind, vec2i(corner.at.xy), 0).x;
+}
 @fragment fn cut_out(corner: Corner) {
-    if corner.local_x > 0.0 { discard; }
+    if is_hole(corner) { discard; }
+}
+@fragment fn peel(corner: Corner) {
+    if is_peeled(corner) { discard; }
+}
+@fragment fn peel_cut_out(corner: Corner) {
+    if is_hole(corner) || is_peeled(corner) { discard; }
 }
 ";
 
@@ -38,7 +49,7 @@ struct Corner {
 const HALF: Vec3 = Vec3::new(2.0, 0.5, 1.5);
 
 /// A program's figure with its own pipelines.
-struct Figure {
+pub(super) struct Figure {
     has_holes: bool,
     vertices: Buffer,
     vertex_count: u32,
@@ -51,7 +62,7 @@ struct Figure {
 }
 
 impl Figure {
-    fn new(has_holes: bool) -> Self {
+    pub(super) fn new(has_holes: bool) -> Self {
         let d = device();
         let corners = box_corners(HALF);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
@@ -92,7 +103,7 @@ impl Figure {
     }
 
     /// Moves both bones, and returns the box around the figure.
-    fn pose(&self, center: Vec3) -> Aabb {
+    pub(super) fn pose(&self, center: Vec3) -> Aabb {
         let bones = [center.extend(0.0); 2];
         device()
             .queue
@@ -115,7 +126,12 @@ impl Figure {
         }
     }
 
-    fn draw(&mut self, layout: &BindGroupLayout, pass: &mut RenderPass<'_>, target: &CastTarget) {
+    pub(super) fn draw(
+        &mut self,
+        layout: &BindGroupLayout,
+        pass: &mut RenderPass<'_>,
+        target: &CastTarget,
+    ) {
         self.draws += 1;
         let groups = [layout, &self.bone_layout];
         let make = || pipeline(target, self.has_holes, groups);
@@ -126,16 +142,42 @@ impl Figure {
     }
 }
 
+/// Returns the layout of the bind group of [`CastTarget::behind`].
+fn peeled_layout() -> BindGroupLayout {
+    let device = &device().device;
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        }],
+    })
+}
+
 fn pipeline(target: &CastTarget, has_holes: bool, groups: [&BindGroupLayout; 2]) -> RenderPipeline {
     let device = &device().device;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(SHADER.into()),
     });
+    let peeled = peeled_layout();
+    let peeled = target.behind.is_some().then_some(&peeled);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        bind_group_layouts: &groups.map(Some),
+        bind_group_layouts: &[Some(groups[0]), Some(groups[1]), peeled],
         ..wgpu::PipelineLayoutDescriptor::default()
     });
+    let fragment = match (has_holes, peeled.is_some()) {
+        (false, false) => None,
+        (true, false) => Some("cut_out"),
+        (false, true) => Some("peel"),
+        (true, true) => Some("peel_cut_out"),
+    };
     let compilation_options = wgpu::PipelineCompilationOptions::default();
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
@@ -153,9 +195,9 @@ fn pipeline(target: &CastTarget, has_holes: bool, groups: [&BindGroupLayout; 2])
         primitive: target.primitive(),
         depth_stencil: Some(target.depth_stencil()),
         multisample: wgpu::MultisampleState::default(),
-        fragment: has_holes.then_some(wgpu::FragmentState {
+        fragment: fragment.map(|entry| wgpu::FragmentState {
             module: &module,
-            entry_point: Some("cut_out"),
+            entry_point: Some(entry),
             compilation_options,
             targets: &[],
         }),
@@ -270,7 +312,7 @@ fn place(light: &Light, height: f32, offset: Vec3) -> Vec3 {
     center + offset
 }
 
-/// Returns techniques on one map and on several.
+/// Returns techniques on one map and on several, one of which peels.
 fn techniques(light: &Light) -> Vec<Arc<dyn ShadowTechnique>> {
     let one = ShadowMap {
         size: 256,
@@ -289,6 +331,7 @@ fn techniques(light: &Light) -> Vec<Arc<dyn ShadowTechnique>> {
         Arc::new(Hard {}.on(one)),
         Arc::new(Pcf { radius: 1 }.on(several)),
         Arc::new(SecondDepth { radius: 0 }.on(one)),
+        Arc::new(Midpoint { radius: 0 }.on(one)),
     ]
 }
 
@@ -409,6 +452,31 @@ fn what_would_lose_a_shadow_of_the_program_is_refused() {
     assert!(stage.set.remove_own_caster(id).is_err());
     stage.update();
     stage.set.encode(&mut encoder).expect("has no figure");
+}
+
+/// A figure that was removed after `prepare` is not passed to the program.
+#[test]
+fn removed_figures_are_not_drawn() {
+    let light = sun();
+    let mut stage = Stage::new(light, &techniques(&light), StillLayers::Auto, false);
+    let bounds = stage.figure.pose(place(&light, 3.0, Vec3::ZERO));
+    let [first, second, third] = [0; 3].map(|_| stage.set.add_own_caster(bounds).expect("valid"));
+    let frame = SetFrame {
+        camera: &camera(),
+        geometry: None,
+    };
+    stage.set.prepare(&frame).expect("prepares");
+    stage.set.remove_own_caster(second).expect("is there");
+    let mut encoder = stage.program.encoder();
+    let mut passes = 0;
+    stage
+        .set
+        .encode_with(&mut encoder, |_, _, casters| {
+            passes += 1;
+            assert_eq!(casters, [first, third]);
+        })
+        .expect("was prepared");
+    assert!(passes > 0);
 }
 
 /// Depth peeling has a bind group of its own, and another pipeline.

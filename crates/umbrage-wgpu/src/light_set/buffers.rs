@@ -25,7 +25,7 @@ const UNIFORM_STEP: u64 = 16;
 
 /// Records of the light entries, or of the uniforms of one kind of kernel: equal parts of the
 /// buffer, with a copy on the CPU.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Records {
     /// Bytes of a record.
     stride: usize,
@@ -66,11 +66,15 @@ impl Records {
 
     /// Allocates a record and returns its index.
     pub(crate) fn take(&mut self) -> usize {
-        if let Some(free) = self.used.iter().position(|used| !used) {
-            self.used[free] = true;
-            return free;
-        }
-        self.used.push(true);
+        let free = self.used.iter().position(|used| !used);
+        let index = free.unwrap_or_else(|| self.push());
+        self.used[index] = true;
+        index
+    }
+
+    /// Adds a free record, and returns its index.
+    pub(crate) fn push(&mut self) -> usize {
+        self.used.push(false);
         self.bytes.resize(self.used.len() * self.stride, 0);
         self.used.len() - 1
     }
@@ -145,7 +149,7 @@ pub(crate) enum NumberSpace {
 
 /// Shader data of the lights: their entries, then the uniforms of each kind of kernel. All of it is
 /// in one buffer.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct LightNumbers {
     pub(crate) entries: Records,
     /// Uniforms of the lights of each kind.

@@ -160,6 +160,8 @@ struct LightLists {
     grid: Vec<u8>,
     kind: usize,
     is_stale: bool,
+    /// False if their light is switched off. They are then not rebuilt.
+    is_enabled: bool,
     buffers: Option<ListBuffers>,
     binding: Binding,
     further_binding: Binding,
@@ -309,7 +311,11 @@ impl CasterLists {
                 .prepare(factory, pipelines, casters, buffer, corners.first);
         }
         for (id, lists) in &mut self.lights {
-            let Some(made) = lights.get(id).and_then(shown_lists) else {
+            let Some(light) = lights.get(id) else {
+                continue;
+            };
+            lists.is_enabled = light.is_enabled;
+            let Some(made) = shown_lists(light) else {
                 continue;
             };
             // Find the pipelines of the list, or create them.
@@ -323,7 +329,7 @@ impl CasterLists {
             });
             // Write the inputs of lists that are out of date.
             lists.is_stale |= lists.grid != made.uniforms;
-            if lists.is_stale {
+            if lists.is_due() {
                 let rows = [
                     tables.place_of(Region::Light(id, 0)).first,
                     tables.place_of(Region::Light(id, 1)).first,
@@ -346,11 +352,11 @@ impl CasterLists {
     }
 
     /// Returns the number of lights whose lists are built in this frame.
-    pub(crate) fn stale_count(&self) -> u32 {
-        self.lights.values().filter(|lists| lists.is_stale).count() as u32
+    pub(crate) fn due_count(&self) -> u32 {
+        self.lights.values().filter(|lists| lists.is_due()).count() as u32
     }
 
-    /// Records the passes of all lists that are out of date. `stamps` returns the timestamps of a
+    /// Records the passes of all lists that are due. `stamps` returns the timestamps of a
     /// light's pass.
     pub(crate) fn encode<'q>(
         &mut self,
@@ -361,7 +367,7 @@ impl CasterLists {
             let Some(buffers) = &lists.buffers else {
                 continue;
             };
-            if !lists.is_stale {
+            if !lists.is_due() {
                 continue;
             }
             encoder.clear_buffer(&buffers.work, 0, None);
@@ -501,11 +507,17 @@ impl LightLists {
             grid: Vec::new(),
             kind: 0,
             is_stale: true,
+            is_enabled: true,
             buffers: None,
             binding: Binding::default(),
             further_binding: Binding::default(),
             read: LateRead::new(device, "umbrage lists read", 4 * DeviceLists::HEAD),
         }
+    }
+
+    /// Returns whether they must be built in this frame.
+    fn is_due(&self) -> bool {
+        self.is_enabled && self.is_stale
     }
 
     /// Returns the capacity for the lists of this number of triangles. Keeps at least the current

@@ -4,10 +4,10 @@ use glam::{Mat4, Vec3, Vec4};
 use std::ops::Range;
 use umbrage_core::{Aabb, Simd, SimdTask};
 
-/// Relative rounding bound of the test of a box against a plane. Each product and sum of the test
+/// Relative rounding bound of the test of a box against a plane or a point. Each product and sum of the test
 /// and of the box itself has a relative error of 2^-24, and there are fewer than sixteen of them:
 /// this is 2^-18.
-const ROUNDING: f32 = 1.0 / 262_144.0;
+pub(crate) const ROUNDING: f32 = 1.0 / 262_144.0;
 /// Half extent of empty boxes, which are outside of every plane.
 const NOTHING: f32 = -1e30;
 /// Greatest number of invisible slots that are drawn along to save a draw.
@@ -110,7 +110,8 @@ impl CullingBoxes {
         all
     }
 
-    /// Returns the distance from a point to the nearest box; infinite without boxes.
+    /// Returns the distance from a point to the nearest box, less its rounding; infinite without
+    /// boxes.
     pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
         Simd::Native
             .run_task(FindNearest { boxes: self, point })
@@ -136,10 +137,12 @@ impl SimdTask for FindNearest<'_> {
             let mut squares = [0.0_f32; CHUNK];
             for axis in 0..3 {
                 let at = self.point[axis];
+                let rounding_at = at.abs() * ROUNDING;
                 let boxes = centre[axis][start..end].iter().zip(&half[axis][start..end]);
                 for (square, (&centre, &half)) in squares.iter_mut().zip(boxes) {
+                    let rounding = rounding_at + (centre.abs() + half.abs()) * ROUNDING;
                     // For empty boxes, the sum is infinite.
-                    let outside = (at - centre).abs() - half;
+                    let outside = (at - centre).abs() - half - rounding;
                     let outside = if outside > 0.0 { outside } else { 0.0 };
                     *square += outside * outside;
                 }

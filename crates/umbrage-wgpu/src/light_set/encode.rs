@@ -77,7 +77,7 @@ impl LightSet {
         if self.shader.bind_group().is_none() {
             return Err(unprepared_error());
         }
-        if self.passes.count() == 0 && self.lists.stale_count() == 0 {
+        if self.passes.count() == 0 && self.lists.due_count() == 0 {
             return Ok(());
         }
         self.dropped_encoders.watch(encoder);
@@ -95,7 +95,10 @@ impl LightSet {
         let mut filtered: Option<LightKey> = None;
         let mut names = self.passes.names().enumerate().peekable();
         while let Some((pass, name)) = names.next() {
-            let light = &self.lights[name.light];
+            // Skip lights that were removed since `prepare`.
+            let Some(light) = self.lights.get(name.light) else {
+                continue;
+            };
             let filters = &light.maps.filters;
             if filtered != Some(name.light) {
                 filters.clear(encoder);
@@ -123,7 +126,10 @@ impl LightSet {
         }
         // Mark the recorded layers as up to date.
         for name in self.passes.names() {
-            let cast = &mut self.lights[name.light].maps.casts[name.cast];
+            let Some(light) = self.lights.get_mut(name.light) else {
+                continue;
+            };
+            let cast = &mut light.maps.casts[name.cast];
             match (name.part, &mut cast.still) {
                 (PassCasters::Still, Some(still)) => still.is_stale = false,
                 _ => {

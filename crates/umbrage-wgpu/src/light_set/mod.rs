@@ -37,6 +37,7 @@ pub use options::{
     FrameGeometry, LightSetOptions, SetBudget, SetFrame, SetReport, ShadowedLight, StillLayers,
     Unserved,
 };
+pub use shader::SetText;
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
@@ -69,7 +70,9 @@ use crate::{
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
-use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
+use umbrage_core::{
+    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique, View,
+};
 use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 
 /// The shadows of any number of lights, each with its own technique. One
@@ -353,7 +356,9 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such caster.
     pub fn remove_own_caster(&mut self, caster: OwnCasterId) -> Result<(), Invalid> {
-        self.casters.remove_own(caster.key_in(self.number)?)
+        self.casters.remove_own(caster.key_in(self.number)?)?;
+        self.passes.forget_own(caster);
+        Ok(())
     }
 
     /// Returns the layout of the bind group that passes of [`encode_with`](Self::encode_with) have
@@ -540,6 +545,13 @@ impl LightSet {
         steady_box::steady_box_around(&self.casters.bounds())
     }
 
+    /// Returns the view for which a light is planned, for a program that computes the same recipe.
+    /// While the program draws casters itself ([`add_own_caster`](Self::add_own_caster)), maps are
+    /// planned without [`View::geometry`].
+    pub fn view<'a>(&self, frame: &SetFrame<'a>, light: &'a Light) -> View<'a> {
+        frame.view_of(light, self.casters_box(), self.casters.distance_from(light))
+    }
+
     /// Returns the number of casters, with those that the program draws; a part of the alpha-tested
     /// ones counts as one.
     pub fn caster_count(&self) -> usize {
@@ -552,15 +564,16 @@ impl LightSet {
     /// patterns of kernels that differ from pixel to pixel. `shadow_on` has a triangle id as an
     /// additional parameter, which ray-tracing kernels need.
     ///
-    /// The text changes with the kinds of kernels and the sizes of maps that lights use, as
-    /// reported by [`wgsl_revision`](Self::wgsl_revision).
+    /// The text changes with the kinds of kernels and the number of sizes of maps that lights use,
+    /// as reported by [`wgsl_revision`](Self::wgsl_revision).
     pub fn wgsl(&self) -> &str {
         self.shader.prefixed_text()
     }
 
-    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout
-    /// change. Rebuild the pipelines that contain the text then: the graphics API refuses to draw
-    /// with those of the 255 revisions before.
+    /// Returns the number of the [text](Self::wgsl) and of the bind group's layout: equal numbers
+    /// mean equal texts. Keep pipelines by this number. The graphics API refuses to draw with those
+    /// of another of the last 256 texts. [`text_with`](Self::text_with) returns the text of other
+    /// techniques beforehand.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }

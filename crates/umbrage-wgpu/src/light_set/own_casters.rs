@@ -1,6 +1,11 @@
 //! Casters that the program draws itself into the set's layers, such as skinned meshes.
 
-use crate::light_set::{casters::Casters, culling::Volume, ids::OwnCasterKey, unknown};
+use crate::light_set::{
+    casters::Casters,
+    culling::{ROUNDING, Volume},
+    ids::OwnCasterKey,
+    unknown,
+};
 use glam::Vec3;
 use slotmap::SlotMap;
 use umbrage_core::{Aabb, Invalid};
@@ -23,10 +28,13 @@ impl OwnCasters {
         self.0.values().fold(Aabb::EMPTY, |all, one| all.union(one))
     }
 
-    /// Returns the distance from a point to the nearest box, metres; infinite without boxes.
+    /// Returns the distance from a point to the nearest box, less its rounding, metres; infinite
+    /// without boxes.
     pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
         let distance = |bounds: &Aabb| {
-            let outside = (point - bounds.center()).abs() - bounds.extent() * 0.5;
+            let (centre, half) = (bounds.center(), bounds.extent() * 0.5);
+            let rounding = (point.abs() + centre.abs() + half) * ROUNDING;
+            let outside = (point - centre).abs() - half - rounding;
             outside.max(Vec3::ZERO).length()
         };
         self.0.values().map(distance).fold(f32::INFINITY, f32::min)

@@ -93,6 +93,17 @@ impl PassList {
         self.own.clear();
     }
 
+    /// Removes a caster that the program no longer draws.
+    pub(crate) fn forget_own(&mut self, removed: OwnCasterId) {
+        for pass in &mut self.passes {
+            let shown = &mut self.own[pass.own.clone()];
+            if let Some(i) = shown.iter().position(|&id| id == removed) {
+                shown[i..].rotate_left(1);
+                pass.own.end -= 1;
+            }
+        }
+    }
+
     /// Appends the passes that redraw the changed layers of a light.
     pub(crate) fn push_light(
         &mut self,

@@ -132,6 +132,11 @@ impl LayerPool {
         self.classes[class].whole.as_ref()
     }
 
+    /// Returns all classes, by index.
+    pub(crate) fn classes(&self) -> Vec<LayerClass> {
+        self.classes.iter().map(|held| held.class).collect()
+    }
+
     pub(crate) fn class(&self, index: usize) -> LayerClass {
         self.classes[index].class
     }

@@ -6,12 +6,13 @@ use crate::{
         LightSet, PlannedFor,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         caster_lists::{CasterLists, why_not_listed},
-        ids::LightKey,
+        ids::{LightId, LightKey},
         masks::{MaskInputs, MaskStage},
         options::{SetFrame, SetReport},
         passes::{CastSources, PassList},
         plan::{Difference, LightPlan, PlanLimits},
         pool::{LayerClass, LayerPool},
+        shader::SetText,
         state::{HeldLight, LightMaps, LightState},
         still_layers::still_bytes,
     },
@@ -19,6 +20,8 @@ use crate::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
     },
 };
+use slotmap::SecondaryMap;
+use std::sync::Arc;
 use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique, View};
 
 impl LightSet {
@@ -41,9 +44,55 @@ impl LightSet {
             recipes: &self.limits,
             unlisted: unlisted.as_deref(),
         };
-        let view = frame.view_of(light, self.casters_box(), self.casters.distance_from(light));
+        let view = self.view(frame, light);
         plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
         Ok(())
+    }
+
+    /// Returns the text that the set will have with these techniques instead of the present ones, if
+    /// all lights fit the budget. The set stays as it is: compile the pipelines, in the background
+    /// if you like, then call [`set_technique`](Self::set_technique). Without changes, this
+    /// is the text of the next frame.
+    ///
+    /// # Errors
+    /// Errors if a light's technique is refused, with the reason of
+    /// [`Unserved::Refused`](crate::Unserved::Refused), or if there is no such light.
+    pub fn text_with(
+        &mut self,
+        frame: &SetFrame<'_>,
+        techniques: &[(LightId, Arc<dyn ShadowTechnique>)],
+    ) -> Result<SetText, RecipeError> {
+        let mut changed = SecondaryMap::new();
+        for (id, technique) in techniques {
+            changed.insert(self.light_key(*id)?, technique);
+        }
+        let unlisted = why_not_listed(&self.casters, &self.device.limits());
+        let limits = PlanLimits {
+            recipes: &self.limits,
+            unlisted: unlisted.as_deref(),
+        };
+        let has_own = !self.casters.own().is_empty();
+        // Plan the changed and the new lights.
+        let mut made: SecondaryMap<LightKey, LightPlan> = SecondaryMap::new();
+        for (key, light) in &self.lights {
+            let settings = &light.settings;
+            let technique = match changed.get(key) {
+                Some(&technique) => technique,
+                None if light.has_changed => &settings.technique,
+                None => continue,
+            };
+            let view = self.view(frame, &settings.light);
+            made.insert(key, plan_light(&**technique, &view, has_own, limits)?);
+        }
+        // Determine the text. Refused lights need none.
+        let plans: Vec<&LightPlan> = self
+            .lights
+            .iter()
+            .filter_map(|(key, light)| made.get(key).or_else(|| light.state.newest()))
+            .collect();
+        let factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
+        self.shader
+            .text_of(&factory, &mut self.pipelines, &self.pool, &plans)
     }
 
     /// Plans the lights that changed, selects the layers to draw, and writes their inputs.
@@ -402,7 +451,7 @@ impl LightSet {
             &self.casters,
             self.shader.tables(),
         );
-        self.report.listed = self.lists.stale_count();
+        self.report.listed = self.lists.due_count();
         Ok(uploaded)
     }
 
@@ -434,8 +483,8 @@ impl LightSet {
     }
 }
 
-/// Plans a light. The view's triangles don't contain casters that the program draws (`has_own`), so
-/// maps are then fitted to the box around all casters.
+/// Plans a light. The view's triangles may not contain casters that the program draws (`has_own`),
+/// so maps are then fitted to the box around all casters.
 fn plan_light(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
@@ -448,10 +497,14 @@ fn plan_light(
             ..*view
         };
         let plan = LightPlan::of_light(technique, &boxes_only, limits);
-        // Techniques without maps need the triangles.
-        if !matches!(plan, Err(RecipeError::Unsupported(_))) {
+        let Err(RecipeError::Unsupported(_)) = plan else {
             return plan;
-        }
+        };
+        // Techniques without maps may need the triangles.
+        return match LightPlan::of_light(technique, view, limits) {
+            Ok(with_triangles) if !with_triangles.recipe.casts.is_empty() => plan,
+            with_triangles => with_triangles,
+        };
     }
     LightPlan::of_light(technique, view, limits)
 }

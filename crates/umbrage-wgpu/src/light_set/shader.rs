@@ -8,7 +8,7 @@ use crate::{
         },
         ids::LightKey,
         plan::LightPlan,
-        pool::LayerPool,
+        pool::{LayerClass, LayerPool},
         state::{HeldLight, LightState},
     },
     resources::{
@@ -20,28 +20,24 @@ use crate::{
     wgsl::{
         kernel::{InputImage, InputKind},
         resolver::{check_prefix, with_prefix},
-        set::{KernelKind, MapBinding, TextParts},
+        set::{KernelKind, MapBinding, TextParts, UnnumberedText},
     },
 };
 use slotmap::{SecondaryMap, SlotMap};
 use std::sync::Arc;
-use umbrage_core::{BackendError, Invalid, RecipeError};
+use umbrage_core::{BackendError, ImageDesc, Invalid, RecipeError};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 
 /// WGSL text, bindings and uniforms of a set.
 #[derive(Debug)]
 pub(crate) struct SetShader {
-    group: u32,
     prefix: String,
-    most_maps: usize,
-    kinds: Vec<KernelKind>,
-    numbers: LightNumbers,
-    maps: Vec<MapBinding>,
-    /// See [`TextParts::classes`].
-    classes: Vec<Vec<Vec<usize>>>,
+    interface: Interface,
     tables: SharedTables,
     /// Uniform record of each shown light.
     records: SecondaryMap<LightKey, KernelRecord>,
+    /// All texts so far, numbered from binding 0. The revision of each is its index, plus 1.
+    texts: Vec<String>,
     text: String,
     /// The text with the user's prefix.
     prefixed_text: String,
@@ -53,6 +49,29 @@ pub(crate) struct SetShader {
     has_changed: bool,
 }
 
+/// What the text depends on: the kinds of kernels, their uniforms, and the bound textures.
+#[derive(Clone, Debug)]
+struct Interface {
+    group: u32,
+    most_maps: usize,
+    kinds: Vec<KernelKind>,
+    numbers: LightNumbers,
+    maps: Vec<MapBinding>,
+    /// See [`TextParts::classes`].
+    classes: Vec<Vec<Vec<usize>>>,
+}
+
+/// The WGSL text of a set's lights, with the layout of its bind group.
+#[derive(Clone, Debug)]
+pub struct SetText {
+    /// See [`LightSet::wgsl`](crate::LightSet::wgsl).
+    pub wgsl: String,
+    /// See [`LightSet::wgsl_revision`](crate::LightSet::wgsl_revision).
+    pub revision: u64,
+    /// See [`LightSet::bind_group`](crate::LightSet::bind_group).
+    pub layout: BindGroupLayout,
+}
+
 /// A light's uniforms, by kind and index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct KernelRecord {
@@ -62,26 +81,31 @@ struct KernelRecord {
 
 /// Greatest number of bound textures: an index uses 8 bits of a light's entry.
 const MAX_MAPS: u32 = 256;
-/// Number of revisions until a first binding is used again. With [`MAX_MAPS`] and the other
+/// Number of texts until a first binding is used again. With [`MAX_MAPS`] and the other
 /// bindings, less than the 1,000 bindings of a group that WebGPU guarantees.
 const FIRST_BINDINGS: u64 = 256;
 /// Greatest number of kinds of kernels: a kind uses 8 bits of a light's entry.
 const MAX_KINDS: usize = 255;
+/// Stages of shaders that may contain the text.
+const STAGES: ShaderStages = ShaderStages::FRAGMENT.union(ShaderStages::COMPUTE);
 
 impl SetShader {
     /// Errors if the prefix can't begin a WGSL identifier.
     pub(crate) fn new(group: u32, prefix: &str, limits: &Limits) -> Result<Self, Invalid> {
         check_prefix(prefix)?;
         Ok(Self {
-            group,
             prefix: prefix.to_owned(),
-            most_maps: limits.max_sampled_textures_per_shader_stage.min(MAX_MAPS) as usize,
-            kinds: Vec::new(),
-            numbers: LightNumbers::new(limits.max_uniform_buffer_binding_size),
-            maps: Vec::new(),
-            classes: Vec::new(),
+            interface: Interface {
+                group,
+                most_maps: limits.max_sampled_textures_per_shader_stage.min(MAX_MAPS) as usize,
+                kinds: Vec::new(),
+                numbers: LightNumbers::new(limits.max_uniform_buffer_binding_size),
+                maps: Vec::new(),
+                classes: Vec::new(),
+            },
             tables: SharedTables::default(),
             records: SecondaryMap::new(),
+            texts: Vec::new(),
             text: String::new(),
             prefixed_text: String::new(),
             revision: 0,
@@ -101,7 +125,7 @@ impl SetShader {
     }
 
     pub(crate) fn group(&self) -> u32 {
-        self.group
+        self.interface.group
     }
 
     pub(crate) fn revision(&self) -> u64 {
@@ -131,25 +155,25 @@ impl SetShader {
 
     /// Allocates an index for a new light.
     pub(crate) fn take_index(&mut self) -> u32 {
-        self.numbers.entries.take() as u32
+        self.interface.numbers.entries.take() as u32
     }
 
     pub(crate) fn give_back_index(&mut self, index: u32) {
-        self.numbers.entries.give_back(index as usize);
+        self.interface.numbers.entries.give_back(index as usize);
     }
 
     /// Frees a light's uniforms. From the next [`write`](Self::write) on, it has no shadows in
     /// shaders.
     pub(crate) fn forget(&mut self, light: LightKey) {
         if let Some(KernelRecord { kind, index }) = self.records.remove(light) {
-            self.numbers.kernels[kind].give_back(index);
+            self.interface.numbers.kernels[kind].give_back(index);
         }
         self.has_changed = true;
     }
 
     /// Drops all buffers and bind groups.
     pub(crate) fn lose_buffers(&mut self) {
-        self.numbers.lose_buffer();
+        self.interface.numbers.lose_buffer();
         self.tables.lose_buffer();
         self.binding = Binding::default();
         self.has_changed = true;
@@ -177,8 +201,8 @@ impl SetShader {
         self.refuse_long_tables(lights, most);
         self.set_records(lights);
         self.has_changed = false;
-        self.is_outdated |= self.numbers.make_room();
-        let mut uploaded = self.numbers.upload(factory);
+        self.is_outdated |= self.interface.numbers.make_room();
+        let mut uploaded = self.interface.numbers.upload(factory);
         uploaded.add(self.tables.upload(factory));
         if self.is_outdated {
             self.make_text()?;
@@ -193,94 +217,90 @@ impl SetShader {
 
     /// Ensures that kinds and bindings for all shown lights are registered.
     fn register_all(&mut self, lights: &mut SlotMap<LightKey, HeldLight>) {
-        let is_registered = |light: &HeldLight| {
-            let plan = light.state.shown_plan();
-            plan.is_none_or(|plan| self.has_registered(plan, light))
+        let shown = |light: &HeldLight| -> Option<bool> {
+            let plan = light.state.shown_plan()?;
+            Some(self.interface.has(&plan.kind, &map_bindings(plan, light)))
         };
-        if lights.values().all(is_registered) {
+        if lights
+            .values()
+            .filter_map(shown)
+            .all(|is_registered| is_registered)
+        {
             return;
         }
         // The text changes anyway: drop unused kinds and maps.
-        self.kinds.clear();
-        self.numbers.kernels.clear();
-        self.maps.clear();
-        self.classes.clear();
+        self.interface.clear();
         self.records.clear();
         self.is_outdated = true;
         for light in lights.values_mut() {
             if let Some(plan) = light.state.shown_plan()
-                && let Err(error) = self.register(plan, light)
+                && let Err(error) = self
+                    .interface
+                    .register(&plan.kind, &map_bindings(plan, light))
             {
                 light.state = LightState::Refused(error);
             }
         }
     }
 
-    /// Returns whether text and bindings support a light's plan.
-    fn has_registered(&self, plan: &LightPlan, light: &HeldLight) -> bool {
-        let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
-            return false;
-        };
-        let inputs = &plan.recipe.receive.inputs;
-        inputs.iter().enumerate().all(|(i, &image)| {
-            let binding = map_binding(plan, light, i, image);
-            let map = self.maps.iter().position(|map| *map == binding);
-            map.is_some_and(|map| self.classes[kind][i].contains(&map))
-        })
-    }
-
-    /// Registers the kind and the maps of a light's plan.
+    /// Returns the text for lights with these plans, in the order of the set's lights. The texts of
+    /// plans with images of classes that `pool` lacks differ from those with known classes alone.
     ///
     /// Errors with `Unsupported` if a shader can't bind that much.
-    fn register(&mut self, plan: &LightPlan, light: &HeldLight) -> Result<(), RecipeError> {
-        let known = self.kinds.iter().position(|kind| *kind == plan.kind);
-        let kind = match known {
-            Some(kind) => kind,
-            None => self.add_kind(plan)?,
+    pub(crate) fn text_of(
+        &mut self,
+        factory: &ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        pool: &LayerPool,
+        plans: &[&LightPlan],
+    ) -> Result<SetText, RecipeError> {
+        let mut classes = pool.classes();
+        let mut class_of = |image: &ImageDesc| {
+            let class = LayerClass::of_image(image);
+            let known = classes.iter().position(|other| *other == class);
+            known.unwrap_or_else(|| {
+                classes.push(class);
+                classes.len() - 1
+            })
         };
-        for (i, &image) in plan.recipe.receive.inputs.iter().enumerate() {
-            let binding = map_binding(plan, light, i, image);
-            let known = self.maps.iter().position(|map| *map == binding);
-            let map = match known {
-                Some(map) => map,
-                None => self.add_map(binding)?,
-            };
-            let classes = &mut self.classes[kind][i];
-            if !classes.contains(&map) {
-                classes.push(map);
-            }
+        let maps: Vec<Vec<MapBinding>> = plans
+            .iter()
+            .map(|plan| {
+                let inputs = plan.recipe.receive.inputs.iter().enumerate();
+                let binding = |(i, &image): (usize, &usize)| MapBinding {
+                    class: class_of(&plan.recipe.images[image]),
+                    kind: plan.kind.shape.images[i].kind,
+                };
+                inputs.map(binding).collect()
+            })
+            .collect();
+        // Do what `write` does for these plans.
+        let mut interface = self.interface.clone();
+        let mut pairs = plans.iter().zip(&maps);
+        if !pairs
+            .clone()
+            .all(|(plan, maps)| interface.has(&plan.kind, maps))
+        {
+            interface.clear();
+            pairs.try_for_each(|(plan, maps)| interface.register(&plan.kind, maps))?;
         }
-        Ok(())
-    }
-
-    fn add_kind(&mut self, plan: &LightPlan) -> Result<usize, RecipeError> {
-        if self.kinds.len() == MAX_KINDS {
-            let why = format!("the lights of the set have {MAX_KINDS} other kinds of kernels");
-            return Err(RecipeError::unsupported_because(why));
-        }
-        let stride = plan.kind.uniforms.map_or(0, |(_, size)| size);
-        self.kinds.push(plan.kind.clone());
-        self.numbers.kernels.push(Records::new(stride));
-        self.classes
-            .push(vec![Vec::new(); plan.kind.shape.images.len()]);
-        Ok(self.kinds.len() - 1)
-    }
-
-    fn add_map(&mut self, binding: MapBinding) -> Result<usize, RecipeError> {
-        if self.maps.len() == self.most_maps {
-            let why = format!(
-                "the lights of the set have maps of {} other sizes and formats, which is the limit of shaders on this device",
-                self.most_maps
-            );
-            return Err(RecipeError::unsupported_because(why));
-        }
-        self.maps.push(binding);
-        Ok(self.maps.len() - 1)
+        interface.reserve_records(plans);
+        interface.numbers.make_room();
+        let text = interface.parts().text()?;
+        let revision = self.number(&text);
+        let first = first_binding(revision);
+        Ok(SetText {
+            wgsl: with_prefix(&text.numbered(first), &self.prefix)?,
+            revision,
+            layout: pipelines
+                .layouts
+                .get_from(factory, STAGES, first, &interface.slots()),
+        })
     }
 
     /// Sets the uniforms of all lights.
     fn set_records(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
-        let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
+        let mut entries = vec![LightEntry::default(); self.interface.numbers.entries.count()];
         for (id, light) in lights {
             // The default entry is lit.
             if !light.is_enabled {
@@ -290,26 +310,32 @@ impl SetShader {
                 continue;
             };
             // The kind was registered.
-            let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
+            let Some(kind) = self
+                .interface
+                .kinds
+                .iter()
+                .position(|kind| *kind == plan.kind)
+            else {
                 continue;
             };
             let index = match self.records.get(id) {
                 Some(held) if held.kind == kind => held.index,
                 held => {
                     if let Some(other) = held {
-                        self.numbers.kernels[other.kind].give_back(other.index);
+                        self.interface.numbers.kernels[other.kind].give_back(other.index);
                     }
-                    self.numbers.kernels[kind].take()
+                    self.interface.numbers.kernels[kind].take()
                 }
             };
-            self.numbers.kernels[kind].set(index, &plan.uniforms);
+            self.interface.numbers.kernels[kind].set(index, &plan.uniforms);
             let record = KernelRecord { kind, index };
             self.records.insert(id, record);
             entries[light.index as usize] = self.entry(id, plan, light, record);
         }
         for (index, entry) in entries.iter().enumerate() {
             let words = entry.words();
-            self.numbers
+            self.interface
+                .numbers
                 .entries
                 .set(index, bytemuck::cast_slice(&words));
         }
@@ -330,7 +356,7 @@ impl SetShader {
         let receive = &plan.recipe.receive;
         for (i, &image) in receive.inputs.iter().enumerate() {
             let binding = map_binding(plan, light, i, image);
-            let map = self.maps.iter().position(|map| *map == binding);
+            let map = self.interface.maps.iter().position(|map| *map == binding);
             entry.images[i] = ImagePlace {
                 texture: map.unwrap_or(0) as u32,
                 first: light.maps.ranges[image].layers.start,
@@ -411,23 +437,21 @@ impl SetShader {
         self.tables.retain(is_used, is_listed);
     }
 
-    /// Returns the number of the first binding. It differs between revisions, so that the graphics
-    /// API refuses pipelines with the text of an earlier one.
-    fn first_binding(&self) -> u32 {
-        (self.revision % FIRST_BINDINGS) as u32
+    /// Returns the number of a text: that of an equal one, or a new one.
+    fn number(&mut self, text: &UnnumberedText) -> u64 {
+        let text = text.numbered(0);
+        let known = self.texts.iter().position(|other| *other == text);
+        let index = known.unwrap_or_else(|| {
+            self.texts.push(text);
+            self.texts.len() - 1
+        });
+        index as u64 + 1
     }
 
     fn make_text(&mut self) -> Result<(), Invalid> {
-        self.revision += 1;
-        let parts = TextParts {
-            group: self.group,
-            first_binding: self.first_binding(),
-            kinds: &self.kinds,
-            numbers: &self.numbers,
-            maps: &self.maps,
-            classes: &self.classes,
-        };
-        self.text = parts.text()?;
+        let text = self.interface.parts().text()?;
+        self.revision = self.number(&text);
+        self.text = text.numbered(first_binding(self.revision));
         self.prefixed_text = with_prefix(&self.text, &self.prefix)?;
         Ok(())
     }
@@ -438,37 +462,151 @@ impl SetShader {
         pipelines: &mut Pipelines,
         pool: &LayerPool,
     ) {
+        let interface = &self.interface;
+        // Both buffers were uploaded.
+        let buffers = [interface.numbers.buffer(), self.tables.buffer()];
+        let buffers = buffers.into_iter().flatten().cloned().map(Bound::Buffer);
+        let views = interface
+            .maps
+            .iter()
+            .filter_map(|map| pool.whole(map.class));
+        let mut bound: Vec<Bound> = buffers.chain(views.cloned().map(Bound::View)).collect();
+        let slots = interface.slots();
+        if bound.len() < slots.len() {
+            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
+        }
+        self.binding.first = first_binding(self.revision);
+        let entries = slots.into_iter().zip(bound).collect();
+        let layouts = &mut pipelines.layouts;
+        self.binding
+            .bind(factory, layouts, STAGES, "umbrage lights", entries);
+    }
+}
+
+impl Interface {
+    fn clear(&mut self) {
+        self.kinds.clear();
+        self.numbers.kernels.clear();
+        self.maps.clear();
+        self.classes.clear();
+    }
+
+    /// Returns the index of a kind of kernel.
+    fn index_of(&self, kind: &KernelKind) -> Option<usize> {
+        self.kinds.iter().position(|other| other == kind)
+    }
+
+    /// Returns whether a kernel of this kind can read these textures.
+    fn has(&self, kind: &KernelKind, maps: &[MapBinding]) -> bool {
+        let Some(kind) = self.index_of(kind) else {
+            return false;
+        };
+        maps.iter()
+            .zip(&self.classes[kind])
+            .all(|(binding, classes)| {
+                let map = self.maps.iter().position(|map| map == binding);
+                map.is_some_and(|map| classes.contains(&map))
+            })
+    }
+
+    /// Registers a kind of kernel that reads these textures.
+    ///
+    /// Errors with `Unsupported` if a shader can't bind that much.
+    fn register(&mut self, kind: &KernelKind, maps: &[MapBinding]) -> Result<(), RecipeError> {
+        let index = match self.index_of(kind) {
+            Some(index) => index,
+            None => self.add_kind(kind)?,
+        };
+        for (i, &binding) in maps.iter().enumerate() {
+            let known = self.maps.iter().position(|map| *map == binding);
+            let map = match known {
+                Some(map) => map,
+                None => self.add_map(binding)?,
+            };
+            let classes = &mut self.classes[index][i];
+            if !classes.contains(&map) {
+                classes.push(map);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_kind(&mut self, kind: &KernelKind) -> Result<usize, RecipeError> {
+        if self.kinds.len() == MAX_KINDS {
+            let why = format!("the lights of the set have {MAX_KINDS} other kinds of kernels");
+            return Err(RecipeError::unsupported_because(why));
+        }
+        let stride = kind.uniforms.map_or(0, |(_, size)| size);
+        self.kinds.push(kind.clone());
+        self.numbers.kernels.push(Records::new(stride));
+        self.classes.push(vec![Vec::new(); kind.shape.images.len()]);
+        Ok(self.kinds.len() - 1)
+    }
+
+    fn add_map(&mut self, binding: MapBinding) -> Result<usize, RecipeError> {
+        if self.maps.len() == self.most_maps {
+            let why = format!(
+                "the lights of the set have maps of {} other sizes and formats, which is the limit of shaders on this device",
+                self.most_maps
+            );
+            return Err(RecipeError::unsupported_because(why));
+        }
+        self.maps.push(binding);
+        Ok(self.maps.len() - 1)
+    }
+
+    /// Ensures that each kind has at least as many records as lights with these plans.
+    fn reserve_records(&mut self, plans: &[&LightPlan]) {
+        for (kind, records) in self.kinds.iter().zip(&mut self.numbers.kernels) {
+            let count = plans.iter().filter(|plan| plan.kind == *kind).count();
+            while records.count() < count {
+                records.push();
+            }
+        }
+    }
+
+    fn parts(&self) -> TextParts<'_> {
+        TextParts {
+            group: self.group,
+            kinds: &self.kinds,
+            numbers: &self.numbers,
+            maps: &self.maps,
+            classes: &self.classes,
+        }
+    }
+
+    /// Returns the slots of the bind group: uniforms, tables, textures, and a sampler if kernels
+    /// compare with it.
+    fn slots(&self) -> Vec<Slot> {
         let numbers = match self.numbers.space() {
             NumberSpace::Uniform => Slot::Uniform,
             NumberSpace::Storage => Slot::Table,
         };
-        let buffers = [
-            (numbers, self.numbers.buffer()),
-            (Slot::Table, self.tables.buffer()),
-        ];
-        let mut entries = Vec::new();
-        for (slot, buffer) in buffers {
-            // Both buffers were uploaded.
-            entries.extend(buffer.map(|buffer| (slot, Bound::Buffer(buffer.clone()))));
+        let mut slots = vec![numbers, Slot::Table];
+        let image = |map: &MapBinding| InputImage {
+            kind: map.kind,
+            layered: true,
+        };
+        slots.extend(self.maps.iter().map(|map| image_slot(image(map))));
+        if self.maps.iter().any(|map| map.kind == InputKind::Compared) {
+            slots.push(Slot::Sampler);
         }
-        let mut compares = false;
-        for &MapBinding { class, kind } in &self.maps {
-            let layered = true;
-            let slot = image_slot(InputImage { kind, layered });
-            let view = pool.whole(class).cloned();
-            entries.extend(view.map(|view| (slot, Bound::View(view))));
-            compares |= kind == InputKind::Compared;
-        }
-        if compares {
-            let sampler = pipelines.sampler(factory.device);
-            entries.push((Slot::Sampler, Bound::Sampler(sampler)));
-        }
-        let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        self.binding.first = self.first_binding();
-        let layouts = &mut pipelines.layouts;
-        self.binding
-            .bind(factory, layouts, stages, "umbrage lights", entries);
+        slots
     }
+}
+
+/// Returns the number of the first binding. It differs between texts, so that the graphics API
+/// refuses pipelines with another one.
+fn first_binding(revision: u64) -> u32 {
+    (revision % FIRST_BINDINGS) as u32
+}
+
+/// Returns the bindings of a light's kernel.
+fn map_bindings(plan: &LightPlan, light: &HeldLight) -> Vec<MapBinding> {
+    let inputs = plan.recipe.receive.inputs.iter().enumerate();
+    inputs
+        .map(|(i, &image)| map_binding(plan, light, i, image))
+        .collect()
 }
 
 /// Returns the binding of input `i` of a light's kernel, which is this image of the recipe.

@@ -89,7 +89,7 @@ impl Layouts {
         self.get_from(factory, visibility, 0, slots)
     }
 
-    fn get_from(
+    pub(crate) fn get_from(
         &mut self,
         factory: &ResourceFactory<'_>,
         visibility: ShaderStages,

@@ -34,8 +34,6 @@ pub(crate) struct MapBinding {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TextParts<'a> {
     pub(crate) group: u32,
-    /// Number of the first binding; the others follow.
-    pub(crate) first_binding: u32,
     pub(crate) kinds: &'a [KernelKind],
     pub(crate) numbers: &'a LightNumbers,
     pub(crate) maps: &'a [MapBinding],
@@ -47,17 +45,40 @@ pub(crate) struct TextParts<'a> {
 /// The entry of the evaluated light.
 const LIGHT: &str = "shadow_set.lights[shadow_index]";
 
+/// A text whose bindings have no numbers yet.
+#[derive(Debug)]
+pub(crate) struct UnnumberedText {
+    head: String,
+    group: u32,
+    /// Declarations of the bindings, without their attributes.
+    variables: Vec<String>,
+    body: String,
+}
+
+impl UnnumberedText {
+    /// Returns the text with bindings numbered from `first`.
+    pub(crate) fn numbered(&self, first: u32) -> String {
+        let group = self.group;
+        let mut text = self.head.clone();
+        for (binding, variable) in (first..).zip(&self.variables) {
+            let _ = writeln!(text, "@group({group}) @binding({binding}) {variable};");
+        }
+        text + &self.body
+    }
+}
+
 impl TextParts<'_> {
     /// Returns the text of `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) ->
     /// f32` and all functions that it calls.
     ///
     /// Errors if a kernel's names can't be prefixed.
-    pub(crate) fn text(&self) -> Result<String, Invalid> {
+    pub(crate) fn text(&self) -> Result<UnnumberedText, Invalid> {
         let receiver = include_str!("receiver.wgsl");
         let light = include_str!("light.wgsl");
         let shadow = include_str!("shadow.wgsl");
-        let mut text = format!("// Made by umbrage: a set of lights.\n{receiver}{light}");
-        self.declare_bindings(&mut text);
+        let mut head = format!("// Made by umbrage: a set of lights.\n{receiver}{light}");
+        self.declare_uniforms(&mut head);
+        let mut text = String::new();
         let rows: [_; MAX_TABLES] = std::array::from_fn(rows_of_table);
         let mut cases = String::new();
         // Append the text of each kind of kernel, with its names prefixed.
@@ -90,12 +111,18 @@ impl TextParts<'_> {
 }}
 "
         );
-        Ok(text + &constant("SHADOW_LIGHTS", lights) + shadow)
+        text += &constant("SHADOW_LIGHTS", lights);
+        text += shadow;
+        Ok(UnnumberedText {
+            head,
+            group: self.group,
+            variables: self.variables(),
+            body: text,
+        })
     }
 
-    /// Appends the declarations of the shared resources, in binding order.
-    fn declare_bindings(&self, text: &mut String) {
-        // Declare the structs of the uniforms.
+    /// Appends the structs of the uniforms.
+    fn declare_uniforms(&self, text: &mut String) {
         let mut fields = String::new();
         for (i, (kind, list)) in self.kinds.iter().zip(&self.numbers.kernels).enumerate() {
             let Some((name, _)) = kind.uniforms else {
@@ -115,15 +142,18 @@ impl TextParts<'_> {
             );
         }
         let lights = self.numbers.entries.capacity();
-        let space = match self.numbers.space() {
-            NumberSpace::Uniform => "uniform",
-            NumberSpace::Storage => "storage",
-        };
         let _ = writeln!(
             text,
             "struct ShadowSet {{\n    lights: array<ShadowLight, {lights}>,\n{fields}}}"
         );
-        // Declare the bindings.
+    }
+
+    /// Returns the declarations of the shared resources, in binding order.
+    fn variables(&self) -> Vec<String> {
+        let space = match self.numbers.space() {
+            NumberSpace::Uniform => "uniform",
+            NumberSpace::Storage => "storage",
+        };
         let mut variables = vec![
             format!("var<{space}> shadow_set: ShadowSet"),
             "var<storage> shadow_tables: array<vec4u>".to_owned(),
@@ -137,10 +167,7 @@ impl TextParts<'_> {
         if self.maps.iter().any(|map| map.kind == InputKind::Compared) {
             variables.push("var shadow_comparison: sampler_comparison".to_owned());
         }
-        let group = self.group;
-        for (binding, variable) in (self.first_binding..).zip(&variables) {
-            let _ = writeln!(text, "@group({group}) @binding({binding}) {variable};");
-        }
+        variables
     }
 }
 
