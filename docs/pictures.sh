@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Writes the images of the README and of docs, the figures of docs/failures.md, and docs/which.md. Takes about an hour.
-# (examples/viewer/try.py writes docs/viewer.png.)
+# (`python3 examples/viewer/try.py --bless` writes docs/viewer.png.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures

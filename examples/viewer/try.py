@@ -6,7 +6,8 @@
     python3 examples/viewer/try.py          # some minutes; screenshots in target/viewer-tried
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
-Regions of the screenshots are compared with those in `goldens` (see `pictures.py`); `--bless` overwrites the goldens instead.
+Regions of the screenshots are compared with those in `goldens` (see `pictures.py`); `--bless` overwrites the goldens instead,
+and docs/viewer.png.
 `--only NAME` runs one part: keyboard, moving, loading, dropped, holes, readable, scaled, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and hands what was copied to the example `forward`. With
 `--copied FILE...` it also takes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
@@ -349,6 +350,9 @@ def failed_and_cured(window, kept):
     assert fault["rmse"] > 0.1 and cure["rmse"] < 0.01, report
     window.key("h")
     kept.check("failure", window.still("failure"))
+    if kept.blesses:
+        # The picture of docs/live.md.
+        shutil.copy(window.out / "failure.png", ROOT / "docs/viewer.png")
     window.key("h")
 
 
