@@ -5,6 +5,9 @@
 #[path = "../../examples/add_shadows/deferred.rs"]
 mod deferred;
 #[allow(dead_code, reason = "a program, of which the test needs a part")]
+#[path = "../../examples/add_shadows/figures.rs"]
+mod figures;
+#[allow(dead_code, reason = "a program, of which the test needs a part")]
 #[path = "../../examples/add_shadows/forward.rs"]
 mod forward;
 
@@ -67,4 +70,30 @@ fn both_programs_draw_the_same_shadows() {
         "{differing} of {} bytes differ",
         pictures[0].len()
     );
+}
+
+/// The column's shadow is where its bent part is, and the sun shines through the holes of the
+/// cloth.
+#[test]
+fn figures_of_the_program_draw_their_shadows() {
+    let technique: Arc<dyn ShadowTechnique> = Arc::new(MapTechnique::<Pcf>::default());
+    let pixels = figures::picture(&technique).expect("draws");
+    let scene = BoxScene::small().expect("valid");
+    let sun = scene.lights[0].direction_from(Vec3::ZERO);
+    let on_floor = |point: Vec3| point - sun * (point.y / sun.y);
+    let seen = |point: Vec3| brightness(&scene, &pixels, on_floor(point));
+    // Centres of two of the cloth's holes, and the threads between them.
+    let on_cloth = |u: f32, v: f32| Vec3::new(3.0 + 3.0 * u, 0.2 + 2.4 * v, 4.5);
+    for [hole, thread] in [
+        [on_cloth(0.125, 0.375), on_cloth(0.25, 0.375)],
+        [on_cloth(0.375, 0.125), on_cloth(0.5, 0.125)],
+    ] {
+        let (bright, dark) = (seen(hole), seen(thread));
+        assert!(2 * dark < bright, "{dark} at {thread}, {bright} at {hole}");
+    }
+    // A point of the column's axis that bends, and its place without the bend.
+    let upright = Vec3::new(-1.5, 3.6, 4.5);
+    let bent = figures::bend(1.0).transform_point3(upright);
+    let (dark, bright) = (seen(bent), seen(upright));
+    assert!(2 * dark < bright, "{dark} at {bent}, {bright} at {upright}");
 }
