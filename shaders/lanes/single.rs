@@ -3,21 +3,14 @@
 use crate::{
     lanes::{
         batch::{BATCH, Batch, Lanes},
-        square::{Places, places_at},
+        square::{LitTaps, Places, places_at},
     },
     shadow_map::texel_compare::{DepthMap, depth_at_texel},
 };
 use glam::Vec2;
 
-/// One comparison for each receiver of a batch.
-pub(crate) struct SingleTaps {
-    /// 1 if the receiver isn't behind its texel or the comparison isn't known, else 0.
-    pub(crate) lit: Lanes<f32>,
-    /// True if the texel is on the map and the receiver is covered.
-    pub(crate) is_known: Lanes<bool>,
-}
-
 /// Compares the receivers of a batch with the texels (x, y), integer-valued, of an unpacked map.
+/// Receivers whose comparison isn't known count as lit.
 ///
 /// Runs in three passes, like [`level_squares`](super::square::level_squares). The first finds
 /// texel indices; the second only loads, so that many loads are in flight; the third compares.
@@ -27,7 +20,7 @@ pub(crate) fn single_taps(
     batch: &Batch,
     x: &Lanes<f32>,
     y: &Lanes<f32>,
-) -> SingleTaps {
+) -> LitTaps {
     let Places { first, is_inside } = places_at::<1>(map, batch, x, y);
     let mut is_known = is_inside;
     let mut stored = [0.0; BATCH];
@@ -46,7 +39,7 @@ pub(crate) fn single_taps(
         let is_lit = (depth <= stored[i]) | !is_known[i];
         lit[i] = if is_lit { 1.0 } else { 0.0 };
     }
-    SingleTaps { lit, is_known }
+    LitTaps { lit, is_known }
 }
 
 #[cfg(test)]

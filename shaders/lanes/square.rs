@@ -15,12 +15,12 @@ use crate::{
 };
 use umbrage_core::math::lesser;
 
-/// Number of lit taps in each receiver's square.
+/// Number of lit taps of each receiver of a batch.
 pub(crate) struct LitTaps {
-    /// Count; meaningless if it isn't known.
+    /// Count; for squares, meaningless if it isn't known.
     pub(crate) lit: Lanes<f32>,
-    /// True if the count is known: the receiver is covered, its square is entirely within the map,
-    /// and the square's rows can be read a whole vector at a time.
+    /// True if the count is known: the receiver is covered, its taps are within the map, and the
+    /// rows of a square can be read a whole vector at a time.
     pub(crate) is_known: Lanes<bool>,
 }
 

@@ -217,10 +217,10 @@ impl ReceiveKernel for MsmKernel {
         let map = self.moment_map();
         match self.reconstruction {
             Reconstruction::Hamburger => {
-                look_up(inputs, map, span, out, &HamburgerBound(u));
+                look_up(inputs, map, span, out, &MsmBound::<false>(u));
             }
             Reconstruction::Hausdorff => {
-                look_up(inputs, map, span, out, &HausdorffBound(u));
+                look_up(inputs, map, span, out, &MsmBound::<true>(u));
             }
         }
     }
@@ -281,25 +281,18 @@ fn spread_deviation(deviation: f32, spread: f32) -> f32 {
     }
 }
 
-struct HamburgerBound<'a>(&'a MsmUniforms);
-struct HausdorffBound<'a>(&'a MsmUniforms);
+/// Twin of msm.wgsl, with its constant.
+struct MsmBound<'a, const IS_HAUSDORFF: bool>(&'a MsmUniforms);
 
-impl LightBound<4> for HamburgerBound<'_> {
+impl<const IS_HAUSDORFF: bool> LightBound<4> for MsmBound<'_, IS_HAUSDORFF> {
     #[inline(always)]
     fn lit_fraction(&self, moments: [f32; 4], depth: f32) -> f32 {
-        hamburger(self.0.biased_moments(moments), depth)
-    }
-
-    #[inline(always)]
-    fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
-        self.0.compared_depth(l, spread)
-    }
-}
-
-impl LightBound<4> for HausdorffBound<'_> {
-    #[inline(always)]
-    fn lit_fraction(&self, moments: [f32; 4], depth: f32) -> f32 {
-        hausdorff(self.0.biased_moments(moments), depth)
+        let moments = self.0.biased_moments(moments);
+        if IS_HAUSDORFF {
+            hausdorff(moments, depth)
+        } else {
+            hamburger(moments, depth)
+        }
     }
 
     #[inline(always)]

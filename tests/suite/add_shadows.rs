@@ -85,8 +85,8 @@ fn figures_of_the_program_draw_their_shadows() {
     // Centres of two of the cloth's holes, and the threads between them.
     let on_cloth = |u: f32, v: f32| Vec3::new(3.0 + 3.0 * u, 0.2 + 2.4 * v, 4.5);
     for [hole, thread] in [
-        [on_cloth(0.125, 0.375), on_cloth(0.25, 0.375)],
-        [on_cloth(0.375, 0.125), on_cloth(0.5, 0.125)],
+        [on_cloth(0.625, 0.375), on_cloth(0.5, 0.375)],
+        [on_cloth(0.625, 0.625), on_cloth(0.625, 0.5)],
     ] {
         let (bright, dark) = (seen(hole), seen(thread));
         assert!(2 * dark < bright, "{dark} at {thread}, {bright} at {hole}");

@@ -89,9 +89,7 @@ impl EmbeddedProgram {
             everything: &[],
             receivers,
         };
-        shadows
-            .prepare(&d.device, &d.queue, recipe, &frame)
-            .expect("prepares");
+        shadows.prepare(recipe, &frame).expect("prepares");
         let mut encoder = d
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -111,7 +109,8 @@ fn a_foreign_program_gets_the_same_shadows() {
     let cpu = Cpu::new().render(&view, &recipe).expect("renders");
     let d = device();
     let program = EmbeddedProgram::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
-    let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
+    let mut shadows =
+        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
     let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
     assert!(mask.iter().any(|&v| v < 1.0));
     let differing = mask
@@ -139,7 +138,8 @@ fn later_frames_make_nothing() {
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
     let program = EmbeddedProgram::new(d, &geometry, &receivers);
-    let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
+    let mut shadows =
+        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
     program.frame(d, &mut shadows, &recipe, receivers.size);
     let first = shadows.counters();
     for _ in 0..3 {

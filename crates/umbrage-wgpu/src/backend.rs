@@ -105,7 +105,7 @@ impl Gpu {
                 counters: &mut counters,
             }),
             timestamps: TimestampQueries::new(&device, &queue),
-            renderer: ShadowRenderer::new(&device, RendererOptions::default())?,
+            renderer: ShadowRenderer::new(&device, &queue, RendererOptions::default())?,
             geometries: Geometries::default(),
             receivers: None,
             spare: Spare::default(),
@@ -224,8 +224,7 @@ impl Gpu {
             inputs: &frame,
             holes,
         };
-        self.renderer
-            .prepare_with_holes(&self.device, &self.queue, recipe, frame)?;
+        self.renderer.prepare_with_holes(recipe, frame)?;
         match view.receivers {
             Some(_) => Ok(None),
             None => Ok(geometry.map(|g| g.triangles)),

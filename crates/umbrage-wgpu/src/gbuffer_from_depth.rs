@@ -27,8 +27,10 @@ use wgpu::{
 /// Computes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals are
 /// derived from neighbouring pixels, so they are inaccurate where a surface is only a pixel wide.
 /// If the engine has geometric normals, use those.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct GBufferFromDepth {
+    device: Device,
+    queue: Queue,
     counters: Counters,
     layouts: Layouts,
     /// Pipelines by whether depth is multisampled.
@@ -43,8 +45,8 @@ pub struct GBufferFromDepth {
 /// A depth buffer and its camera.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer<'a> {
-    /// Depth texture: any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`.
-    /// The first sample of a multisampled texture is used.
+    /// Depth texture: any depth format (with a stencil: a view with `aspect:
+    /// TextureAspect::DepthOnly`) or `R32Float`, usage `TEXTURE_BINDING`. The first sample of a multisampled texture is used.
     pub depth: &'a TextureView,
     /// Inverse of the camera's clip from world. It covers handedness, reversed z and an infinite
     /// far plane.
@@ -84,9 +86,20 @@ impl DepthCamera {
 const CAMERA_BYTES: usize = 80;
 
 impl GBufferFromDepth {
-    /// Returns a converter without GPU objects: they are created with the first frame.
-    pub fn new() -> Self {
-        Self::default()
+    /// Returns a converter for this device. GPU objects are created with the first frame.
+    pub fn new(device: &Device, queue: &Queue) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            counters: Counters::default(),
+            layouts: Layouts::default(),
+            pipelines: HashMap::new(),
+            uniforms: None,
+            binding: Binding::default(),
+            images: Vec::new(),
+            samples: false,
+            errors: LaterErrors::default(),
+        }
     }
 
     /// Creates missing GPU objects, and writes the camera.
@@ -94,28 +107,20 @@ impl GBufferFromDepth {
     /// # Errors
     /// Errors if the matrix is singular, if `empty` is the depth of the nearest geometry, or if the
     /// depth buffer cannot be read as described.
-    pub fn prepare(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        source: &DepthBuffer<'_>,
-    ) -> Result<(), BackendError> {
+    pub fn prepare(&mut self, source: &DepthBuffer<'_>) -> Result<(), BackendError> {
         source.validate()?;
         let camera = DepthCamera::of_source(source)?;
-        let scopes = Scopes::open(device);
+        let (device, queue) = (self.device.clone(), self.queue.clone());
+        let scopes = Scopes::open(&device);
         let mut counters = self.counters;
-        let mut factory = ResourceFactory {
-            device,
-            queue,
-            counters: &mut counters,
-        };
+        let mut factory = ResourceFactory::new(&device, &queue, &mut counters);
         self.prepare_with(&mut factory, source, &camera);
         let closed = self.errors.close(scopes, ApiErrors::default());
         if closed.is_err() {
-            *self = Self::default();
+            *self = Self::new(&self.device, &self.queue);
         }
         self.counters = counters;
-        closed
+        closed.map_err(|error| source.with_advice(error))
     }
 
     fn prepare_with(
@@ -173,7 +178,7 @@ impl GBufferFromDepth {
     /// [`prepare`](Self::prepare) can't wait for it. After an error, all GPU objects are recreated.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
-        *self = Self::default();
+        *self = Self::new(&self.device, &self.queue);
         Some(error)
     }
 
@@ -248,6 +253,23 @@ impl DepthBuffer<'_> {
             ));
         }
         self.check_empty()
+    }
+
+    /// Returns an error of the graphics API, with advice if the texture has a stencil, too. A view's
+    /// aspect can't be queried beforehand.
+    pub(crate) fn with_advice(&self, error: BackendError) -> BackendError {
+        match error {
+            BackendError::Validation(why) if self.depth.texture().format().has_stencil_aspect() => {
+                let help = "create its view with `aspect: TextureAspect::DepthOnly`";
+                Invalid::new(
+                    "depth buffer with a stencil",
+                    format!("can't be bound: {why}"),
+                    help,
+                )
+                .into()
+            }
+            other => other,
+        }
     }
 
     /// Returns whether the texture is multisampled.

@@ -1,11 +1,7 @@
 //! [`ShadowRenderer`]: executes recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    device::{
-        error_scopes::Scopes,
-        later_errors::LaterErrors,
-        requirements::{check_device, limits},
-    },
+    device::{error_scopes::Scopes, later_errors::LaterErrors, requirements::limits},
     frame::{FrameInputs, RendererOptions, check_size},
     resources::{
         counters::{Counters, ResourceFactory},
@@ -30,16 +26,14 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureVie
 /// use umbrage_wgpu::{FrameInputs, ShadowRenderer, wgpu};
 ///
 /// /// Once per frame. The renderer was created with
-/// /// `ShadowRenderer::new(&device, RendererOptions::default())`.
+/// /// `ShadowRenderer::new(&device, &queue, RendererOptions::default())`.
 /// fn shadows<'a>(
 ///     renderer: &'a mut ShadowRenderer,
-///     device: &wgpu::Device,
-///     queue: &wgpu::Queue,
 ///     encoder: &mut wgpu::CommandEncoder,
 ///     recipe: &Recipe,
 ///     frame: &FrameInputs<'_>,
 /// ) -> Result<&'a wgpu::TextureView, BackendError> {
-///     renderer.prepare(device, queue, recipe, frame)?;
+///     renderer.prepare(recipe, frame)?;
 ///     renderer.encode(encoder)
 /// }
 /// ```
@@ -57,6 +51,8 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureVie
 /// with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
+    device: Device,
+    queue: Queue,
     options: RendererOptions,
     limits: BackendLimits,
     counters: Counters,
@@ -74,7 +70,11 @@ impl ShadowRenderer {
     ///
     /// # Errors
     /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
-    pub fn new(device: &Device, options: RendererOptions) -> Result<Self, BackendError> {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        options: RendererOptions,
+    ) -> Result<Self, BackendError> {
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
             let why = format!("is {}", options.kernel_group);
@@ -86,6 +86,8 @@ impl ShadowRenderer {
             .into());
         }
         Ok(Self {
+            device: device.clone(),
+            queue: queue.clone(),
             options,
             limits: limits(device),
             counters: Counters::default(),
@@ -101,13 +103,11 @@ impl ShadowRenderer {
     /// Polls the device without waiting, to detect submissions of earlier encoders.
     ///
     /// # Errors
-    /// Errors if the recipe or the frame is invalid, the device is not the renderer's, memory runs
-    /// out, or a kernel's WGSL is invalid (with the compiler's message). After an error nothing is
-    /// prepared, and all GPU objects are recreated.
+    /// Errors if the recipe or the frame is invalid, memory runs out, or a kernel's WGSL is invalid
+    /// (with the compiler's message). After an error nothing is prepared, and all GPU objects are
+    /// recreated.
     pub fn prepare(
         &mut self,
-        device: &Device,
-        queue: &Queue,
         recipe: &Recipe,
         frame: &FrameInputs<'_>,
     ) -> Result<(), BackendError> {
@@ -115,39 +115,33 @@ impl ShadowRenderer {
             inputs: frame,
             holes: None,
         };
-        self.prepare_with_holes(device, queue, recipe, frame)
+        self.prepare_with_holes(recipe, frame)
     }
 
     /// Prepares a frame that also draws alpha-tested triangles; the frame's inputs list the others.
     pub(crate) fn prepare_with_holes(
         &mut self,
-        device: &Device,
-        queue: &Queue,
         recipe: &Recipe,
         frame: FrameWithHoles<'_>,
     ) -> Result<(), BackendError> {
         self.prepared = None;
         // Check the inputs.
-        check_device(device, self.submissions.device())?;
         recipe.make_tables();
         recipe.validate(&self.limits)?;
-        check_counting(recipe, device.features())?;
-        check_faces(recipe, device.limits().max_buffer_size)?;
+        let limits = self.device.limits();
+        check_counting(recipe, self.device.features())?;
+        check_faces(recipe, limits.max_buffer_size)?;
         let inputs = frame.inputs;
         check_size(inputs.size, self.limits.image_side)?;
-        inputs.validate(recipe, &device.limits())?;
+        inputs.validate(recipe, &limits)?;
         // Choose resources that no unsubmitted encoder uses.
         let pairs = pairs(recipe)?;
         let light = self.free_resources(recipe, inputs);
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
         // Create and write the resources.
-        let scopes = Scopes::open(device);
-        let mut factory = ResourceFactory {
-            device,
-            queue,
-            counters: &mut self.counters,
-        };
+        let scopes = Scopes::open(&self.device);
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         self.lights[light].prepare(
             &mut factory,
             &mut self.shared,

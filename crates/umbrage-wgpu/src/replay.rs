@@ -85,8 +85,7 @@ impl Gpu {
             everything: &[],
             receivers: textures.gbuffer(),
         };
-        self.renderer
-            .prepare(&self.device, &self.queue, recipe, &frame)
+        self.renderer.prepare(recipe, &frame)
     }
 
     fn write_images(&mut self, encoder: &mut CommandEncoder, images: &[Image]) {

@@ -3,9 +3,7 @@
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Layout, ShadowTechnique};
-use umbrage_techniques::{
-    Bias, Evsm, Exact, MapFilter as _, Midpoint, Pcf, PcfHardware, ShadowMap,
-};
+use umbrage_techniques::{Bias, Evsm, MapFilter as _, Midpoint, Pcf, PcfHardware, ShadowMap};
 use umbrage_tests::{
     foreign,
     light_program::Forward,
@@ -285,14 +283,13 @@ fn texts_are_known_beforehand() {
         layout: Layout::Cube,
         ..map
     };
-    let techniques: [Arc<dyn ShadowTechnique>; 7] = [
+    let techniques: [Arc<dyn ShadowTechnique>; 6] = [
         Arc::new(Pcf { radius: 1 }.on(map)),
         Arc::new(Pcf { radius: 1 }.on(small)),
         Arc::new(Pcf { radius: 2 }.on(several)),
         Arc::new(PcfHardware::default().on(map)),
         Arc::new(Evsm::default().on(map)),
         Arc::new(Midpoint::default().on(small)),
-        Arc::new(Exact::default()),
     ];
     let mut revisions = Vec::new();
     for technique in &techniques {
@@ -383,32 +380,6 @@ fn lights_are_switched_off_and_on() {
     assert_eq!(stage.frame().redrawn, 1);
     assert_eq!(stage.shadowed_pixels(lights[1]), shadowed);
     assert_eq!(stage.set.wgsl_revision(), revision);
-    assert_eq!(stage.frame(), SetReport::default());
-}
-
-/// Lists of a light that is off are not rebuilt.
-#[test]
-fn lists_of_lights_that_are_off_are_not_rebuilt() {
-    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 4.0]);
-    let lights = [-4.0, 4.0].map(|x| stage.light(x, 1.0));
-    for &id in &lights {
-        let technique = Arc::new(Exact::default());
-        stage.set.set_technique(id, technique).expect("is there");
-    }
-    assert_eq!(stage.frame().listed, 2);
-    let shadowed = stage.shadowed_pixels(lights[1]);
-    assert!(shadowed > 0);
-    stage.set.set_enabled(lights[1], false).expect("is there");
-    for x in [3.9, 4.0] {
-        let place = translation_along_x(x);
-        let caster = stage.casters[1];
-        stage.set.move_caster(caster, place).expect("is there");
-        assert_eq!(stage.frame().listed, 1);
-        assert_eq!(stage.shadowed_pixels(lights[1]), 0);
-    }
-    stage.set.set_enabled(lights[1], true).expect("is there");
-    assert_eq!(stage.frame().listed, 1);
-    assert_eq!(stage.shadowed_pixels(lights[1]), shadowed);
     assert_eq!(stage.frame(), SetReport::default());
 }
 

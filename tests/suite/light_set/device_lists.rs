@@ -250,6 +250,36 @@ fn room_grows_by_what_was_needed() {
     assert_eq!(count_differing(&found, &world.trace_mask(&set, &light)), 0);
 }
 
+/// A light that is off keeps its lists, which are rebuilt when it is switched on.
+#[test]
+fn lists_of_lights_that_are_off_are_not_rebuilt() {
+    let world = World::new("figure");
+    let mut set = world.set();
+    let frame = world.frame_without_triangles();
+    let light = world.scene.lights[0];
+    let everything = world.geometry.caster_bounds();
+    let ids = [0; 2].map(|_| set.add_light(exact(light)).expect("valid"));
+    let text = set.text_with(&frame, &[]).expect("supported");
+    let update = |set: &mut LightSet| {
+        world.program.update(set, &frame);
+        set.report().listed
+    };
+    assert_eq!(update(&mut set), 2);
+    assert!(set.wgsl() == text.wgsl && set.wgsl_revision() == text.revision);
+    let shadowed = mask(&world, &set, ids[1]);
+    set.set_enabled(ids[1], false).expect("is there");
+    for _ in 0..2 {
+        set.touch(&everything).expect("finite");
+        assert_eq!(update(&mut set), 1);
+        assert!(mask(&world, &set, ids[1]).iter().all(|&lit| lit == 1.0));
+        assert_eq!(mask(&world, &set, ids[0]), shadowed);
+    }
+    set.set_enabled(ids[1], true).expect("is there");
+    assert_eq!(update(&mut set), 1);
+    assert_eq!(mask(&world, &set, ids[1]), shadowed);
+    assert_eq!(update(&mut set), 0);
+}
+
 /// Meshes that compute shaders can't read leave the light without shadows, with a reason that names
 /// the mesh.
 #[test]

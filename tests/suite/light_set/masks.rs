@@ -367,3 +367,49 @@ fn formats_of_normals_that_can_not_be_right_are_refused() {
         assert!(error.to_string().contains(needed), "{error}");
     }
 }
+
+/// A view of depth and stencil together can't be bound; the error says which one can.
+#[test]
+fn a_view_of_both_aspects_is_refused_with_advice() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let light = stage.light(0.0, 1.0);
+    stage.frame();
+    let size = UVec2::new(8, 8);
+    let d = stage.program.d;
+    let texture = d.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TextureFormat::Depth24PlusStencil8,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let mut prepare = |aspect| {
+        let depth = texture.create_view(&wgpu::TextureViewDescriptor {
+            aspect,
+            ..wgpu::TextureViewDescriptor::default()
+        });
+        stage.set.prepare_masks(&MaskInputs {
+            size,
+            receivers: MaskReceivers::Depth {
+                depth: DepthBuffer {
+                    depth: &depth,
+                    world_from_clip: Mat4::IDENTITY,
+                    empty: 1.0,
+                },
+                normals: None,
+            },
+            lights: &[light],
+            format: MaskFormat::Unorm8,
+        })
+    };
+    let error = prepare(wgpu::TextureAspect::All).expect_err("both aspects");
+    assert!(error.to_string().contains("DepthOnly"), "{error}");
+    prepare(wgpu::TextureAspect::DepthOnly).expect("depth alone");
+}

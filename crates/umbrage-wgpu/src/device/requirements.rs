@@ -62,19 +62,6 @@ pub(crate) fn check_limits(required: &Limits, device: &Limits) -> Result<(), Inv
     missing.map_or(Ok(()), Err)
 }
 
-/// Errors if `device` is not the renderer's `own`.
-pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
-    if device == own {
-        return Ok(());
-    }
-    let help = "use the device that the renderer was created with, or create a renderer for each";
-    Err(Invalid::new(
-        "device",
-        "is not the one that the shadow renderer was created with",
-        help,
-    ))
-}
-
 /// Errors if an adapter cannot compute receivers, which every [`Gpu`](crate::Gpu) requires.
 pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;

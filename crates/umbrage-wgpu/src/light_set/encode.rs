@@ -80,7 +80,7 @@ impl LightSet {
         if self.passes.count() == 0 && self.lists.due_count() == 0 {
             return Ok(());
         }
-        self.dropped_encoders.watch(encoder);
+        self.unsubmitted_encoders.watch(encoder);
         let mut timer = timer;
         // Record the lists.
         self.lists.encode(encoder, |id| timer.as_mut()?.lists(id));

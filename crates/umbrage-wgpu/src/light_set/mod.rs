@@ -5,7 +5,6 @@ mod caster_lists;
 mod casters;
 mod corners;
 mod culling;
-mod dropped_encoders;
 mod encode;
 mod ids;
 mod masks;
@@ -23,6 +22,7 @@ mod still_layers;
 #[cfg(feature = "testing")]
 mod testing;
 mod timestamps;
+mod unsubmitted_encoders;
 
 #[cfg(feature = "testing")]
 pub use caster_lists::Listing;
@@ -49,7 +49,6 @@ use crate::{
         buffers::MAX_LIGHTS,
         caster_lists::CasterLists,
         casters::Casters,
-        dropped_encoders::DroppedEncoders,
         ids::{CasterKey, LightKey, SetNumber},
         masks::MaskStage,
         passes::PassList,
@@ -58,6 +57,7 @@ use crate::{
         shader::SetShader,
         state::HeldLight,
         still_layers::still_bytes,
+        unsubmitted_encoders::UnsubmittedEncoders,
     },
     resources::{
         counters::Counters,
@@ -148,7 +148,7 @@ pub struct LightSet {
     report: SetReport,
     meter: PriceMeter,
     errors: LaterErrors,
-    dropped_encoders: DroppedEncoders,
+    unsubmitted_encoders: UnsubmittedEncoders,
     // GPU objects shared by all lights.
     counters: Counters,
     pipelines: Pipelines,
@@ -235,7 +235,7 @@ impl LightSet {
             report: SetReport::default(),
             meter: PriceMeter::new(device),
             errors: LaterErrors::default(),
-            dropped_encoders: DroppedEncoders::of_device(device),
+            unsubmitted_encoders: UnsubmittedEncoders::of_device(device),
             counters: Counters::default(),
             pipelines: Pipelines::default(),
             cast_layout: cast_layout(device),

@@ -96,8 +96,10 @@ pub struct FrameGeometry<'a> {
 pub struct ShadowedLight {
     /// The light.
     pub light: Light,
-    /// The technique, with its settings. Techniques that draw from the camera (planar, volumes) are
-    /// rejected.
+    /// The technique, with its settings. Some are refused in a set. `planar` and `volumes` draw from
+    /// the camera. `traced` and `soft` need the triangles on the CPU ([`SetFrame::geometry`]), as
+    /// does `exact` with alpha-tested triangles or casters that the program draws itself; otherwise
+    /// the device builds its lists from the set's meshes.
     pub technique: Arc<dyn ShadowTechnique>,
     /// Priority, 0 or more. Lights with greater numbers come first if not all lights can have
     /// shadows, or be redrawn in one frame. A good measure is the light's intensity times the

@@ -7,7 +7,7 @@ use crate::{
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         caster_lists::{CasterLists, why_not_listed},
         ids::{LightId, LightKey},
-        masks::{MaskInputs, MaskStage},
+        masks::{MaskInputs, MaskReceivers, MaskStage},
         options::{SetFrame, SetReport},
         passes::{CastSources, PassList},
         plan::{Difference, LightPlan, PlanLimits},
@@ -104,7 +104,7 @@ impl LightSet {
     pub fn prepare(&mut self, frame: &SetFrame<'_>) -> Result<&SetReport, BackendError> {
         self.is_prepared = false;
         frame.camera.validate()?;
-        if self.dropped_encoders.any() || self.casters.is_rebased() {
+        if self.unsubmitted_encoders.any() || self.casters.is_rebased() {
             self.draw_all_again();
         }
         self.passes.clear();
@@ -166,7 +166,10 @@ impl LightSet {
         if outcome.is_err() {
             self.masks = MaskStage::default();
         }
-        outcome
+        outcome.map_err(|error| match &inputs.receivers {
+            MaskReceivers::Depth { depth, .. } => depth.with_advice(error),
+            MaskReceivers::Positions(_) => error,
+        })
     }
 
     /// Replaces the plans that may have changed.

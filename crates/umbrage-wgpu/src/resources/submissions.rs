@@ -42,10 +42,6 @@ impl Submissions {
         }
     }
 
-    pub(crate) fn device(&self) -> &Device {
-        &self.device
-    }
-
     /// Returns the number of buffers created.
     #[cfg(feature = "testing")]
     pub(crate) fn made_count(&self) -> u32 {

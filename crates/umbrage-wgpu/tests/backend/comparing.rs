@@ -255,6 +255,7 @@ fn pasted_text_compares_on_a_foreign_device() {
     };
     let mut renderer = ShadowRenderer::new(
         &foreign.device,
+        &foreign.queue,
         RendererOptions {
             kernel_group: 1,
             ..RendererOptions::default()
@@ -267,9 +268,7 @@ fn pasted_text_compares_on_a_foreign_device() {
         everything: &[],
         receivers,
     };
-    renderer
-        .prepare(&foreign.device, &foreign.queue, &recipe, &frame)
-        .expect("all is valid");
+    renderer.prepare(&recipe, &frame).expect("all is valid");
     let mut encoder = foreign.encoder();
     for target in renderer.cast_targets().expect("it was prepared") {
         foreign.draw_casters(&mut encoder, target, &stage.geometry);

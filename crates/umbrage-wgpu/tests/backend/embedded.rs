@@ -96,7 +96,7 @@ impl Embedded {
     }
 
     pub(crate) fn renderer(&self, options: RendererOptions) -> ShadowRenderer {
-        ShadowRenderer::new(&self.foreign.device, options)
+        ShadowRenderer::new(&self.foreign.device, &self.foreign.queue, options)
             .expect("the group is one of the device's")
     }
 }
@@ -149,9 +149,8 @@ fn a_foreign_device_gives_the_same_mask() {
             kernel_group,
             ..RendererOptions::default()
         });
-        let Foreign { device, queue } = &e.foreign;
         renderer
-            .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+            .prepare(&e.stage.recipe(64), &e.frame(&casters))
             .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         let mask = renderer
@@ -180,12 +179,7 @@ fn triangle_ids_may_be_missing() {
         ..e.frame(&casters)
     };
     renderer
-        .prepare(
-            &e.foreign.device,
-            &e.foreign.queue,
-            &e.stage.recipe(64),
-            &frame,
-        )
+        .prepare(&e.stage.recipe(64), &frame)
         .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     let mask = renderer
@@ -200,12 +194,7 @@ fn callers_may_draw_the_casts_themselves() {
     let e = Embedded::new();
     let mut renderer = e.renderer(RendererOptions::default());
     renderer
-        .prepare(
-            &e.foreign.device,
-            &e.foreign.queue,
-            &e.stage.recipe(64),
-            &e.frame(&[]),
-        )
+        .prepare(&e.stage.recipe(64), &e.frame(&[]))
         .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     for target in renderer.cast_targets().expect("it was prepared") {
@@ -240,12 +229,7 @@ fn pasted_text_gives_the_same_mask() {
         ..RendererOptions::default()
     });
     renderer
-        .prepare(
-            &e.foreign.device,
-            &e.foreign.queue,
-            &recipe,
-            &e.frame(&casters),
-        )
+        .prepare(&recipe, &e.frame(&casters))
         .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     renderer
@@ -280,12 +264,7 @@ fn a_second_frame_makes_nothing() {
                 .nudge_by(glam::Vec2::splat(step as f32), 0.0, UVec2::splat(64));
         let casters = [casters];
         renderer
-            .prepare(
-                &e.foreign.device,
-                &e.foreign.queue,
-                &recipe,
-                &e.frame(&casters),
-            )
+            .prepare(&recipe, &e.frame(&casters))
             .expect("all is valid");
         counts.push(renderer.counters());
     }
@@ -299,6 +278,7 @@ fn misuse_is_an_error() {
     let Foreign { device, queue } = &e.foreign;
     let error = ShadowRenderer::new(
         device,
+        queue,
         RendererOptions {
             kernel_group: 99,
             ..RendererOptions::default()
@@ -324,7 +304,7 @@ fn misuse_is_an_error() {
         ..e.frame(&[])
     };
     let error = renderer
-        .prepare(device, queue, &e.stage.recipe(64), &frame)
+        .prepare(&e.stage.recipe(64), &frame)
         .expect_err("8 x 8 is not its size");
     assert!(error.to_string().contains("position texture"), "{error}");
     let casters = [Drawable {
@@ -336,7 +316,7 @@ fn misuse_is_an_error() {
         ..e.casters()
     }];
     let error = renderer
-        .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+        .prepare(&e.stage.recipe(64), &e.frame(&casters))
         .expect_err("odd stride");
     assert!(error.to_string().contains("stride"), "{error}");
     assert!(renderer.encode(&mut e.foreign.encoder()).is_err());
@@ -345,7 +325,7 @@ fn misuse_is_an_error() {
         ..e.casters()
     }];
     let error = renderer
-        .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+        .prepare(&e.stage.recipe(64), &e.frame(&casters))
         .expect_err("there are 12");
     assert!(
         error

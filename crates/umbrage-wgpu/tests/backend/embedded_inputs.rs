@@ -13,12 +13,7 @@ use umbrage_wgpu::{
 /// Checks that a frame is rejected with an `Invalid` error that contains `words`.
 fn check_refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
     let mut renderer = e.renderer(RendererOptions::default());
-    let prepared = renderer.prepare(
-        &e.foreign.device,
-        &e.foreign.queue,
-        &e.stage.recipe(64),
-        frame,
-    );
+    let prepared = renderer.prepare(&e.stage.recipe(64), frame);
     let error = prepared.expect_err(words);
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
     assert!(error.to_string().contains(words), "{error}");
@@ -160,12 +155,7 @@ fn ranges_end_with_the_last_position() {
     let mut renderer = e.renderer(RendererOptions::default());
     let frame = e.frame(&casters);
     renderer
-        .prepare(
-            &e.foreign.device,
-            &e.foreign.queue,
-            &e.stage.recipe(64),
-            &frame,
-        )
+        .prepare(&e.stage.recipe(64), &frame)
         .expect("all is there");
     let mut encoder = e.foreign.encoder();
     renderer.encode(&mut encoder).expect("it was prepared");
@@ -239,8 +229,8 @@ fn gbuffers_can_be_read() {
 }
 
 fn refused_depth(foreign: &Foreign, source: &DepthBuffer<'_>, words: &str) {
-    let error = GBufferFromDepth::new()
-        .prepare(&foreign.device, &foreign.queue, source)
+    let error = GBufferFromDepth::new(&foreign.device, &foreign.queue)
+        .prepare(source)
         .expect_err(words);
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
     assert!(error.to_string().contains(words), "{error}");
@@ -321,8 +311,8 @@ fn empty_depth_is_not_the_nearest() {
             "is {wrong}, but for this camera that is the depth of the nearest geometry; use {right}"
         );
         refused_depth(&foreign, &source(wrong), &words);
-        GBufferFromDepth::new()
-            .prepare(&foreign.device, &foreign.queue, &source(right))
+        GBufferFromDepth::new(&foreign.device, &foreign.queue)
+            .prepare(&source(right))
             .expect("the camera is a camera");
     }
 }
@@ -347,8 +337,8 @@ fn flat_cameras_take_either_empty_depth() {
                 world_from_clip,
                 empty,
             };
-            GBufferFromDepth::new()
-                .prepare(&foreign.device, &foreign.queue, &source)
+            GBufferFromDepth::new(&foreign.device, &foreign.queue)
+                .prepare(&source)
                 .expect("the camera is a camera");
         }
     }

@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::Vec4;
 use std::sync::Arc;
-use umbrage_core::{Cast, Faces, LightSpace, Recipe, Source};
+use umbrage_core::{BackendError, Cast, Faces, LightSpace, Recipe, Source};
 use umbrage_wgpu::{
     RendererOptions, ShadowRenderer, receive_wgsl,
     wgpu::{CommandEncoder, Texture},
@@ -37,12 +37,7 @@ fn lights(e: &Embedded) -> [Recipe; 2] {
 fn prepare(e: &Embedded, renderer: &mut ShadowRenderer, recipe: &Recipe) {
     let casters = [e.casters()];
     renderer
-        .prepare(
-            &e.foreign.device,
-            &e.foreign.queue,
-            recipe,
-            &e.frame(&casters),
-        )
+        .prepare(recipe, &e.frame(&casters))
         .expect("all is valid");
 }
 
@@ -243,23 +238,15 @@ fn encoders_that_are_dropped_hold_nothing() {
 }
 
 #[test]
-fn another_device_is_refused() {
+fn buffers_of_another_device_are_refused() {
     let [foreign, other] = Foreign::two();
     let e = Embedded::on_device(foreign);
-    let mut renderer =
-        ShadowRenderer::new(&other.device, RendererOptions::default()).expect("group 0 is there");
+    let mut renderer = ShadowRenderer::new(&other.device, &other.queue, RendererOptions::default())
+        .expect("group 0 is there");
     let casters = [e.casters()];
-    let prepared = renderer.prepare(
-        &e.foreign.device,
-        &e.foreign.queue,
-        &e.stage.recipe(64),
-        &e.frame(&casters),
-    );
-    let error = prepared.expect_err("it was made with another's");
-    assert!(
-        error.to_string().contains("device: is not the one"),
-        "{error}"
-    );
+    let prepared = renderer.prepare(&e.stage.recipe(64), &e.frame(&casters));
+    let error = prepared.expect_err("its textures are another device's");
+    assert!(matches!(error, BackendError::Validation(_)), "{error}");
 }
 
 /// Resources recorded twice, stage by stage or into two encoders, wait for the last submission.

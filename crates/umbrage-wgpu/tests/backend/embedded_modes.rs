@@ -56,12 +56,11 @@ fn draw_masks(
 #[test]
 fn callers_may_draw_casters_while_the_backend_draws_faces() {
     let e = Embedded::on_device(counting_device());
-    let Foreign { device, queue } = &e.foreign;
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
     let mut renderer = e.renderer(RendererOptions::default());
     renderer
-        .prepare(device, queue, &recipe, &e.frame(&[]))
+        .prepare(&recipe, &e.frame(&[]))
         .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     let mut calls = Vec::new();
@@ -102,12 +101,7 @@ fn the_backend_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
     let mut counters = Vec::new();
     for _ in 0..2 {
         renderer
-            .prepare(
-                &e.foreign.device,
-                &e.foreign.queue,
-                &recipe,
-                &e.frame(&casters),
-            )
+            .prepare(&recipe, &e.frame(&casters))
             .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         renderer.encode(&mut encoder).expect("it was prepared");
@@ -127,7 +121,7 @@ fn a_device_that_cannot_count_says_so() {
     let mut renderer = e.renderer(RendererOptions::default());
     let recipe = modes(&e);
     let error = renderer
-        .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
+        .prepare(&recipe, &e.frame(&[]))
         .expect_err("no feature");
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
     assert!(
@@ -155,12 +149,7 @@ fn a_picture_on_a_foreign_device_is_the_same() {
         });
         assert!(renderer.picture().is_none());
         renderer
-            .prepare(
-                &e.foreign.device,
-                &e.foreign.queue,
-                &recipe,
-                &e.frame(&casters),
-            )
+            .prepare(&recipe, &e.frame(&casters))
             .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         renderer.encode(&mut encoder).expect("it was prepared");
@@ -177,7 +166,6 @@ fn a_picture_on_a_foreign_device_is_the_same() {
 #[test]
 fn missing_input_is_named() {
     let e = Embedded::on_device(Foreign::new());
-    let Foreign { device, queue } = &e.foreign;
     let casters = [e.casters()];
     let mut renderer = e.renderer(RendererOptions::default());
     let frame = FrameInputs {
@@ -188,7 +176,7 @@ fn missing_input_is_named() {
         ..e.frame(&casters)
     };
     let error = renderer
-        .prepare(device, queue, &shaded_recipe(&e.stage), &frame)
+        .prepare(&shaded_recipe(&e.stage), &frame)
         .expect_err("no ids");
     assert!(
         error
@@ -199,7 +187,7 @@ fn missing_input_is_named() {
     let mut recipe = e.stage.recipe(40);
     recipe.casts[0].source = Source::Everything;
     let error = renderer
-        .prepare(device, queue, &recipe, &e.frame(&casters))
+        .prepare(&recipe, &e.frame(&casters))
         .expect_err("casters alone");
     assert!(
         error
@@ -211,12 +199,10 @@ fn missing_input_is_named() {
         everything: &casters,
         ..e.frame(&casters)
     };
-    renderer
-        .prepare(device, queue, &recipe, &frame)
-        .expect("all is there");
+    renderer.prepare(&recipe, &frame).expect("all is there");
     // Without any drawables, the caller draws.
     renderer
-        .prepare(device, queue, &recipe, &e.frame(&[]))
+        .prepare(&recipe, &e.frame(&[]))
         .expect("nothing is drawn");
     assert!(renderer.cast_targets().expect("it was prepared")[0].everything);
 }
@@ -238,7 +224,7 @@ fn faces_beyond_a_buffer_are_refused() {
     recipe.casts[0].source = Source::Faces(faces.into());
     let mut renderer = e.renderer(RendererOptions::default());
     let error = renderer
-        .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
+        .prepare(&recipe, &e.frame(&[]))
         .expect_err("too many");
     assert!(error.to_string().contains("faces of a cast"), "{error}");
 }

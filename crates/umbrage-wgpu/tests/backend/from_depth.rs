@@ -40,16 +40,14 @@ fn unproject(stage: &BackendScene, r: &Receivers, reverse_mirror: [bool; 2]) -> 
     }
     let world_from_clip = clip_from_world.as_dmat4().inverse().as_mat4();
     let empty = if reverse { 0.0 } else { 1.0 };
-    let mut maker = GBufferFromDepth::new();
+    let mut maker = GBufferFromDepth::new(&foreign.device, &foreign.queue);
     for _ in 0..2 {
         let source = DepthBuffer {
             depth: &depth,
             world_from_clip,
             empty,
         };
-        maker
-            .prepare(&foreign.device, &foreign.queue, &source)
-            .expect("the camera is a camera");
+        maker.prepare(&source).expect("the camera is a camera");
     }
     assert_eq!(
         (maker.counters().pipelines, maker.counters().textures),
@@ -143,10 +141,8 @@ fn a_singular_camera_is_refused() {
         world_from_clip: Mat4::ZERO,
         empty: 1.0,
     };
-    let mut maker = GBufferFromDepth::new();
-    let error = maker
-        .prepare(&foreign.device, &foreign.queue, &source)
-        .expect_err("zero is no camera");
+    let mut maker = GBufferFromDepth::new(&foreign.device, &foreign.queue);
+    let error = maker.prepare(&source).expect_err("zero is no camera");
     assert!(error.to_string().contains("world from clip"), "{error}");
     assert!(maker.encode(&mut foreign.encoder()).is_err());
     assert!(

@@ -9,7 +9,7 @@ use wgpu::{CommandEncoder, Device};
 
 /// Detects whether an encoder that a set recorded into was dropped, or not submitted so far.
 #[derive(Debug)]
-pub(crate) struct DroppedEncoders {
+pub(crate) struct UnsubmittedEncoders {
     submissions: Submissions,
     /// Each encoder that waits holds one more reference.
     dropped: Arc<AtomicBool>,
@@ -38,7 +38,7 @@ impl Drop for Watch {
     }
 }
 
-impl DroppedEncoders {
+impl UnsubmittedEncoders {
     pub(crate) fn of_device(device: &Device) -> Self {
         Self {
             submissions: Submissions::of_device(device),
