@@ -246,11 +246,11 @@ fn pipeline(
 
 /// Returns the placement of the column's upper half.
 pub(crate) fn bend(seconds: f32) -> Mat4 {
-    let joint = Mat4::from_translation(Vec3::new(-1.5, 2.0, 4.5));
+    let joint = Mat4::from_translation(Vec3::new(1.5, 2.0, 6.0));
     joint * Mat4::from_rotation_z(-0.3 - 0.8 * seconds.sin()) * joint.inverse()
 }
 
-/// Returns a column around x = -1.5, z = 4.5, 4 m high, that bends at 2 m.
+/// Returns a column around x = 1.5, z = 6, 4 m high, that bends at 2 m.
 fn column() -> Vec<Corner> {
     const RINGS: u32 = 24;
     const SIDES: u32 = 16;
@@ -261,9 +261,9 @@ fn column() -> Vec<Corner> {
         let weight = (height - 1.5).clamp(0.0, 1.0);
         // Its texture coordinates are those of an opaque texel.
         [
-            -1.5 + 0.4 * x,
+            1.5 + 0.4 * x,
             height,
-            4.5 + 0.4 * z,
+            6.0 + 0.4 * z,
             x,
             0.0,
             z,
@@ -325,9 +325,9 @@ fn cloth(graphics: &Graphics) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Draws two frames, between which the column bends, and returns the second one's pixels. All
-/// lights have the technique.
-pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
+/// Draws two frames, the first and the one after some seconds, between which the column bends, and
+/// returns the second one's pixels. All lights have the technique.
+pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>, seconds: f32) -> Result<Vec<u8>> {
     let graphics = Graphics::open()?;
     let boxes = Boxes::new(&graphics, BoxScene::small()?);
     let mut shadows = BoxShadows::new(&graphics, &boxes)?;
@@ -361,7 +361,7 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
         casts: HashMap::new(),
     };
     let mut pixels = Vec::new();
-    for seconds in [0.0, 1.0] {
+    for seconds in [0.0, seconds] {
         renderer.pose(seconds)?;
         pixels = renderer.frame(&color, &depth)?;
     }
@@ -371,7 +371,7 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
 fn main() -> Result<()> {
     let given = renderer::technique_by_argument()?;
     let technique = given.unwrap_or_else(|| Arc::new(Pcf { radius: 1 }.on(ShadowMap::default())));
-    let pixels = picture(&technique)?;
+    let pixels = picture(&technique, 1.0)?;
     renderer::save(
         "figures.png",
         &pixels,

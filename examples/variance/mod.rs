@@ -228,11 +228,13 @@ impl Taps for Bound<'_> {
         let first = self.moments.index(x, y, 0);
         let mean = self.moments.texels[first];
         let square = self.moments.texels[first + 1];
-        if l.depth <= mean {
+        // Receivers beyond the map are compared at its far end.
+        let depth = l.own_depth();
+        if depth <= mean {
             return 1.0;
         }
         let variance = (square - mean * mean).max(self.uniforms.least_variance);
-        let d = l.depth - mean;
+        let d = depth - mean;
         variance / (variance + d * d)
     }
 }

@@ -13,10 +13,12 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
         return 1.0;
     }
     let m = load_0(vec2i(x, y), l.layer);
-    if l.depth <= m.x {
+    // Receivers beyond the map are compared at its far end.
+    let depth = own_depth(l);
+    if depth <= m.x {
         return 1.0;
     }
     let variance = max(m.y - m.x * m.x, kernel.least_variance);
-    let d = l.depth - m.x;
+    let d = depth - m.x;
     return variance / (variance + d * d);
 }

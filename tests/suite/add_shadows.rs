@@ -72,28 +72,33 @@ fn both_programs_draw_the_same_shadows() {
     );
 }
 
-/// The column's shadow is where its bent part is, and the sun shines through the holes of the
-/// cloth.
+/// The sun shines through the holes of the cloth, and the column's shadow moves as it bends.
 #[test]
 fn figures_of_the_program_draw_their_shadows() {
     let technique: Arc<dyn ShadowTechnique> = Arc::new(MapTechnique::<Pcf>::default());
-    let pixels = figures::picture(&technique).expect("draws");
+    let pictures = [1.0, -0.4].map(|seconds| figures::picture(&technique, seconds).expect("draws"));
     let scene = BoxScene::small().expect("valid");
     let sun = scene.lights[0].direction_from(Vec3::ZERO);
-    let on_floor = |point: Vec3| point - sun * (point.y / sun.y);
-    let seen = |point: Vec3| brightness(&scene, &pixels, on_floor(point));
+    let seen = |pixels: &[u8], point: Vec3| {
+        let shadow = point - sun * (point.y / sun.y);
+        brightness(&scene, pixels, shadow)
+    };
     // Centres of two of the cloth's holes, and the threads between them.
     let on_cloth = |u: f32, v: f32| Vec3::new(3.0 + 3.0 * u, 0.2 + 2.4 * v, 4.5);
     for [hole, thread] in [
         [on_cloth(0.625, 0.375), on_cloth(0.5, 0.375)],
         [on_cloth(0.625, 0.625), on_cloth(0.625, 0.5)],
     ] {
-        let (bright, dark) = (seen(hole), seen(thread));
+        let (bright, dark) = (seen(&pictures[0], hole), seen(&pictures[0], thread));
         assert!(2 * dark < bright, "{dark} at {thread}, {bright} at {hole}");
     }
-    // A point of the column's axis that bends, and its place without the bend.
-    let upright = Vec3::new(-1.5, 3.6, 4.5);
+    // The same point of the column's axis, bent and upright.
+    let upright = Vec3::new(1.5, 3.6, 6.0);
     let bent = figures::bend(1.0).transform_point3(upright);
-    let (dark, bright) = (seen(bent), seen(upright));
-    assert!(2 * dark < bright, "{dark} at {bent}, {bright} at {upright}");
+    assert!(bent.distance(upright) > 1.0);
+    for (point, dark_in) in [(bent, 0), (upright, 1)] {
+        let dark = seen(&pictures[dark_in], point);
+        let bright = seen(&pictures[1 - dark_in], point);
+        assert!(2 * dark < bright, "{dark} and {bright} at {point}");
+    }
 }

@@ -112,7 +112,10 @@ fn a_users_technique_is_compared_as_ours_are() {
     let mut backends = Backends::from_backends(vec![Box::new(Cpu::new())]);
     let sink = &mut |_: &_, _: &_| Ok(());
     let compared = compare::compare(&[input], &options, &mut backends, sink, &|_| ());
-    let rows = &compared.expect("valid").scenes[0].rows;
+    let compared = compared.expect("valid");
+    // Without casters, the technique is lit where its receivers face the light.
+    assert!(compared.faults().is_empty(), "{:?}", compared.faults());
+    let rows = &compared.scenes[0].rows;
     assert!(rows.iter().all(|row| row.technique == "variance"));
     let rmse = rows[0]
         .measured_figures()

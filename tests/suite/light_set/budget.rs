@@ -490,11 +490,23 @@ fn ids_of_another_set_are_refused() {
     let own = stage.light(0.0, 1.0);
     let foreign_id = other.light(0.0, 1.0);
     assert_ne!(own, foreign_id);
+    let bounds = Aabb {
+        min: Vec3::NEG_ONE,
+        max: Vec3::ONE,
+    };
+    let figure = other.set.add_own_caster(bounds).expect("valid");
+    let d = other.program.d;
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let mesh = foreign::add_triangle(d, &mut other.set, BufferUsages::VERTEX, corners);
     let refusals = [
         stage.set.remove_light(foreign_id).err(),
         stage.set.set_priority(foreign_id, 2.0).err(),
         stage.set.index_of(foreign_id).err(),
         stage.set.remove_caster(other.casters[0]).err(),
+        stage.set.remove_own_caster(figure).err(),
+        stage.set.move_own_caster(figure, bounds).err(),
+        stage.set.remove_mesh(mesh).err(),
+        stage.set.add_caster(mesh, Affine3A::IDENTITY).err(),
     ];
     for refusal in refusals {
         let text = refusal.expect("an id of another set").to_string();

@@ -38,8 +38,9 @@ const REST: u64 = 30;
 pub struct CasterMesh<'a> {
     /// Name of the mesh in errors.
     pub label: &'a str,
-    /// Vertices, usage `VERTEX`. For device-built lists, both vertices and indices also need
-    /// `STORAGE`. The set keeps the buffer alive as long as the mesh exists.
+    /// Vertices in a buffer of the set's device, usage `VERTEX`. For device-built lists, both
+    /// vertices and indices also need `STORAGE`. The set keeps the buffer alive as long as the mesh
+    /// exists.
     pub vertices: &'a Buffer,
     /// Layout of the positions in the vertex buffer.
     pub layout: VertexLayout,
