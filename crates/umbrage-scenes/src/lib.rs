@@ -104,8 +104,8 @@
 //!
 //! | what | how it is read |
 //! |---|---|
-//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Points, lines, skins, morph targets and animations are ignored; Draco compression, too, unless the file requires it |
-//! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside outwards. A node scaled to zero along all axes is hidden; along one, it is an error |
+//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Morph targets are applied at the weights of the file, and skins at the pose of their joints. Points, lines and animations are ignored; Draco compression, too, unless the file requires it |
+//! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside outwards. A node scaled to zero along all axes is hidden, and one that flattens its mesh is ignored; `EXT_mesh_gpu_instancing`, `KHR_node_visibility` (meshes and lights) |
 //! | cameras | with and without perspective, with and without a far plane; node scales are ignored. Images are 360 pixels high, with a width from the aspect ratio (640 without one) |
 //! | lights | `KHR_lights_punctual`. Masks don't depend on brightness: intensities, colours and ranges are checked but unused, except that a light that is black or of intensity 0 is off. Cones are limited to 89.9 degrees |
 //! | sizes of lights | the format has none: `shadow_soft_size` or `radius` (metres) of points and spots, `angle` (radians) of suns, in the `extras` of the light or its node. Blender writes custom properties there; its built-in radius is only exported as one |
@@ -114,6 +114,9 @@
 //! | glass | `BLEND` as above. `KHR_materials_transmission` is ignored: such a surface casts like a wall, unless its alpha prevents it |
 //! | sides | all surfaces are visible and cast on both sides, regardless of `doubleSided` |
 //! | images | PNG and JPEG, embedded or next to the file, regardless of their names. An image that is missing or of another kind is ignored unless an alpha test needs it |
+//!
+//! What a file uses and the reader ignores is listed in
+//! [`Scene::notices`](umbrage_core::Scene::notices), one line each.
 //!
 //! Paths are relative to the file, and may leave its folder, like those of OBJ; addresses with a
 //! scheme (`https:`) are refused, except `data:`. Required extensions that aren't named here are

@@ -182,6 +182,12 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     for backend in &backends.backends {
         println!("{}", device_line(&**backend));
     }
+    // The report has what readers of files left aside, and `verdict` prints it.
+    for notice in inputs.iter().flat_map(|input| &input.scene.notices) {
+        if !backends.notices.contains(notice) {
+            backends.notices.push(notice.clone());
+        }
+    }
     // Measure the scenes, and write the report.
     let plan = ComparisonPlan::new(&inputs, &options);
     let report = Report::create(&out, plan, &places, arguments.arrays)?;
@@ -467,7 +473,7 @@ fn scene(
     content: &CompareOptions,
     own: &CompareOptions,
 ) -> Result<SceneInput> {
-    let scene = inputs::scene(program, name)?;
+    let scene = inputs::load(program, name)?;
     Ok(match umbrage_scenes::find(name) {
         Some(entry) => of_entry(scene, entry, content),
         None => SceneInput {

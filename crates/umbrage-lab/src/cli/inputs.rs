@@ -63,8 +63,17 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
     Ok(list)
 }
 
-/// Returns a scene by name or path.
+/// Returns a scene by name or path. Prints what the reader of its file left aside.
 pub(crate) fn scene(program: &Program, name: &str) -> Result<Scene> {
+    let scene = load(program, name)?;
+    for notice in &scene.notices {
+        eprintln!("note: {notice}");
+    }
+    Ok(scene)
+}
+
+/// Returns a scene by name or path.
+pub(crate) fn load(program: &Program, name: &str) -> Result<Scene> {
     match umbrage_scenes::by_argument(name) {
         Ok(scene) => Ok(scene),
         Err(e @ SceneError::Unknown { .. }) => {

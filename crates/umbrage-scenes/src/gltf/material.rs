@@ -55,6 +55,11 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// Returns a line for each image that was left aside.
+    pub(super) fn notices(self) -> impl Iterator<Item = String> {
+        self.pictures.notices.into_iter()
+    }
+
     /// Returns the look of a primitive; `None` if the alpha test removes all of it.
     pub(super) fn look_of(
         &mut self,

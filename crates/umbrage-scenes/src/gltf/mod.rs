@@ -10,10 +10,12 @@ mod camera;
 mod container;
 mod document;
 mod file_bytes;
+mod instancing;
 mod light;
 mod material;
 mod nodes;
 mod picture;
+mod pose;
 mod primitive;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -25,10 +27,13 @@ use crate::{
 };
 use budget::ReadBudget;
 use file_bytes::FileBytes;
+use gltf::Document;
 use material::Materials;
 use nodes::PlacedNode;
+use pose::Pose;
 use primitive::FileMeshes;
-use std::io::Read as _;
+use std::{collections::HashMap, io::Read as _};
+use umbrage_core::glam::{Affine3A, DAffine3};
 use umbrage_core::{Geometry, Invalid, Scene};
 
 /// Reads one scene of a file. Missing cameras and lights are added as for any lone model: see
@@ -66,7 +71,7 @@ pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bo
 }
 
 fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
-    let document = document::parse(container::split(bytes)?.json)?;
+    let (document, _) = document::parse(container::split(bytes)?.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let mut lights = Scene::default();
     for node in nodes::placed_nodes(&document, chosen)? {
@@ -121,7 +126,7 @@ fn parts(
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, Invalid> {
     let container = container::split(bytes)?;
-    let document = document::parse(container.json)?;
+    let (document, notices) = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let budget = ReadBudget::new(bytes.len());
     let mut reader = Reader {
@@ -129,10 +134,14 @@ fn parts(
         materials: Materials::new(&document, has_looks),
         meshes: FileMeshes::default(),
         parts: Vec::new(),
+        notices,
     };
-    for node in nodes::placed_nodes(&document, chosen)? {
+    let nodes = nodes::placed_nodes(&document, chosen)?;
+    let place = |node: &PlacedNode<'_>| (node.node.index(), node.world_from_node);
+    let joints = nodes.iter().map(place).collect();
+    for node in nodes {
         add_others(&node, scene)
-            .and_then(|()| reader.add(&node, scene))
+            .and_then(|()| reader.add(&node, &document, &joints, scene))
             .map_err(|e| e.within_context(node.error_name()))?;
     }
     if reader.parts.is_empty() {
@@ -142,6 +151,11 @@ fn parts(
             "export it with a mesh, or name another scene of the file: model.glb#1",
         ));
     }
+    let file = wanted.file.display();
+    let notices = reader.notices.into_iter().chain(reader.materials.notices());
+    scene
+        .notices
+        .extend(notices.map(|notice| format!("{file}: {notice}")));
     Ok(reader.parts)
 }
 
@@ -151,27 +165,49 @@ struct Reader<'a> {
     materials: Materials<'a>,
     meshes: FileMeshes,
     parts: Vec<ModelPart>,
+    /// What was left aside.
+    notices: Vec<String>,
 }
 
 impl Reader<'_> {
-    /// Adds a node's mesh, unless the node is scaled to nothing.
-    fn add(&mut self, node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
-        let Some(mesh) = node.node.mesh() else {
+    /// Adds the instances of a node's mesh, unless the node is hidden or scaled to nothing.
+    /// `joints` has the placements of all nodes.
+    fn add(
+        &mut self,
+        node: &PlacedNode<'_>,
+        document: &Document,
+        joints: &HashMap<usize, DAffine3>,
+        scene: &mut Scene,
+    ) -> Result<(), Invalid> {
+        let Some(mesh) = node.node.mesh().filter(|_| node.is_visible) else {
             return Ok(());
         };
-        let Some(model_from_mesh) = node.placement()? else {
-            return Ok(());
+        let pose = Pose::of_node(node, joints, &mut self.data, &mut self.notices)?;
+        // Joints place a skinned mesh, and its node doesn't.
+        let places = if pose.skin.is_some() {
+            vec![Affine3A::IDENTITY]
+        } else {
+            let mut places = Vec::new();
+            for instance in instancing::instances(&node.node, document, &mut self.data)? {
+                places.extend(node.placement(instance, &mut self.notices)?);
+            }
+            places
         };
-        let primitives = self
-            .meshes
-            .parts(&mesh, &mut self.data, &mut self.materials, scene)?;
-        for primitive in primitives {
-            let triangles = scene.meshes[primitive.mesh].triangles.len();
-            self.data.budget.place(triangles)?;
-            self.parts.push(ModelPart {
-                model_from_mesh,
-                ..*primitive
-            });
+        if places.is_empty() {
+            return Ok(());
+        }
+        let primitives =
+            self.meshes
+                .parts(&mesh, &pose, &mut self.data, &mut self.materials, scene)?;
+        for model_from_mesh in places {
+            for primitive in primitives {
+                let triangles = scene.meshes[primitive.mesh].triangles.len();
+                self.data.budget.place(triangles)?;
+                self.parts.push(ModelPart {
+                    model_from_mesh,
+                    ..*primitive
+                });
+            }
         }
         Ok(())
     }
@@ -181,7 +217,7 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
     if let Some(camera) = node.node.camera() {
         scene.cameras.push(camera::camera(&camera, node)?);
     }
-    if let Some(light) = node.node.light() {
+    if let Some(light) = node.node.light().filter(|_| node.is_visible) {
         scene.lights.extend(light::light(&light, node)?);
     }
     Ok(())

@@ -12,6 +12,8 @@ pub(super) struct PlacedNode<'a> {
     pub(super) node: Node<'a>,
     /// Placement, multiplied in 64 bits from the root down.
     pub(super) world_from_node: DAffine3,
+    /// `false` if the node or one above it is hidden (`KHR_node_visibility`).
+    pub(super) is_visible: bool,
 }
 
 impl PlacedNode<'_> {
@@ -20,20 +22,25 @@ impl PlacedNode<'_> {
         element_name("node", self.node.index(), self.node.name())
     }
 
-    /// Returns the placement of the node's mesh. `None` if the node hides it by a size of zero
-    /// along all axes.
-    pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
-        let place = self.world_from_node.as_affine3a();
+    /// Returns where the node places a mesh, `node_from_mesh` from the node. `None` if sizes of
+    /// zero flatten the mesh. Zero along all axes hides it; along some, `notices` has a line.
+    pub(super) fn placement(
+        &self,
+        node_from_mesh: DAffine3,
+        notices: &mut Vec<String>,
+    ) -> Result<Option<Affine3A>, Invalid> {
+        let place = (self.world_from_node * node_from_mesh).as_affine3a();
         if place.matrix3 == Mat3A::ZERO {
             return Ok(None);
         }
         finite("its world transform", &place.to_cols_array())?;
         if place.matrix3.as_dmat3().determinant() == 0.0 {
-            return Err(Invalid::new(
-                "its world transform",
-                "flattens the mesh",
-                "use sizes other than zero along each axis, or zero along all to hide it",
-            ));
+            let name = self.error_name();
+            let notice = format!("{name} is ignored: a size of zero flattens its mesh");
+            if !notices.contains(&notice) {
+                notices.push(notice);
+            }
+            return Ok(None);
         }
         Ok(Some(place))
     }
@@ -70,10 +77,12 @@ pub(super) fn placed_nodes<'a>(
     let mut parents: HashMap<usize, Option<usize>> = HashMap::new();
     let mut out = Vec::new();
     // Visit the last node next.
-    let roots = scene.nodes().map(|node| (node, DAffine3::IDENTITY, None));
-    let mut open: Vec<(Node<'a>, DAffine3, Option<usize>)> = roots.collect();
+    let roots = scene
+        .nodes()
+        .map(|node| (node, DAffine3::IDENTITY, true, None));
+    let mut open: Vec<(Node<'a>, DAffine3, bool, Option<usize>)> = roots.collect();
     open.reverse();
-    while let Some((node, world_from_parent, parent)) = open.pop() {
+    while let Some((node, world_from_parent, is_parent_visible, parent)) = open.pop() {
         let index = node.index();
         if parents.contains_key(&index) {
             return Err(reached_again(document, &parents, &node, parent));
@@ -82,16 +91,24 @@ pub(super) fn placed_nodes<'a>(
         let parent_from_node = transform(&node)
             .map_err(|e| e.within_context(element_name("node", index, node.name())))?;
         let world_from_node = world_from_parent * parent_from_node;
+        let is_visible = is_parent_visible && !is_hidden(&node);
         let first = open.len();
         let children = node.children();
-        open.extend(children.map(|child| (child, world_from_node, Some(index))));
+        open.extend(children.map(|child| (child, world_from_node, is_visible, Some(index))));
         open[first..].reverse();
         out.push(PlacedNode {
             node,
             world_from_node,
+            is_visible,
         });
     }
     Ok(out)
+}
+
+/// Reports whether a node hides itself and all nodes below it.
+fn is_hidden(node: &Node<'_>) -> bool {
+    node.extension_value("KHR_node_visibility")
+        .is_some_and(|visibility| visibility["visible"] == false)
 }
 
 /// Returns the error of a node that is reached a second time, from another parent or from one of
