@@ -36,7 +36,7 @@
 //! | key | unit or type | default |
 //! |---|---|---|
 //! | `name` | text of at most 200 bytes | the file's name without `.toml` |
-//! | `anchor` | `[x, y, z]` metres: positions (`eye`, `target`, `position`, `center`, `translate`, a `matrix`) are read as 64-bit numbers, and become relative to the multiple of 1,024 m nearest to this point ([`Anchor`](umbrage_core::Anchor)); for scenes far from the origin | the origin |
+//! | `anchor` | `[x, y, z]` metres: positions (`eye`, `target`, `position`, `center`, `translate`, a `matrix`) are read as 64-bit numbers, and become relative to the multiple of 1,024 m nearest to this point ([`Anchor`](umbrage_core::Anchor)); for scenes far from the origin | the origin, or near the camera and the geometry if they are far from it (a notice says so) |
 //! | **`[camera]`** | row 0 is the top row, rays go through pixel centres | frames all geometry from the right, above and in front |
 //! | `eye`, `target` | `[x, y, z]` metres | needed |
 //! | `up` | `[x, y, z]`, any length; may be parallel to the view | `[0, 1, 0]` |
@@ -84,7 +84,8 @@
 //!
 //! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons, including
 //! concave ones, are cut into triangles. Names, groups, lines and points are ignored. Normals and
-//! texture coordinates are kept if all corners have usable ones. A model loaded alone receives a
+//! texture coordinates are kept if all corners have usable ones; those that can't be read are
+//! ignored. [`Scene::notices`](umbrage_core::Scene::notices) lists what is ignored, except names. A model loaded alone receives a
 //! floor unless it has its own ground, a camera (inside, for a building around its own floor), and
 //! a sun.
 //!
@@ -136,6 +137,13 @@
 //! glass; its textures then use `TEXCOORD_0`. `alpha_filter` alone is no look: it applies to the
 //! model's own alpha tests, of OBJ and of glTF.
 //!
+//! ## Far coordinates
+//!
+//! Positions in all files are read as 64-bit numbers. A model or scene that is far from the origin
+//! (1.5 km, and 8 times its size), such as one in UTM metres or in earth-centred coordinates, is
+//! stored relative to an [`Anchor`](umbrage_core::Anchor) near its camera, with a notice. The key
+//! `anchor` of scene files applies to the vertices of models, too.
+//!
 //! # Detailed surfaces
 //!
 //! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] computes the normal
@@ -148,6 +156,9 @@ mod damage;
 mod detail;
 mod entry;
 mod error;
+mod far;
+#[cfg(test)]
+mod far_tests;
 mod file;
 mod files;
 mod framing;
@@ -174,5 +185,5 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
-pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
+pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, ShadowFilesOnDisk};
 pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

@@ -12,7 +12,7 @@ use gltf::{
 };
 use serde_json::Value;
 use std::collections::BTreeSet;
-use umbrage_core::Invalid;
+use umbrage_core::{Anchor, Invalid};
 
 /// Extensions that a file may require because they are supported.
 const READ: [&str; 5] = [
@@ -68,6 +68,26 @@ fn lenient_root(json: &[u8]) -> Option<(Root, usize)> {
             .or_insert_with(|| Value::Array(Vec::new()));
     }
     Some((serde_json::from_value(document).ok()?, animations))
+}
+
+/// Returns the nodes of a document as JSON, whose numbers have 64 bits. Empty if no node is far
+/// from the origin.
+pub(super) fn far_nodes(document: &Document, json: &[u8]) -> Vec<Value> {
+    let is_far = |node: gltf::Node<'_>| {
+        let [x, y, z, _] = node.transform().matrix()[3];
+        let most = x.abs().max(y.abs()).max(z.abs());
+        f64::from(most) > Anchor::REACH
+    };
+    if !document.nodes().any(is_far) {
+        return Vec::new();
+    }
+    match serde_json::from_slice::<Value>(json) {
+        Ok(mut value) => match value["nodes"].take() {
+            Value::Array(nodes) => nodes,
+            _ => Vec::new(),
+        },
+        Err(_) => Vec::new(),
+    }
 }
 
 /// Returns a line for each feature that the document uses and the reader leaves aside.

@@ -2,8 +2,9 @@
 
 use super::document::{broken_element, element_name};
 use gltf::{Document, Node, Scene, scene::Transform};
+use serde_json::Value;
 use std::collections::HashMap;
-use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
+use umbrage_core::glam::{DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
 use umbrage_core::{Invalid, invalid::finite};
 
 /// A node of the chosen scene, and its placement.
@@ -28,8 +29,9 @@ impl PlacedNode<'_> {
         &self,
         node_from_mesh: DAffine3,
         notices: &mut Vec<String>,
-    ) -> Result<Option<Affine3A>, Invalid> {
-        let place = (self.world_from_node * node_from_mesh).as_affine3a();
+    ) -> Result<Option<DAffine3>, Invalid> {
+        let world_from_mesh = self.world_from_node * node_from_mesh;
+        let place = world_from_mesh.as_affine3a();
         if place.matrix3 == Mat3A::ZERO {
             return Ok(None);
         }
@@ -42,7 +44,7 @@ impl PlacedNode<'_> {
             }
             return Ok(None);
         }
-        Ok(Some(place))
+        Ok(Some(world_from_mesh))
     }
 
     /// Returns the position of the node's origin.
@@ -68,10 +70,12 @@ impl PlacedNode<'_> {
     }
 }
 
-/// Returns the nodes of a scene, each after its parent and in the order of the file.
+/// Returns the nodes of a scene, each after its parent and in the order of the file. `json` has the
+/// nodes of files far from the origin, whose translations are read with 64 bits.
 pub(super) fn placed_nodes<'a>(
     document: &'a Document,
     scene: Scene<'a>,
+    json: &[Value],
 ) -> Result<Vec<PlacedNode<'a>>, Invalid> {
     // The parents of nodes; `None` for roots.
     let mut parents: HashMap<usize, Option<usize>> = HashMap::new();
@@ -89,6 +93,7 @@ pub(super) fn placed_nodes<'a>(
         }
         parents.insert(index, parent);
         let parent_from_node = transform(&node)
+            .map(|place| with_wide_translation(place, json.get(index)))
             .map_err(|e| e.within_context(element_name("node", index, node.name())))?;
         let world_from_node = world_from_parent * parent_from_node;
         let is_visible = is_parent_visible && !is_hidden(&node);
@@ -103,6 +108,25 @@ pub(super) fn placed_nodes<'a>(
         });
     }
     Ok(out)
+}
+
+/// Returns a placement with the translation of the node's JSON, if there is one.
+fn with_wide_translation(place: DAffine3, json: Option<&Value>) -> DAffine3 {
+    let numbers = |node: &Value| {
+        let translation = match node.get("matrix") {
+            Some(matrix) => matrix.as_array()?.get(12..15)?.to_vec(),
+            None => node.get("translation")?.as_array()?.clone(),
+        };
+        let numbers: Option<Vec<f64>> = translation.iter().map(Value::as_f64).collect();
+        numbers.filter(|numbers| numbers.len() == 3)
+    };
+    match json.and_then(numbers) {
+        Some(numbers) => DAffine3 {
+            translation: DVec3::from_slice(&numbers),
+            ..place
+        },
+        None => place,
+    }
 }
 
 /// Reports whether a node hides itself and all nodes below it.

@@ -67,7 +67,7 @@ impl Pose {
         &self,
         primitive: &Primitive<'_>,
         shape: &PrimitiveShape,
-        positions: &mut [Vec3],
+        positions: &mut [DVec3],
         normals: &mut [Vec3],
         data: &mut FileBytes<'_>,
     ) -> Result<bool, Invalid> {
@@ -79,7 +79,7 @@ impl Pose {
         &self,
         primitive: &Primitive<'_>,
         shape: &PrimitiveShape,
-        positions: &mut [Vec3],
+        positions: &mut [DVec3],
         normals: &mut [Vec3],
         data: &mut FileBytes<'_>,
     ) -> Result<(), Invalid> {
@@ -87,17 +87,16 @@ impl Pose {
             if weight == 0.0 {
                 continue;
             }
-            let moved = [
-                (target.positions(), &mut *positions),
-                (target.normals(), &mut *normals),
-            ];
-            for (accessor, values) in moved {
-                let Some(accessor) = accessor.filter(|_| !values.is_empty()) else {
-                    continue;
-                };
+            if let Some(accessor) = target.positions() {
                 let offsets = shape.vectors::<3>(accessor, data)?;
-                for (value, offset) in values.iter_mut().zip(offsets) {
-                    *value += weight * Vec3::from_array(offset);
+                for (position, offset) in positions.iter_mut().zip(offsets) {
+                    *position += f64::from(weight) * Vec3::from_array(offset).as_dvec3();
+                }
+            }
+            if let Some(accessor) = target.normals().filter(|_| !normals.is_empty()) {
+                let offsets = shape.vectors::<3>(accessor, data)?;
+                for (normal, offset) in normals.iter_mut().zip(offsets) {
+                    *normal += weight * Vec3::from_array(offset);
                 }
             }
         }
@@ -109,7 +108,7 @@ impl Pose {
         &self,
         primitive: &Primitive<'_>,
         shape: &PrimitiveShape,
-        positions: &mut [Vec3],
+        positions: &mut [DVec3],
         normals: &mut [Vec3],
         data: &mut FileBytes<'_>,
     ) -> Result<bool, Invalid> {
@@ -146,7 +145,7 @@ impl Pose {
             }
             // Sums of weights are 1, except for rounding.
             let matrix = DAffine3::from_mat4(sum * weight.recip());
-            positions[i] = matrix.transform_point3(positions[i].as_dvec3()).as_vec3();
+            positions[i] = matrix.transform_point3(positions[i]);
             if let Some(normal) = normals.get_mut(i) {
                 let turned = matrix.matrix3.inverse().transpose() * normal.as_dvec3();
                 *normal = turned.normalize_or(DVec3::ZERO).as_vec3();

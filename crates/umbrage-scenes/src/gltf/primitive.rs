@@ -8,10 +8,10 @@ use super::{
     pose::Pose,
     wrap,
 };
-use crate::{detail::with_tangents, model_part::ModelPart};
+use crate::{detail::with_tangents, far, model_part::ModelPart};
 use gltf::{Accessor, Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
 use std::collections::{HashMap, hash_map::Entry};
-use umbrage_core::glam::{Vec3, Vec4};
+use umbrage_core::glam::{DVec3, Vec3, Vec4};
 use umbrage_core::{Invalid, Mesh, Scene};
 
 /// The meshes of a file that have been read, by number and pose.
@@ -104,13 +104,17 @@ fn part(
         }
     }
     // Move the vertices to the mesh's pose.
-    let mut positions = std::mem::take(&mut shape.positions);
+    let mut positions: Vec<DVec3> = std::mem::take(&mut shape.positions)
+        .into_iter()
+        .map(Vec3::as_dvec3)
+        .collect();
     let is_skinned = pose.apply(primitive, &shape, &mut positions, &mut mesh.normals, data)?;
     if is_skinned {
         // Tangents don't follow the joints, and are recomputed.
         mesh.tangents.clear();
     }
-    mesh.positions = positions;
+    let offset;
+    (mesh.positions, offset) = far::near_origin(&positions);
     mesh.triangles = shape.triangles;
     // Recompute normals and tangents if one of them is invalid.
     if mesh.normals.contains(&Vec3::ZERO) {
@@ -130,7 +134,7 @@ fn part(
     scene.meshes.push(mesh);
     Ok(Some(ModelPart {
         casts,
-        ..ModelPart::new(scene.meshes.len() - 1, material)
+        ..ModelPart::new(scene.meshes.len() - 1, material, offset)
     }))
 }
 

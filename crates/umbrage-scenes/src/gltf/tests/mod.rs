@@ -4,6 +4,7 @@ mod errors;
 mod geometry;
 mod looks;
 pub(crate) mod model;
+mod mutated;
 mod poses;
 mod scenes;
 

@@ -23,7 +23,7 @@ fn assert_near(found: Vec3, expected: [f32; 3]) {
 }
 
 /// A square with a target that moves its corners by (0, 0, 4), and its normals from z to x.
-fn morphed() -> TestModel {
+pub(super) fn morphed() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
     let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));
@@ -72,7 +72,7 @@ fn weights_out_of_range_are_refused() {
 }
 
 /// A square with two joints: the left corners follow the first, the right ones both.
-fn skinned() -> TestModel {
+pub(super) fn skinned() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
     let indices = model.numbers(U16, "SCALAR", 6, &words(&[0, 1, 2, 2, 1, 3]));
