@@ -184,7 +184,7 @@ fn joint_matrices(
     }
     for (place, inverse) in places.iter_mut().zip(inverses.matrices(data)?) {
         let inverse = DMat4::from_cols_array(&inverse.map(f64::from));
-        *place = *place * DAffine3::from_mat4(inverse);
+        *place *= DAffine3::from_mat4(inverse);
     }
     Ok(Some(places))
 }
