@@ -25,6 +25,7 @@ pub fn scene(light: Light, camera: Camera) -> Result<Scene, Invalid> {
         textures: vec![checks(), bumps],
         lights: vec![light],
         cameras: vec![camera],
+        ..Scene::default()
     };
     Ok(scene.with_light_marker(LightMarker {
         directional_at: Some(Vec3::new(-1.5, 1.4, -1.0)),

@@ -33,6 +33,12 @@ pub trait Files {
         }
     }
 
+    /// Reports whether images are read that only colour surfaces. glTF files are read without them
+    /// where this is `false`: shadows need images for alpha tests only.
+    fn needs_colors(&self) -> bool {
+        true
+    }
+
     /// Returns the remedy for a missing file: the end of its error message.
     fn help_for_missing(&self) -> &str {
         "check the path"
@@ -55,6 +61,24 @@ impl Files for FilesOnDisk {
 
     fn has(&self, path: &Path) -> bool {
         path.is_file()
+    }
+}
+
+/// Files on disk, for shadows without colour images: see [`Files::needs_colors`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShadowFilesOnDisk;
+
+impl Files for ShadowFilesOnDisk {
+    fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
+        FilesOnDisk.open(path)
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        FilesOnDisk.has(path)
+    }
+
+    fn needs_colors(&self) -> bool {
+        false
     }
 }
 

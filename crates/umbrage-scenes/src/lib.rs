@@ -36,7 +36,7 @@
 //! | key | unit or type | default |
 //! |---|---|---|
 //! | `name` | text of at most 200 bytes | the file's name without `.toml` |
-//! | `anchor` | `[x, y, z]` metres: positions (`eye`, `target`, `position`, `center`, `translate`, a `matrix`) are read as 64-bit numbers, and become relative to the multiple of 1,024 m nearest to this point ([`Anchor`](umbrage_core::Anchor)); for scenes far from the origin | the origin |
+//! | `anchor` | `[x, y, z]` metres: positions (`eye`, `target`, `position`, `center`, `translate`, a `matrix`) are read as 64-bit numbers, and become relative to the multiple of 1,024 m nearest to this point ([`Anchor`](umbrage_core::Anchor)); for scenes far from the origin | the origin, or near the camera and the geometry if they are far from it (a notice says so) |
 //! | **`[camera]`** | row 0 is the top row, rays go through pixel centres | frames all geometry from the right, above and in front |
 //! | `eye`, `target` | `[x, y, z]` metres | needed |
 //! | `up` | `[x, y, z]`, any length; may be parallel to the view | `[0, 1, 0]` |
@@ -84,7 +84,8 @@
 //!
 //! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons, including
 //! concave ones, are cut into triangles. Names, groups, lines and points are ignored. Normals and
-//! texture coordinates are kept if all corners have usable ones. A model loaded alone receives a
+//! texture coordinates are kept if all corners have usable ones; those that can't be read are
+//! ignored. [`Scene::notices`](umbrage_core::Scene::notices) lists what is ignored, except names. A model loaded alone receives a
 //! floor unless it has its own ground, a camera (inside, for a building around its own floor), and
 //! a sun.
 //!
@@ -104,8 +105,8 @@
 //!
 //! | what | how it is read |
 //! |---|---|
-//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Points, lines, skins, morph targets and animations are ignored; Draco compression, too, unless the file requires it |
-//! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside outwards. A node scaled to zero along all axes is hidden; along one, it is an error |
+//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Morph targets are applied at the weights of the file, and skins at the pose of their joints. Points, lines and animations are ignored; Draco compression, too, unless the file requires it |
+//! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside outwards. A node scaled to zero along all axes is hidden, and one that flattens its mesh is ignored; `EXT_mesh_gpu_instancing`, `KHR_node_visibility` (meshes and lights) |
 //! | cameras | with and without perspective, with and without a far plane; node scales are ignored. Images are 360 pixels high, with a width from the aspect ratio (640 without one) |
 //! | lights | `KHR_lights_punctual`. Masks don't depend on brightness: intensities, colours and ranges are checked but unused, except that a light that is black or of intensity 0 is off. Cones are limited to 89.9 degrees |
 //! | sizes of lights | the format has none: `shadow_soft_size` or `radius` (metres) of points and spots, `angle` (radians) of suns, in the `extras` of the light or its node. Blender writes custom properties there; its built-in radius is only exported as one |
@@ -114,6 +115,9 @@
 //! | glass | `BLEND` as above. `KHR_materials_transmission` is ignored: such a surface casts like a wall, unless its alpha prevents it |
 //! | sides | all surfaces are visible and cast on both sides, regardless of `doubleSided` |
 //! | images | PNG and JPEG, embedded or next to the file, regardless of their names. An image that is missing or of another kind is ignored unless an alpha test needs it |
+//!
+//! What a file uses and the reader ignores is listed in
+//! [`Scene::notices`](umbrage_core::Scene::notices), one line each.
 //!
 //! Paths are relative to the file, and may leave its folder, like those of OBJ; addresses with a
 //! scheme (`https:`) are refused, except `data:`. Required extensions that aren't named here are
@@ -133,6 +137,13 @@
 //! glass; its textures then use `TEXCOORD_0`. `alpha_filter` alone is no look: it applies to the
 //! model's own alpha tests, of OBJ and of glTF.
 //!
+//! ## Far coordinates
+//!
+//! Positions in all files are read as 64-bit numbers. A model or scene that is far from the origin
+//! (1.5 km, and 8 times its size), such as one in UTM metres or in earth-centred coordinates, is
+//! stored relative to an [`Anchor`](umbrage_core::Anchor) near its camera, with a notice. The key
+//! `anchor` of scene files applies to the vertices of models, too.
+//!
 //! # Detailed surfaces
 //!
 //! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] computes the normal
@@ -145,6 +156,9 @@ mod damage;
 mod detail;
 mod entry;
 mod error;
+mod far;
+#[cfg(test)]
+mod far_tests;
 mod file;
 mod files;
 mod framing;
@@ -171,5 +185,5 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
-pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
+pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, ShadowFilesOnDisk};
 pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

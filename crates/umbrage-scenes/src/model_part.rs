@@ -1,7 +1,8 @@
 //! Parts of a model.
 
-use umbrage_core::Instance;
-use umbrage_core::glam::Affine3A;
+use crate::far::Box64;
+use umbrage_core::glam::{Affine3A, DAffine3, DVec3};
+use umbrage_core::{Anchor, Instance, Mesh};
 
 /// A mesh of a scene, with the model's placement and material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,38 +14,43 @@ pub(crate) struct ModelPart {
     /// `true` if it casts shadows.
     pub(crate) casts: bool,
     /// Placement of the mesh in the model.
-    pub(crate) model_from_mesh: Affine3A,
+    pub(crate) model_from_mesh: DAffine3,
 }
 
 impl ModelPart {
-    /// Creates a part for a mesh without a transform, which casts shadows.
-    pub(crate) fn new(mesh: usize, material: Option<usize>) -> Self {
+    /// Creates a part for a mesh that is only moved by `offset`, which casts shadows.
+    pub(crate) fn new(mesh: usize, material: Option<usize>, offset: DVec3) -> Self {
         Self {
             mesh,
             material,
             casts: true,
-            model_from_mesh: Affine3A::IDENTITY,
+            model_from_mesh: DAffine3::from_translation(offset),
         }
     }
 
-    /// Returns the instance of a model at the world's origin.
-    pub(crate) fn instance(&self) -> Instance {
+    /// Returns the instance of a model at the world's origin, relative to an anchor.
+    pub(crate) fn instance(&self, anchor: Anchor) -> Instance {
         Instance {
             material: self.material,
             casts: self.casts,
-            ..Instance::new(self.mesh, self.model_from_mesh)
+            ..Instance::new(self.mesh, anchor.placement(&self.model_from_mesh))
         }
     }
 
-    /// Returns the mesh's placement in the world for a placement of the model, multiplied in 64
-    /// bits and rounded once.
-    pub(crate) fn placement_of(&self, world_from_model: Affine3A) -> Affine3A {
+    /// Returns the mesh's placement for a placement of the model, relative to an anchor:
+    /// multiplied in 64 bits and rounded once.
+    pub(crate) fn placement_of(&self, world_from_model: &DAffine3, anchor: Anchor) -> Affine3A {
         // Keep the signs of zeros.
-        if self.model_from_mesh == Affine3A::IDENTITY {
-            return world_from_model;
+        if self.model_from_mesh == DAffine3::IDENTITY {
+            return anchor.placement(world_from_model);
         }
-        let outer = world_from_model.as_daffine3();
-        let inner = self.model_from_mesh.as_daffine3();
-        (outer * inner).as_affine3a()
+        anchor.placement(&(*world_from_model * self.model_from_mesh))
+    }
+
+    /// Adds the part's vertices to a box of the model.
+    pub(crate) fn add_to(&self, bounds: &mut Box64, meshes: &[Mesh]) {
+        for position in &meshes[self.mesh].positions {
+            bounds.add(self.model_from_mesh.transform_point3(position.as_dvec3()));
+        }
     }
 }

@@ -169,6 +169,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras.
     pub cameras: Vec<Camera>,
+    /// What the reader of its file left aside, one line each.
+    pub notices: Vec<String>,
 }
 
 impl Scene {

@@ -88,6 +88,11 @@ pub(crate) struct CompareArguments {
     /// Timed runs of each row; the report shows their median
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: Option<u32>,
+    /// Fail if more than this share of pixels facing the light is left out as ambiguous, 0 to 1
+    ///
+    /// Applies to scene files and models. The report is written all the same.
+    #[arg(long, value_name = "SHARE", default_value = "0.05", value_parser = parse_share)]
+    pub(crate) max_left_out: f64,
     /// Folder for the report. Default: target/compare in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
@@ -154,6 +159,13 @@ fn parse_soft_error(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("use {least} to {greatest}"))
 }
 
+fn parse_share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok();
+    share
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "use 0 to 1".to_owned())
+}
+
 /// Measures, prints and writes the report. Errors if backends disagree, a negative control fails,
 /// or a figure is worse than the baseline's.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
@@ -182,6 +194,12 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     for backend in &backends.backends {
         println!("{}", device_line(&**backend));
     }
+    // The report has what readers of files left aside, and `verdict` prints it.
+    for notice in inputs.iter().flat_map(|input| &input.scene.notices) {
+        if !backends.notices.contains(notice) {
+            backends.notices.push(notice.clone());
+        }
+    }
     // Measure the scenes, and write the report.
     let plan = ComparisonPlan::new(&inputs, &options);
     let report = Report::create(&out, plan, &places, arguments.arrays)?;
@@ -205,8 +223,32 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         }
         None => Ok(()),
     };
-    // Both are printed; the first error is returned.
-    verdict(&comparison).and(guarded)
+    let named = arguments.scenes.iter().zip(&inputs);
+    let of_files: Vec<&str> = named
+        .filter(|(name, _)| umbrage_scenes::find(name).is_none())
+        .map(|(_, input)| input.scene.name.as_str())
+        .collect();
+    let enough = check_left_out(&comparison, &of_files, arguments.max_left_out);
+    // All are printed; the first error is returned.
+    verdict(&comparison).and(enough).and(guarded)
+}
+
+/// Errors if a scene of these names leaves out more than this share of its pixels as ambiguous.
+fn check_left_out(comparison: &Comparison, names: &[&str], most: f64) -> Result<()> {
+    let scenes = comparison.scenes.iter();
+    let over: Vec<String> = scenes
+        .filter(|scene| names.contains(&scene.name.as_str()))
+        .filter(|scene| scene.truth.share_left_out() > most)
+        .filter_map(|scene| Some(format!("{}: {}", scene.name, scene.truth.left_out_words()?)))
+        .collect();
+    if over.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "errors don't count enough pixels; bring the light and the camera nearer, or allow more \
+         with --max-left-out:\n  {}",
+        over.join("\n  ")
+    );
 }
 
 /// Maximum number of scenes for which tables are printed.
@@ -467,7 +509,7 @@ fn scene(
     content: &CompareOptions,
     own: &CompareOptions,
 ) -> Result<SceneInput> {
-    let scene = inputs::scene(program, name)?;
+    let scene = inputs::load(program, name, own.color)?;
     Ok(match umbrage_scenes::find(name) {
         Some(entry) => of_entry(scene, entry, content),
         None => SceneInput {
@@ -605,7 +647,41 @@ fn sort_sizes(sizes: &[u32]) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::sort_sizes;
+    use super::{check_left_out, sort_sizes};
+    use crate::compare::{Comparison, SceneResult, TruthSummary};
+
+    #[test]
+    fn scenes_that_leave_out_too_much_are_listed() {
+        let scene = |name: &str, ambiguous| SceneResult {
+            name: name.to_owned(),
+            truth: TruthSummary {
+                counted: 100 - ambiguous,
+                ambiguous,
+                shadowed: 40,
+                shadowed_ambiguous: ambiguous.min(40),
+                ..TruthSummary::default()
+            },
+            ..SceneResult::default()
+        };
+        let comparison = Comparison {
+            scenes: vec![scene("a", 5), scene("b", 6), scene("c", 50), scene("d", 90)],
+            ..Comparison::default()
+        };
+        let names = ["a", "b", "c"];
+        let message = check_left_out(&comparison, &names, 0.05)
+            .expect_err("two")
+            .to_string();
+        let lines: Vec<&str> = message.lines().skip(1).map(str::trim).collect();
+        assert_eq!(
+            lines,
+            [
+                "b: left out as ambiguous: 6 pixels, 6.0 % of those facing the light, among them 15.0 % of the shadow",
+                "c: left out as ambiguous: 50 pixels, 50.0 % of those facing the light, all of the shadow among them",
+            ]
+        );
+        assert!(check_left_out(&comparison, &names, 0.5).is_ok());
+        assert!(check_left_out(&comparison, &["a"], 0.05).is_ok());
+    }
 
     #[test]
     fn map_sizes_may_come_in_any_order() {

@@ -7,7 +7,7 @@ use anyhow::Result;
 use std::path::Path;
 use umbrage_core::{BackendError, Scene};
 use umbrage_plan::cost::PriceList;
-use umbrage_scenes::SceneError;
+use umbrage_scenes::{SceneError, ShadowFilesOnDisk};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Opens the backends, wgpu on the named adapter.
@@ -63,9 +63,25 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
     Ok(list)
 }
 
-/// Returns a scene by name or path.
+/// Returns a scene by name or path. Prints what the reader of its file left aside.
 pub(crate) fn scene(program: &Program, name: &str) -> Result<Scene> {
-    match umbrage_scenes::by_argument(name) {
+    let scene = load(program, name, true)?;
+    for notice in &scene.notices {
+        eprintln!("note: {notice}");
+    }
+    Ok(scene)
+}
+
+/// Returns a scene by name or path. Images that only colour surfaces are read if it
+/// `needs_colors`.
+pub(crate) fn load(program: &Program, name: &str, needs_colors: bool) -> Result<Scene> {
+    let is_file = umbrage_scenes::find(name).is_none() && umbrage_scenes::file_of(name).is_some();
+    let scene = if is_file && !needs_colors {
+        umbrage_scenes::read(name, &ShadowFilesOnDisk)
+    } else {
+        umbrage_scenes::by_argument(name)
+    };
+    match scene {
         Ok(scene) => Ok(scene),
         Err(e @ SceneError::Unknown { .. }) => {
             let list = format!("{} compare --list", program.invocation);

@@ -299,6 +299,12 @@ pub struct TruthSummary {
     pub counted: u64,
     /// Pixels excluded as ambiguous.
     pub ambiguous: u64,
+    /// Pixels in shadow that count or are ambiguous: those that see less than half of the light.
+    #[serde(default)]
+    pub shadowed: u64,
+    /// Those of `shadowed` that are ambiguous.
+    #[serde(default)]
+    pub shadowed_ambiguous: u64,
     /// Pixels excluded as facing away from the light or outside its cone.
     pub unlit: u64,
     /// Pixels excluded as not sampled; 0 if all are judged.
@@ -306,6 +312,37 @@ pub struct TruthSummary {
     pub unsampled: u64,
     /// Tracing time, seconds. `None` without times.
     pub seconds: Option<f64>,
+}
+
+impl TruthSummary {
+    /// Returns the share of the pixels facing the light that are excluded as ambiguous, 0..=1.
+    pub fn share_left_out(&self) -> f64 {
+        let facing = self.counted + self.ambiguous + self.unsampled;
+        match facing {
+            0 => 0.0,
+            facing => self.ambiguous as f64 / facing as f64,
+        }
+    }
+
+    /// Returns a line about the pixels excluded as ambiguous. `None` if there are none.
+    pub fn left_out_words(&self) -> Option<String> {
+        if self.ambiguous == 0 {
+            return None;
+        }
+        let shadow = match (self.shadowed_ambiguous, self.shadowed) {
+            (_, 0) => String::new(),
+            (all, shadowed) if all == shadowed => ", all of the shadow among them".to_owned(),
+            (some, shadowed) => {
+                let share = 100.0 * some as f64 / shadowed as f64;
+                format!(", among them {share:.1} % of the shadow")
+            }
+        };
+        Some(format!(
+            "left out as ambiguous: {} pixels, {:.1} % of those facing the light{shadow}",
+            self.ambiguous,
+            100.0 * self.share_left_out()
+        ))
+    }
 }
 
 /// One technique setting on one backend.

@@ -148,6 +148,8 @@ fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {
         largest_error,
         counted: count(&truth.pixels, Pixel::Counted),
         ambiguous: count(&truth.pixels, Pixel::Ambiguous),
+        shadowed: shadowed(truth, Pixel::Counted) + shadowed(truth, Pixel::Ambiguous),
+        shadowed_ambiguous: shadowed(truth, Pixel::Ambiguous),
         unlit: count(&truth.pixels, Pixel::Unlit),
         unsampled: count(&truth.pixels, Pixel::Unsampled),
         seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
@@ -156,6 +158,13 @@ fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {
 
 fn count(pixels: &[Pixel], kind: Pixel) -> u64 {
     pixels.iter().filter(|pixel| **pixel == kind).count() as u64
+}
+
+/// Returns how many pixels of a kind are in shadow.
+fn shadowed(truth: &Truth, kind: Pixel) -> u64 {
+    let pixels = truth.pixels.iter().zip(&truth.visibility);
+    let is_shadowed = |(pixel, visibility): &(&Pixel, &f32)| **pixel == kind && **visibility < 0.5;
+    pixels.filter(is_shadowed).count() as u64
 }
 
 /// Returns why no pixel counts. `None` if one does.

@@ -8,7 +8,7 @@ use crate::{FilesOnDisk, SceneError};
 use std::path::Path;
 use toml::de::DeTable;
 use umbrage_core::glam::Affine3A;
-use umbrage_core::{Camera, Geometry};
+use umbrage_core::{Anchor, Camera, Geometry};
 
 /// Greatest number of cameras between two poses of a file.
 const MAX_BETWEEN: u32 = 1000;
@@ -45,7 +45,7 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     let document = DeTable::parse(text).map_err(|e| super::syntax(&source, &e))?;
     let root = Table::root(&source, &document);
     root.only(&["anchor", "camera", "between"])?;
-    let anchor = root.anchor()?;
+    let anchor = root.anchor()?.unwrap_or(Anchor::ORIGIN);
     let between = match root.get("between") {
         Some(item) => item.whole(0..=MAX_BETWEEN)?,
         None => 0,

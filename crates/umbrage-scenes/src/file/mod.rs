@@ -21,7 +21,7 @@ use std::{
 };
 use table::{Table, TextSource};
 use toml::de::DeTable;
-use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
+use umbrage_core::{Anchor, Geometry, Light, MAX_NAME_BYTES, Scene};
 
 /// Greatest length of a scene file, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -94,11 +94,14 @@ pub(crate) fn parse(
         )?;
     }
     // Read lights, objects and the camera, in this order.
-    scene.lights = root
-        .tables("light")?
-        .iter()
-        .map(|table| light::read(table, anchor))
-        .collect::<Result<_, _>>()?;
+    let lights = root.tables("light")?;
+    let lights = |anchor: Anchor| -> Result<Vec<Light>, SceneError> {
+        lights
+            .iter()
+            .map(|table| light::read(table, anchor))
+            .collect()
+    };
+    scene.lights = lights(anchor.unwrap_or(Anchor::ORIGIN))?;
     root.require(
         !scene.lights.is_empty(),
         "has no [[light]]",
@@ -110,7 +113,12 @@ pub(crate) fn parse(
         "has no [[object]]",
         "add one with shape = \"box\" or mesh = \"model.obj\"",
     )?;
-    object::read_all(&objects, folder, files, anchor, &mut scene)?;
+    let eye = root.table("camera")?.and_then(|camera| camera.get("eye"));
+    let eye = eye.and_then(|eye| eye.wide_vec3().ok());
+    let chosen = anchor.ok_or(eye);
+    let anchor = object::read_all(&objects, folder, files, chosen, &mut scene)?;
+    // Objects determine the anchor of files without one.
+    scene.lights = lights(anchor)?;
     add_camera(&root, anchor, &mut scene)?;
     Ok(scene)
 }

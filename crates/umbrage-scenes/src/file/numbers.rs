@@ -62,7 +62,7 @@ impl Item<'_> {
         self.triple(Item::number).map(Vec3::from_array)
     }
 
-    fn wide_vec3(&self) -> Result<DVec3, SceneError> {
+    pub(super) fn wide_vec3(&self) -> Result<DVec3, SceneError> {
         self.triple(Item::wide_number).map(DVec3::from_array)
     }
 
@@ -95,13 +95,12 @@ impl Table<'_> {
         self.need(key, TRIPLE)?.position(anchor)
     }
 
-    /// Returns the origin of the file's positions: the anchor nearest to the point `anchor`, or the
-    /// world's origin.
-    pub(super) fn anchor(&self) -> Result<Anchor, SceneError> {
-        match self.get("anchor") {
-            Some(item) => item.check(Anchor::nearest_to(item.wide_vec3()?)),
-            None => Ok(Anchor::ORIGIN),
-        }
+    /// Returns the origin of the file's positions: the anchor nearest to the point `anchor`. `None`
+    /// without one.
+    pub(super) fn anchor(&self) -> Result<Option<Anchor>, SceneError> {
+        self.get("anchor")
+            .map(|item| item.check(Anchor::nearest_to(item.wide_vec3()?)))
+            .transpose()
     }
 
     pub(super) fn direction(&self, key: &str) -> Result<Vec3, SceneError> {

@@ -7,6 +7,7 @@ use super::{
 use crate::{
     Files, SceneError,
     detail::{TextureFiles, with_tangents},
+    far::{self, Box64},
     gltf,
     lone_model::SIZES,
     model_part::ModelPart,
@@ -17,9 +18,7 @@ use crate::{
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, EulerRot, Quat, Vec3};
-use umbrage_core::{
-    Aabb, AlphaCutout, AlphaFilter, Anchor, Instance, Material, Mesh, Scene, invalid,
-};
+use umbrage_core::{AlphaCutout, AlphaFilter, Anchor, Instance, Material, Mesh, Scene, invalid};
 
 const KEYS: [&str; 8] = [
     "mesh",
@@ -35,14 +34,16 @@ const SHAPES: &[&str] = &["plane", "box", "sphere"];
 /// Subdivisions of an icosahedron, for 5,120 triangles.
 const SPHERE_SPLITS: u32 = 4;
 
-/// Adds meshes, each once, and their instances.
+/// Adds meshes, each once, and their instances. Returns the anchor that positions are relative to:
+/// `anchor`, or one for the objects and this eye.
 pub(super) fn read_all(
     tables: &[Table<'_>],
     folder: &Path,
     files: &dyn Files,
-    anchor: Anchor,
+    anchor: Result<Anchor, Option<DVec3>>,
     scene: &mut Scene,
-) -> Result<(), SceneError> {
+) -> Result<Anchor, SceneError> {
+    let mut placed = Vec::new();
     let mut known = HashMap::new();
     let mut filtered = FilteredMaterials::default();
     let mut textures = TextureFiles::new(files);
@@ -73,28 +74,80 @@ pub(super) fn read_all(
                 "leave it out, or add alpha_map = \"leaf.png\"",
             )?;
         }
-        // Add an instance for each part.
+        // Place the parts.
         let casts = table.flag_or_true("casts")?;
-        let receives = table.flag_or_true("receives")?;
-        let world_from_model = placement(table, anchor)?;
-        let local = box_of_model(parts, scene);
-        check_size(table, &item, world_from_model, &local, anchor)?;
-        for part in parts {
-            let world_from_local = part.placement_of(world_from_model);
-            let material = match &filter {
-                Some((filter, _)) => filtered.filtered_material(part.material, *filter, scene),
-                None => own.or(part.material),
-            };
+        let mut local = Box64::EMPTY;
+        parts
+            .iter()
+            .for_each(|part| part.add_to(&mut local, &scene.meshes));
+        let parts = parts.clone();
+        let material = |part: &ModelPart| match &filter {
+            Some((filter, _)) => filtered.filtered_material(part.material, *filter, scene),
+            None => own.or(part.material),
+        };
+        let materials: Vec<Option<usize>> = parts.iter().map(material).collect();
+        let of_object = |(part, material): (ModelPart, _)| ModelPart {
+            material,
+            casts: casts && part.casts,
+            ..part
+        };
+        placed.push(PlacedObject {
+            table,
+            world_from_model: placement(table)?,
+            local,
+            receives: table.flag_or_true("receives")?,
+            parts: parts.into_iter().zip(materials).map(of_object).collect(),
+            item,
+        });
+    }
+    // Choose the anchor, and add an instance for each part.
+    let anchor = anchor.unwrap_or_else(|eye| {
+        let mut bounds = Box64::EMPTY;
+        let corners = |object: &PlacedObject<'_>| object.local.corners(&object.world_from_model);
+        placed
+            .iter()
+            .flat_map(corners)
+            .for_each(|corner| bounds.add(corner));
+        let anchor = bounds.anchor(eye);
+        scene
+            .notices
+            .extend(far::notice(&tables[0].source.file, anchor));
+        anchor
+    });
+    for object in &placed {
+        object.add_instances(anchor, scene)?;
+    }
+    Ok(anchor)
+}
+
+/// An object in world space.
+struct PlacedObject<'a> {
+    table: &'a Table<'a>,
+    /// The key that names the shape or the mesh.
+    item: Item<'a>,
+    world_from_model: DAffine3,
+    /// The box of the model.
+    local: Box64,
+    receives: bool,
+    /// Parts with the object's materials.
+    parts: Vec<ModelPart>,
+}
+
+impl PlacedObject<'_> {
+    fn add_instances(&self, anchor: Anchor, scene: &mut Scene) -> Result<(), SceneError> {
+        check_size(self, anchor)?;
+        for part in &self.parts {
+            let world_from_local = part.placement_of(&self.world_from_model, anchor);
             scene.instances.push(Instance {
                 mesh: part.mesh,
-                world_from_local: not_flat(&item, world_from_local)?,
-                casts: casts && part.casts,
-                receives,
-                material,
+                world_from_local: not_flat(&self.item, world_from_local)?,
+                casts: part.casts,
+                receives: self.receives,
+                material: part.material,
             });
         }
+        Ok(())
     }
-    Ok(())
 }
 
 fn alpha_of(material: Option<usize>, scene: &Scene) -> Option<AlphaCutout> {
@@ -132,40 +185,28 @@ impl FilteredMaterials {
     }
 }
 
-/// Returns the bounding box of a model before its placement.
-fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
-    let positions = |part: &ModelPart| {
-        let place = part.model_from_mesh;
-        let mesh = &scene.meshes[part.mesh];
-        mesh.positions
-            .iter()
-            .map(move |&position| place.transform_point3(position))
-    };
-    Aabb::from_points(parts.iter().flat_map(positions))
-}
-
-/// Returns an error if 32-bit geometry is too coarse for an object's size or position. The error
-/// names the key of the cause. `local` is the object's bounding box before its placement, `place`
-/// is relative to the anchor.
-fn check_size(
-    table: &Table<'_>,
-    shape_or_mesh: &Item<'_>,
-    place: Affine3A,
-    local: &Aabb,
-    anchor: Anchor,
-) -> Result<(), SceneError> {
+/// Returns an error if 32-bit geometry is too coarse for an object's size, or for its position
+/// relative to the anchor. The error names the key of the cause.
+fn check_size(object: &PlacedObject<'_>, anchor: Anchor) -> Result<(), SceneError> {
+    let PlacedObject {
+        table,
+        item: shape_or_mesh,
+        world_from_model: place,
+        local,
+        ..
+    } = object;
     let [least, most] = SIZES;
     let axes = [
         place.matrix3.x_axis,
         place.matrix3.y_axis,
         place.matrix3.z_axis,
     ];
-    for (axis, local_size) in axes.into_iter().zip(local.extent().to_array()) {
+    for (axis, local_size) in axes.into_iter().zip((local.max - local.min).to_array()) {
         // Skip an axis along which the object is flat.
         if local_size <= 0.0 {
             continue;
         }
-        let size = axis.as_dvec3().length() as f32 * local_size;
+        let size = axis.length() as f32 * local_size as f32;
         // NaN is outside every range.
         if !(least..=most).contains(&size) {
             let why = format!("makes the object {size:e} m across along one of its axes");
@@ -175,9 +216,9 @@ fn check_size(
         }
     }
     let distances = local
-        .corners()
-        .map(|p| place.transform_point3(p).abs().max_element());
-    let away = distances.fold(0.0, f32::max);
+        .corners(place)
+        .map(|corner| anchor.position(corner).abs().max_element());
+    let away = distances.into_iter().fold(0.0, f32::max);
     let origin = match anchor == Anchor::ORIGIN {
         true => "origin",
         false => "anchor",
@@ -298,7 +339,7 @@ fn make(
                 name: name.clone(),
                 ..shape(name, needs.is_textured())
             });
-            vec![ModelPart::new(scene.meshes.len() - 1, None)]
+            vec![ModelPart::new(scene.meshes.len() - 1, None, DVec3::ZERO)]
         }
         MeshSource::Obj(path) => obj::add(path, textures, has_looks, scene).map_err(named)?,
         MeshSource::Gltf(wanted) => {
@@ -332,10 +373,10 @@ fn shape(name: &str, textured: bool) -> Mesh {
     }
 }
 
-fn placement(table: &Table<'_>, anchor: Anchor) -> Result<Affine3A, SceneError> {
+fn placement(table: &Table<'_>) -> Result<DAffine3, SceneError> {
     let steps = ["translate", "rotate_degrees", "scale"].map(|key| table.get(key));
     let Some(item) = table.get("matrix") else {
-        return from_steps(&steps, anchor);
+        return from_steps(&steps);
     };
     if let Some(other) = steps.iter().flatten().next() {
         return Err(other.fault(
@@ -353,9 +394,11 @@ fn placement(table: &Table<'_>, anchor: Anchor) -> Result<Affine3A, SceneError> 
         &format!("ends in the row {}", rows[3]),
         "end it in [0, 0, 0, 1]",
     )?;
-    let place = anchor.placement(&DAffine3::from_mat4(matrix));
-    item.check(invalid::finite("", &place.to_cols_array()))?;
-    not_flat(&item, place)
+    let place = DAffine3::from_mat4(matrix);
+    let rounded = place.as_affine3a();
+    item.check(invalid::finite("", &rounded.to_cols_array()))?;
+    not_flat(&item, rounded)?;
+    Ok(place)
 }
 
 fn row(item: &Item<'_>) -> Result<DVec4, SceneError> {
@@ -368,7 +411,7 @@ fn row(item: &Item<'_>) -> Result<DVec4, SceneError> {
 
 /// Returns the placement: scale first, then turns about x, y and z in this order, then the
 /// translation.
-fn from_steps(steps: &[Option<Item<'_>>; 3], anchor: Anchor) -> Result<Affine3A, SceneError> {
+fn from_steps(steps: &[Option<Item<'_>>; 3]) -> Result<DAffine3, SceneError> {
     let [translate, rotate, scale] = steps;
     let degrees = match rotate {
         Some(item) => item.vec3()?,
@@ -381,14 +424,20 @@ fn from_steps(steps: &[Option<Item<'_>>; 3], anchor: Anchor) -> Result<Affine3A,
         None => Vec3::ONE,
     };
     let position = match translate {
-        Some(item) => item.position(anchor)?,
-        None => anchor.position(DVec3::ZERO),
+        Some(item) => {
+            item.position(Anchor::ORIGIN)?;
+            item.wide_vec3()?
+        }
+        None => DVec3::ZERO,
     };
-    let place = Affine3A::from_scale_rotation_translation(size, turn, position);
-    match scale {
-        Some(item) => not_flat(item, place),
-        None => Ok(place),
+    let turned = Affine3A::from_scale_rotation_translation(size, turn, Vec3::ZERO);
+    if let Some(item) = scale {
+        not_flat(item, turned)?;
     }
+    Ok(DAffine3 {
+        translation: position,
+        ..turned.as_daffine3()
+    })
 }
 
 /// Reads one number for all axes, or one for each.

@@ -88,6 +88,24 @@ impl<'a> AccessorNumbers<'a> {
         Ok(vectors)
     }
 
+    /// Returns matrices of four columns. Returns an error if they are of another kind or not finite.
+    pub(super) fn matrices(&self, data: &mut FileBytes<'_>) -> Result<Vec<[f32; 16]>, Invalid> {
+        let is_float = self.accessor.data_type() == DataType::F32;
+        if !is_float || self.accessor.dimensions() != Dimensions::Mat4 {
+            return Err(self.fault("holds no matrices of 16 floats"));
+        }
+        data.budget.read(16 * self.count() as u64)?;
+        let matrices: Vec<[f32; 16]> = self
+            .read::<Vector<f32, 16>>(None, data)
+            .map(|m| m.0)
+            .collect();
+        let is_finite = |matrix: &[f32; 16]| matrix.iter().all(|number| number.is_finite());
+        match matrices.iter().position(|matrix| !is_finite(matrix)) {
+            Some(i) => Err(self.fault(format!("holds {:?} as element {i}", matrices[i]))),
+            None => Ok(matrices),
+        }
+    }
+
     /// Returns vectors of integers as floats. For normalized ones, the greatest integer denotes 1
     /// (section 3.11).
     fn floats<C: Item + Copy + Into<f32>, const N: usize>(

@@ -5,37 +5,147 @@ use gltf::{
     json::{
         Path, Root,
         camera::Type,
-        mesh::Semantic,
+        material::Material,
+        mesh::{Mode, Semantic},
         validation::{Checked, Error, Validate as _},
     },
 };
 use serde_json::Value;
-use umbrage_core::Invalid;
+use std::collections::BTreeSet;
+use umbrage_core::{Anchor, Invalid};
 
 /// Extensions that a file may require because they are supported.
-const READ: [&str; 3] = [
+const READ: [&str; 5] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 /// Start of the names of material extensions. These have no effect on the images here, so a file
 /// may require them, too.
 const LOOKS: &str = "KHR_materials_";
 
-/// Reads and checks a document.
-pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
-    let mut root: Root = match serde_json::from_slice(json) {
-        Ok(root) => root,
-        Err(error) => return Err(unparsed_document(json, &error)),
+/// Reads and checks a document, and lists what is left aside.
+pub(super) fn parse(json: &[u8]) -> Result<(Document, Vec<String>), Invalid> {
+    let (mut root, animations) = match serde_json::from_slice::<Root>(json) {
+        Ok(root) => {
+            let animations = root.animations.len();
+            (root, animations)
+        }
+        Err(error) => lenient_root(json).ok_or_else(|| unparsed_document(json, &error))?,
     };
     check_version(&root)?;
     check_extensions(&root)?;
+    let notices = left_aside(&root, animations);
     strip(&mut root);
     check_indices(&root).map_err(|(path, why)| {
         let name = name_on(json, &path).map_or_else(String::new, |name| format!(" of `{name}`"));
         broken_element(format!("`{path}`{name}"), why)
     })?;
-    Ok(Document::from_json_without_validation(root))
+    Ok((Document::from_json_without_validation(root), notices))
+}
+
+/// Reads a document that the crate `gltf` refuses for a part that shadows don't need: animations of
+/// other properties than those of nodes, and scenes without nodes. Returns it without animations,
+/// and their number.
+fn lenient_root(json: &[u8]) -> Option<(Root, usize)> {
+    let mut document: Value = serde_json::from_slice(json).ok()?;
+    let members = document.as_object_mut()?;
+    let animations = members.remove("animations");
+    let animations = animations
+        .as_ref()
+        .and_then(Value::as_array)
+        .map_or(0, Vec::len);
+    let scenes = members.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_object_mut)
+    {
+        scene
+            .entry("nodes")
+            .or_insert_with(|| Value::Array(Vec::new()));
+    }
+    Some((serde_json::from_value(document).ok()?, animations))
+}
+
+/// Returns the nodes of a document as JSON, whose numbers have 64 bits. Empty if no node is far
+/// from the origin.
+pub(super) fn far_nodes(document: &Document, json: &[u8]) -> Vec<Value> {
+    let is_far = |node: gltf::Node<'_>| {
+        let [x, y, z, _] = node.transform().matrix()[3];
+        let most = x.abs().max(y.abs()).max(z.abs());
+        f64::from(most) > Anchor::REACH
+    };
+    if !document.nodes().any(is_far) {
+        return Vec::new();
+    }
+    match serde_json::from_slice::<Value>(json) {
+        Ok(mut value) => match value["nodes"].take() {
+            Value::Array(nodes) => nodes,
+            _ => Vec::new(),
+        },
+        Err(_) => Vec::new(),
+    }
+}
+
+/// Returns a line for each feature that the document uses and the reader leaves aside.
+fn left_aside(root: &Root, animations: usize) -> Vec<String> {
+    let mut out = Vec::new();
+    if animations > 0 {
+        out.push(format!(
+            "animations are ignored ({animations}): nodes keep their rest pose"
+        ));
+    }
+    let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let flat_modes = [Mode::Points, Mode::Lines, Mode::LineLoop, Mode::LineStrip];
+    let is_flat = |mode| flat_modes.map(Checked::Valid).contains(mode);
+    let flat = primitives()
+        .filter(|primitive| is_flat(&primitive.mode))
+        .count();
+    if flat > 0 {
+        out.push(format!("points and lines are ignored ({flat} primitives)"));
+    }
+    let has = |is: fn(&Semantic) -> bool| {
+        primitives()
+            .flat_map(|primitive| primitive.attributes.keys())
+            .any(|semantic| matches!(semantic, Checked::Valid(semantic) if is(semantic)))
+    };
+    if has(|semantic| matches!(semantic, Semantic::Colors(_))) {
+        out.push("vertex colours (COLOR_n) are ignored".to_owned());
+    }
+    if has(|semantic| matches!(semantic, Semantic::Extras(_))) {
+        out.push("attributes of applications (_NAME) are ignored".to_owned());
+    }
+    let textures = |is: fn(&Material) -> bool| root.materials.iter().any(is);
+    let kinds = [
+        (
+            "metalness and roughness",
+            textures(|m| {
+                m.pbr_metallic_roughness
+                    .metallic_roughness_texture
+                    .is_some()
+            }),
+        ),
+        ("occlusion", textures(|m| m.occlusion_texture.is_some())),
+        ("emission", textures(|m| m.emissive_texture.is_some())),
+    ];
+    let kinds: Vec<&str> = kinds
+        .iter()
+        .filter(|(_, is)| *is)
+        .map(|(kind, _)| *kind)
+        .collect();
+    if !kinds.is_empty() {
+        out.push(format!("textures are ignored of: {}", kinds.join(", ")));
+    }
+    let is_ignored = |name: &&str| !READ.contains(name);
+    let extensions: BTreeSet<&str> = root.extensions_used.iter().map(String::as_str).collect();
+    let extensions: Vec<&str> = extensions.into_iter().filter(is_ignored).collect();
+    if !extensions.is_empty() {
+        out.push(format!("extensions are ignored: {}", extensions.join(", ")));
+    }
+    out
 }
 
 /// Returns the error of text that is not a document of version 2. Version 1 is named in the error,
@@ -85,7 +195,9 @@ fn check_extensions(root: &Root) -> Result<(), Invalid> {
 /// Removes everything that is not read, so that errors in it don't count.
 fn strip(root: &mut Root) {
     root.animations.clear();
-    root.skins.clear();
+    for skin in &mut root.skins {
+        skin.skeleton = None;
+    }
     for sampler in &mut root.samplers {
         // Only the wrapping of samplers is read, where it is known.
         sampler.min_filter = None;
@@ -96,11 +208,7 @@ fn strip(root: &mut Root) {
             }
         }
     }
-    for node in &mut root.nodes {
-        node.skin = None;
-    }
     for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
-        primitive.targets = None;
         primitive.attributes.retain(|semantic, _| {
             matches!(
                 semantic,
@@ -109,6 +217,8 @@ fn strip(root: &mut Root) {
                         | Semantic::Normals
                         | Semantic::Tangents
                         | Semantic::TexCoords(_)
+                        | Semantic::Joints(_)
+                        | Semantic::Weights(_)
                 )
             )
         });

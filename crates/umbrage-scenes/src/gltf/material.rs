@@ -55,6 +55,11 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// Returns a line for each image that was left aside.
+    pub(super) fn notices(self) -> impl Iterator<Item = String> {
+        self.pictures.notices.into_iter()
+    }
+
     /// Returns the look of a primitive; `None` if the alpha test removes all of it.
     pub(super) fn look_of(
         &mut self,
@@ -73,8 +78,13 @@ impl<'a> Materials<'a> {
         let Some(index) = material.index() else {
             return Ok(Some(PLAIN));
         };
-        let maps = [color_map(&material), normal_map(&material)?]
-            .map(|map| map.filter(|map| map.coordinates.has(primitive)));
+        let is_shown = data.files.needs_colors();
+        let color = color_map(&material);
+        let maps = [
+            color.filter(|_| is_shown || material.alpha_mode() != AlphaMode::Opaque),
+            normal_map(&material)?.filter(|_| is_shown),
+        ]
+        .map(|map| map.filter(|map| map.coordinates.has(primitive)));
         let key = (index, maps.map(|map| map.is_some()));
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);

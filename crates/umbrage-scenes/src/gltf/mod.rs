@@ -10,25 +10,35 @@ mod camera;
 mod container;
 mod document;
 mod file_bytes;
+mod instancing;
 mod light;
 mod material;
 mod nodes;
 mod picture;
+mod pose;
 mod primitive;
 #[cfg(test)]
 pub(crate) mod tests;
 mod wrap;
 
 use crate::{
-    Files, SceneError, error::Place, lone_model, model_part::ModelPart, obj::name_of,
+    Files, SceneError,
+    error::Place,
+    far::{self, Box64},
+    lone_model,
+    model_part::ModelPart,
+    obj::name_of,
     scene_of_file::SceneOfFile,
 };
 use budget::ReadBudget;
 use file_bytes::FileBytes;
+use gltf::Document;
 use material::Materials;
 use nodes::PlacedNode;
+use pose::Pose;
 use primitive::FileMeshes;
-use std::io::Read as _;
+use std::{collections::HashMap, io::Read as _};
+use umbrage_core::glam::DAffine3;
 use umbrage_core::{Geometry, Invalid, Scene};
 
 /// Reads one scene of a file. Missing cameras and lights are added as for any lone model: see
@@ -55,7 +65,7 @@ pub(crate) fn add(
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
     let bytes = bytes_of(wanted, files)?;
-    let ignore = |_: &PlacedNode<'_>, _: &mut Scene| Ok(());
+    let ignore = |_: &[ModelPart], _: Vec<PlacedNode<'_>>, _: &mut Scene| Ok(());
     parts(&bytes, wanted, files, has_looks, ignore, scene).map_err(|fault| invalid(wanted, fault))
 }
 
@@ -66,10 +76,10 @@ pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bo
 }
 
 fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
-    let document = document::parse(container::split(bytes)?.json)?;
+    let (document, _) = document::parse(container::split(bytes)?.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let mut lights = Scene::default();
-    for node in nodes::placed_nodes(&document, chosen)? {
+    for node in nodes::placed_nodes(&document, chosen, &[])? {
         add_cameras_and_lights(&node, &mut lights)
             .map_err(|e| e.within_context(node.error_name()))?;
     }
@@ -102,26 +112,51 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
         },
         ..Scene::default()
     };
-    let others = add_cameras_and_lights;
-    let parts = parts(bytes, wanted, files, true, others, &mut scene)?;
-    scene
-        .instances
-        .extend(parts.iter().map(ModelPart::instance));
+    let file = wanted.file.display().to_string();
+    let place = |parts: &[ModelPart], nodes: Vec<PlacedNode<'_>>, scene: &mut Scene| {
+        place(parts, nodes, &file, scene)
+    };
+    parts(bytes, wanted, files, true, place, &mut scene)?;
     Ok(scene)
 }
 
+/// Adds instances of a file's parts, and the cameras and lights of its nodes, relative to an anchor
+/// near the first camera if they are far from the origin.
+fn place(
+    parts: &[ModelPart],
+    nodes: Vec<PlacedNode<'_>>,
+    file: &str,
+    scene: &mut Scene,
+) -> Result<(), Invalid> {
+    let mut bounds = Box64::EMPTY;
+    parts
+        .iter()
+        .for_each(|part| part.add_to(&mut bounds, &scene.meshes));
+    let camera = nodes.iter().find(|node| node.node.camera().is_some());
+    let anchor = bounds.anchor(camera.map(|node| node.world_from_node.translation));
+    scene.notices.extend(far::notice(file, anchor));
+    scene
+        .instances
+        .extend(parts.iter().map(|part| part.instance(anchor)));
+    for mut node in nodes {
+        node.world_from_node.translation -= anchor.point();
+        add_cameras_and_lights(&node, scene).map_err(|e| e.within_context(node.error_name()))?;
+    }
+    Ok(())
+}
+
 /// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`.
-/// `add_others` adds the other contents of a node.
+/// `add_others` receives the parts, and the nodes with their other contents.
 fn parts(
     bytes: &[u8],
     wanted: &SceneOfFile,
     files: &dyn Files,
     has_looks: bool,
-    add_others: impl Fn(&PlacedNode<'_>, &mut Scene) -> Result<(), Invalid>,
+    add_others: impl FnOnce(&[ModelPart], Vec<PlacedNode<'_>>, &mut Scene) -> Result<(), Invalid>,
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, Invalid> {
     let container = container::split(bytes)?;
-    let document = document::parse(container.json)?;
+    let (document, notices) = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let budget = ReadBudget::new(bytes.len());
     let mut reader = Reader {
@@ -129,10 +164,15 @@ fn parts(
         materials: Materials::new(&document, has_looks),
         meshes: FileMeshes::default(),
         parts: Vec::new(),
+        notices,
     };
-    for node in nodes::placed_nodes(&document, chosen)? {
-        add_others(&node, scene)
-            .and_then(|()| reader.add(&node, scene))
+    let far = document::far_nodes(&document, container.json);
+    let nodes = nodes::placed_nodes(&document, chosen, &far)?;
+    let place = |node: &PlacedNode<'_>| (node.node.index(), node.world_from_node);
+    let joints = nodes.iter().map(place).collect();
+    for node in &nodes {
+        reader
+            .add(node, &document, &joints, scene)
             .map_err(|e| e.within_context(node.error_name()))?;
     }
     if reader.parts.is_empty() {
@@ -142,6 +182,12 @@ fn parts(
             "export it with a mesh, or name another scene of the file: model.glb#1",
         ));
     }
+    add_others(&reader.parts, nodes, scene)?;
+    let file = wanted.file.display();
+    let notices = reader.notices.into_iter().chain(reader.materials.notices());
+    scene
+        .notices
+        .extend(notices.map(|notice| format!("{file}: {notice}")));
     Ok(reader.parts)
 }
 
@@ -151,27 +197,49 @@ struct Reader<'a> {
     materials: Materials<'a>,
     meshes: FileMeshes,
     parts: Vec<ModelPart>,
+    /// What was left aside.
+    notices: Vec<String>,
 }
 
 impl Reader<'_> {
-    /// Adds a node's mesh, unless the node is scaled to nothing.
-    fn add(&mut self, node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
-        let Some(mesh) = node.node.mesh() else {
+    /// Adds the instances of a node's mesh, unless the node is hidden or scaled to nothing.
+    /// `joints` has the placements of all nodes.
+    fn add(
+        &mut self,
+        node: &PlacedNode<'_>,
+        document: &Document,
+        joints: &HashMap<usize, DAffine3>,
+        scene: &mut Scene,
+    ) -> Result<(), Invalid> {
+        let Some(mesh) = node.node.mesh().filter(|_| node.is_visible) else {
             return Ok(());
         };
-        let Some(model_from_mesh) = node.placement()? else {
-            return Ok(());
+        let pose = Pose::of_node(node, joints, &mut self.data, &mut self.notices)?;
+        // Joints place a skinned mesh, and its node doesn't.
+        let places = if pose.skin.is_some() {
+            vec![DAffine3::IDENTITY]
+        } else {
+            let mut places = Vec::new();
+            for instance in instancing::instances(&node.node, document, &mut self.data)? {
+                places.extend(node.placement(instance, &mut self.notices)?);
+            }
+            places
         };
-        let primitives = self
-            .meshes
-            .parts(&mesh, &mut self.data, &mut self.materials, scene)?;
-        for primitive in primitives {
-            let triangles = scene.meshes[primitive.mesh].triangles.len();
-            self.data.budget.place(triangles)?;
-            self.parts.push(ModelPart {
-                model_from_mesh,
-                ..*primitive
-            });
+        if places.is_empty() {
+            return Ok(());
+        }
+        let primitives =
+            self.meshes
+                .parts(&mesh, &pose, &mut self.data, &mut self.materials, scene)?;
+        for place in places {
+            for primitive in primitives {
+                let triangles = scene.meshes[primitive.mesh].triangles.len();
+                self.data.budget.place(triangles)?;
+                self.parts.push(ModelPart {
+                    model_from_mesh: place * primitive.model_from_mesh,
+                    ..*primitive
+                });
+            }
         }
         Ok(())
     }
@@ -181,7 +249,7 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
     if let Some(camera) = node.node.camera() {
         scene.cameras.push(camera::camera(&camera, node)?);
     }
-    if let Some(light) = node.node.light() {
+    if let Some(light) = node.node.light().filter(|_| node.is_visible) {
         scene.lights.extend(light::light(&light, node)?);
     }
     Ok(())

@@ -16,6 +16,8 @@ use umbrage_core::{Invalid, Texture};
 pub(super) struct Pictures<'a> {
     document: &'a Document,
     known: HashMap<(usize, Meaning), Option<usize>>,
+    /// A line for each image that was left aside.
+    pub(super) notices: Vec<String>,
 }
 
 impl<'a> Pictures<'a> {
@@ -23,6 +25,7 @@ impl<'a> Pictures<'a> {
         Self {
             document,
             known: HashMap::new(),
+            notices: Vec::new(),
         }
     }
 
@@ -43,6 +46,12 @@ impl<'a> Pictures<'a> {
         let texture = self
             .read(image, &name, meaning, data)
             .map_err(|e| e.within_context(&name))?;
+        if texture.is_none() {
+            let notice = format!("{name} is ignored: it is missing, or neither PNG nor JPEG");
+            if !self.notices.contains(&notice) {
+                self.notices.push(notice);
+            }
+        }
         let place = texture.map(|texture| {
             textures.push(texture);
             textures.len() - 1

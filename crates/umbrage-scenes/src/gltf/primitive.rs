@@ -5,19 +5,23 @@ use super::{
     document::{broken_element, element_name},
     file_bytes::FileBytes,
     material::{Materials, SurfaceLook},
+    pose::Pose,
     wrap,
 };
-use crate::{detail::with_tangents, model_part::ModelPart};
-use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
+use crate::{detail::with_tangents, far, model_part::ModelPart};
+use gltf::{Accessor, Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
 use std::collections::{HashMap, hash_map::Entry};
-use umbrage_core::glam::{Vec3, Vec4};
+use umbrage_core::glam::{DVec3, Vec3, Vec4};
 use umbrage_core::{Invalid, Mesh, Scene};
 
-/// The meshes of a file that have been read, by number.
+/// The meshes of a file that have been read, by number and pose.
 #[derive(Debug, Default)]
 pub(super) struct FileMeshes {
-    known: HashMap<usize, Vec<ModelPart>>,
+    known: HashMap<(usize, PoseKey), Vec<ModelPart>>,
 }
+
+/// Weights of morph targets as bits, and a skin.
+type PoseKey = (Vec<u32>, Option<usize>);
 
 impl FileMeshes {
     /// Returns a mesh's parts: its primitives that have triangles, unless an alpha test removes all
@@ -25,12 +29,13 @@ impl FileMeshes {
     pub(super) fn parts(
         &mut self,
         mesh: &FileMesh<'_>,
+        pose: &Pose,
         data: &mut FileBytes<'_>,
         materials: &mut Materials<'_>,
         scene: &mut Scene,
     ) -> Result<&[ModelPart], Invalid> {
         let index = mesh.index();
-        let place = match self.known.entry(index) {
+        let place = match self.known.entry((index, pose.key())) {
             Entry::Occupied(known) => return Ok(known.into_mut()),
             Entry::Vacant(place) => place,
         };
@@ -40,7 +45,7 @@ impl FileMeshes {
                 let mesh = element_name("mesh", index, mesh.name());
                 e.within_context(format!("{mesh}, primitive {}", primitive.index()))
             };
-            let part = part(&primitive, data, materials, scene).map_err(within)?;
+            let part = part(&primitive, pose, data, materials, scene).map_err(within)?;
             if let Some(part) = part {
                 scene.meshes[part.mesh].name = name_of_part(mesh, &primitive);
                 parts.push(part);
@@ -52,12 +57,13 @@ impl FileMeshes {
 
 fn part(
     primitive: &Primitive<'_>,
+    pose: &Pose,
     data: &mut FileBytes<'_>,
     materials: &mut Materials<'_>,
     scene: &mut Scene,
 ) -> Result<Option<ModelPart>, Invalid> {
     // Read the triangles and the look.
-    let Some(shape) = PrimitiveShape::read(primitive, data)? else {
+    let Some(mut shape) = PrimitiveShape::read(primitive, data)? else {
         return Ok(None);
     };
     let Some(look) = materials.look_of(primitive, data, scene)? else {
@@ -97,7 +103,18 @@ fn part(
             mesh.tangents = tangents.into_iter().map(Vec4::from_array).collect();
         }
     }
-    mesh.positions = shape.positions;
+    // Move the vertices to the mesh's pose.
+    let mut positions: Vec<DVec3> = std::mem::take(&mut shape.positions)
+        .into_iter()
+        .map(Vec3::as_dvec3)
+        .collect();
+    let is_skinned = pose.apply(primitive, &shape, &mut positions, &mut mesh.normals, data)?;
+    if is_skinned {
+        // Tangents don't follow the joints, and are recomputed.
+        mesh.tangents.clear();
+    }
+    let offset;
+    (mesh.positions, offset) = far::near_origin(&positions);
     mesh.triangles = shape.triangles;
     // Recompute normals and tangents if one of them is invalid.
     if mesh.normals.contains(&Vec3::ZERO) {
@@ -117,7 +134,7 @@ fn part(
     scene.meshes.push(mesh);
     Ok(Some(ModelPart {
         casts,
-        ..ModelPart::new(scene.meshes.len() - 1, material)
+        ..ModelPart::new(scene.meshes.len() - 1, material, offset)
     }))
 }
 
@@ -152,7 +169,7 @@ fn name_of_part(mesh: &FileMesh<'_>, primitive: &Primitive<'_>) -> String {
 
 /// The triangles of a primitive, and the positions of the vertices that they use.
 #[derive(Debug)]
-struct PrimitiveShape {
+pub(super) struct PrimitiveShape {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     /// The used vertices of the file in ascending order. `None` if all are used.
@@ -209,15 +226,24 @@ impl PrimitiveShape {
     }
 
     /// Returns an attribute of the used vertices; empty if the primitive doesn't have it.
-    fn attribute<const N: usize>(
+    pub(super) fn attribute<const N: usize>(
         &self,
         primitive: &Primitive<'_>,
         semantic: &Semantic,
         data: &mut FileBytes<'_>,
     ) -> Result<Vec<[f32; N]>, Invalid> {
-        let Some(accessor) = primitive.get(semantic) else {
-            return Ok(Vec::new());
-        };
+        match primitive.get(semantic) {
+            Some(accessor) => self.vectors(accessor, data),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// Returns the vectors of an accessor for the used vertices.
+    pub(super) fn vectors<const N: usize>(
+        &self,
+        accessor: Accessor<'_>,
+        data: &mut FileBytes<'_>,
+    ) -> Result<Vec<[f32; N]>, Invalid> {
         let numbers = AccessorNumbers::open(accessor, data)?;
         if numbers.count() != self.count {
             let (elements, vertices) = (numbers.count(), self.count);

@@ -8,6 +8,7 @@
 
 use super::parts::Looks;
 use crate::{SceneError, error::Place};
+use std::collections::{BTreeMap, HashSet};
 use std::io::{self, BufRead, Read as _};
 use std::path::Path;
 
@@ -16,6 +17,8 @@ use std::path::Path;
 const LONGEST_LINE: u64 = 16 << 20;
 /// Greatest number of corners of a face. Cutting concave polygons takes quadratic time.
 const MOST_CORNERS: usize = 4096;
+/// Greatest number of ignored keywords that are listed.
+const MOST_NAMES: usize = 20;
 /// Kinds of indices, in the order of a face's corner.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
@@ -25,6 +28,8 @@ pub(super) struct CleanText {
     pub(super) statements: Vec<u8>,
     pub(super) faces: usize,
     pub(super) looks: Looks,
+    /// What is left aside, one line each.
+    pub(super) notices: Vec<String>,
 }
 
 /// Reads a whole source. `unreadable` creates the error of a source that fails.
@@ -39,6 +44,9 @@ pub(super) fn clean(
         continued: String::new(),
         counts: [0; 3],
         greatest: [(0, 0); 3],
+        unusable: Vec::new(),
+        dropped: [None, None, None],
+        ignored: BTreeMap::new(),
         clean: CleanText::default(),
     };
     let mut bytes = Vec::new();
@@ -57,6 +65,9 @@ pub(super) fn clean(
     let rest = std::mem::take(&mut cleaner.continued);
     cleaner.statement(&rest)?;
     cleaner.check_greatest()?;
+    cleaner.check_vertices()?;
+    cleaner.drop_attributes();
+    cleaner.list_ignored();
     Ok(cleaner.clean)
 }
 
@@ -71,6 +82,12 @@ struct Cleaner<'a> {
     counts: [usize; 3],
     /// The greatest index of each so far, and its line.
     greatest: [(usize, usize); 3],
+    /// Vertices that no face may use: the number, counted from 1, the line, and the reason.
+    unusable: Vec<(usize, usize, String)>,
+    /// The reason why the texture coordinates or the normals are dropped, if they are.
+    dropped: [Option<String>; 3],
+    /// Keywords that are left aside, and their numbers of statements.
+    ignored: BTreeMap<String, usize>,
     clean: CleanText,
 }
 
@@ -91,7 +108,10 @@ impl Cleaner<'_> {
             }
             let text = String::from_utf8_lossy(line);
             let text = text.split('#').next().unwrap_or_default();
-            match text.trim_end().strip_suffix('\\') {
+            // Names of materials may end in a backslash.
+            let is_name = self.continued.is_empty() && text.trim_start().starts_with("usemtl");
+            let continued = text.trim_end().strip_suffix('\\');
+            match continued.filter(|_| !is_name) {
                 Some(part) => {
                     self.continued.push_str(part);
                     self.continued.push(' ');
@@ -105,7 +125,8 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    /// Keeps a statement that makes a mesh. Names, lines, points and curves make no triangles.
+    /// Keeps a statement that makes a mesh, and counts others. Names are left aside silently, since
+    /// they change nothing.
     fn statement(&mut self, text: &str) -> Result<(), SceneError> {
         let mut words = text.split_whitespace();
         let keyword = words.next().unwrap_or_default();
@@ -128,25 +149,44 @@ impl Cleaner<'_> {
                         w => format!(" over {w}"),
                     };
                     let why = format!("vertex holds {bad}{over}");
-                    return Err(self.fault(why, "use finite numbers below 3.4e38"));
+                    self.unusable.push((self.counts[0], self.line, why));
+                    self.keep("v", &["0", "0", "0"]);
+                } else {
+                    self.keep("v", &words[..used]);
                 }
-                self.keep("v", &words[..used]);
             }
             "vt" => {
                 let used = words.len().clamp(1, 2);
-                self.numbers(1, &words, used)?;
-                self.keep("vt", &[words[0], words.get(1).copied().unwrap_or("0")]);
+                match self.numbers(1, &words, used) {
+                    Ok(_) => self.keep("vt", &[words[0], words.get(1).copied().unwrap_or("0")]),
+                    Err(fault) => self.drop_kind(1, &fault),
+                }
             }
-            "vn" => {
-                self.numbers(2, &words, 3)?;
-                self.keep("vn", &words[..3]);
-            }
-            "f" => self.face(&words)?,
+            "vn" => match self.numbers(2, &words, 3) {
+                Ok(_) => self.keep("vn", &words[..3]),
+                Err(fault) => self.drop_kind(2, &fault),
+            },
+            // `fo` is the obsolete form of `f`.
+            "f" | "fo" => self.face(&words)?,
             "usemtl" => self.clean.looks.runs.push((self.clean.faces, name())),
             "mtllib" => self.clean.looks.libraries.push(name()),
-            _ => {}
+            // Names, and the end of a smoothing group.
+            "" | "o" | "g" => {}
+            "s" if words == ["off"] || words == ["0"] => {}
+            _ => *self.ignored.entry(keyword.to_owned()).or_default() += 1,
         }
         Ok(())
+    }
+
+    /// Drops an attribute of all corners. The first reason counts.
+    fn drop_kind(&mut self, kind: usize, fault: &SceneError) {
+        let why = match fault {
+            SceneError::Fault { place, why, .. } => {
+                format!("line {}: {why}", place.line.unwrap_or(0))
+            }
+            other => other.to_string(),
+        };
+        self.dropped[kind].get_or_insert(why);
     }
 
     /// Counts an element of a kind, and returns its first numbers.
@@ -206,23 +246,125 @@ impl Cleaner<'_> {
                     self.greatest[kind] = (size, self.line);
                 }
             } else if index == 0 || size > count {
-                let kind = KINDS[kind];
-                let why = format!("face names {kind} {index}, but there are {count} before it");
-                return Err(self.fault(why, "use indices from 1, or from -1 backwards"));
+                let name = KINDS[kind];
+                let why = format!("face names {name} {index}, but there are {count} before it");
+                let fault = self.fault(why, "use indices from 1, or from -1 backwards");
+                if kind == 0 {
+                    return Err(fault);
+                }
+                self.drop_kind(kind, &fault);
             }
         }
         Ok(())
     }
 
     fn check_greatest(&mut self) -> Result<(), SceneError> {
-        for ((kind, (index, line)), count) in KINDS.iter().zip(self.greatest).zip(self.counts) {
+        for (kind, (index, line)) in self.greatest.into_iter().enumerate() {
+            let (name, count) = (KINDS[kind], self.counts[kind]);
             if index > count {
                 self.line = line;
-                let why = format!("face names {kind} {index}, but the file has {count}");
-                return Err(self.fault(why, "check that the file is complete"));
+                let why = format!("face names {name} {index}, but the file has {count}");
+                let fault = self.fault(why, "check that the file is complete");
+                if kind == 0 {
+                    return Err(fault);
+                }
+                self.drop_kind(kind, &fault);
             }
         }
         Ok(())
+    }
+
+    /// Returns an error if a face uses an unusable vertex.
+    fn check_vertices(&mut self) -> Result<(), SceneError> {
+        if self.unusable.is_empty() {
+            return Ok(());
+        }
+        let mut used = HashSet::new();
+        let mut count = 0;
+        for line in self.clean.statements.split(|&byte| byte == b'\n') {
+            if line.starts_with(b"v ") {
+                count += 1;
+            }
+            let Some(corners) = line.strip_prefix(b"f ") else {
+                continue;
+            };
+            for corner in corners.split(|&byte| byte == b' ') {
+                let vertex = corner
+                    .split(|&byte| byte == b'/')
+                    .next()
+                    .unwrap_or_default();
+                let index: i64 = std::str::from_utf8(vertex)
+                    .ok()
+                    .and_then(|vertex| vertex.parse().ok())
+                    .unwrap_or(0);
+                used.insert(match index {
+                    back if back < 0 => count + 1 + back,
+                    index => index,
+                });
+            }
+        }
+        for (vertex, line, why) in &self.unusable {
+            if used.contains(&(*vertex as i64)) {
+                self.line = *line;
+                return Err(self.fault(why.clone(), "use finite numbers below 3.4e38"));
+            }
+        }
+        let (count, (_, line, why)) = (self.unusable.len(), &self.unusable[0]);
+        self.clean.notices.push(format!(
+            "{count} vertices that no face uses are ignored: line {line}: {why}"
+        ));
+        Ok(())
+    }
+
+    /// Removes attributes from all faces that are dropped.
+    fn drop_attributes(&mut self) {
+        if self.dropped.iter().all(Option::is_none) {
+            return;
+        }
+        let statements = std::mem::take(&mut self.clean.statements);
+        for line in statements.split_inclusive(|&byte| byte == b'\n') {
+            if !line.starts_with(b"f ") {
+                self.clean.statements.extend_from_slice(line);
+                continue;
+            }
+            let line = String::from_utf8_lossy(line);
+            let corners = line.split_whitespace().skip(1);
+            let corners: Vec<String> = corners.map(|corner| self.kept_parts(corner)).collect();
+            let corners: Vec<&str> = corners.iter().map(String::as_str).collect();
+            self.keep("f", &corners);
+        }
+        for (kind, why) in KINDS.iter().zip(&self.dropped) {
+            if let Some(why) = why {
+                self.clean
+                    .notices
+                    .push(format!("{kind}s are ignored: {why}"));
+            }
+        }
+    }
+
+    /// Returns a corner without the dropped attributes.
+    fn kept_parts(&self, corner: &str) -> String {
+        let parts = corner.split('/').zip(&self.dropped);
+        let kept = parts.map(|(part, dropped)| if dropped.is_some() { "" } else { part });
+        let kept: Vec<&str> = kept.collect();
+        kept.join("/").trim_end_matches('/').to_owned()
+    }
+
+    fn list_ignored(&mut self) {
+        if self.ignored.is_empty() {
+            return;
+        }
+        let mut names: Vec<String> = self
+            .ignored
+            .iter()
+            .take(MOST_NAMES)
+            .map(|(keyword, count)| format!("{} ({count})", keyword.escape_debug()))
+            .collect();
+        if self.ignored.len() > MOST_NAMES {
+            names.push(format!("and {} others", self.ignored.len() - MOST_NAMES));
+        }
+        let notice = format!("statements are ignored: {}", names.join(", "));
+        self.clean.notices.push(notice);
     }
 
     fn fault(&self, why: impl Into<String>, help: &str) -> SceneError {

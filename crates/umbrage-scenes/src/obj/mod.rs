@@ -10,13 +10,19 @@ mod parts;
 mod tests;
 
 use crate::{
-    Files, SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
-    model_part::ModelPart, polygon::triangulate,
+    Files, SceneError,
+    detail::TextureFiles,
+    error::Place,
+    far::{self, Box64},
+    framing::frame,
+    lone_model,
+    model_part::ModelPart,
+    polygon::triangulate,
 };
 use parts::Model;
 use std::io::BufRead;
 use std::path::Path;
-use umbrage_core::glam::{Vec2, Vec3};
+use umbrage_core::glam::{DVec3, Vec2, Vec3};
 use umbrage_core::{Camera, Geometry, Mesh, Scene};
 
 /// Reads a lone model, with a floor, a camera and a sun: see [`lone_model`].
@@ -30,9 +36,16 @@ pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneE
         name: name_of(path),
         ..Scene::default()
     };
-    for part in add(path, &mut TextureFiles::new(files), true, &mut scene)? {
-        scene.instances.push(part.instance());
-    }
+    let parts = add(path, &mut TextureFiles::new(files), true, &mut scene)?;
+    let mut bounds = Box64::EMPTY;
+    parts
+        .iter()
+        .for_each(|part| part.add_to(&mut bounds, &scene.meshes));
+    let anchor = bounds.anchor(None);
+    scene
+        .instances
+        .extend(parts.iter().map(|part| part.instance(anchor)));
+    scene.notices.extend(far::notice(&file, anchor));
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
     let place = Place {
         file: file.clone(),
@@ -112,11 +125,14 @@ fn parse(
     // There is one mesh, since no statement that would split it was kept.
     match models.into_iter().next() {
         Some(model) if clean.faces > 0 => {
-            let (mesh, face) = convert(name_of(path), &model.mesh);
+            let mut notices = clean.notices;
+            let (mesh, face, offset) = convert(name_of(path), &model.mesh, &mut notices);
             Ok(Model {
                 mesh,
+                offset,
                 face,
                 looks: clean.looks,
+                notices,
             })
         }
         _ => Err(fault(
@@ -126,27 +142,33 @@ fn parse(
     }
 }
 
-/// Returns the mesh, and the face of each triangle.
-fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
-    let positions: Vec<Vec3> = mesh
-        .positions
-        .chunks_exact(3)
-        .map(Vec3::from_slice)
-        .collect();
+/// Returns the mesh near the origin, the face of each triangle, and the mesh's offset.
+fn convert(name: String, mesh: &tobj::Mesh, notices: &mut Vec<String>) -> (Mesh, Vec<u32>, DVec3) {
+    let vectors = |numbers: &[f64]| -> Vec<DVec3> {
+        numbers.chunks_exact(3).map(DVec3::from_slice).collect()
+    };
+    let (positions, offset) = far::near_origin(&vectors(&mesh.positions));
     // `tobj` skips attributes that some corners lack, so that the rest no longer lines up. Drop
     // such attributes.
-    let mut normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
+    let mut normals: Vec<Vec3> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
     let are_unit = normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
     if normals.len() != positions.len() || !are_unit {
+        if !normals.is_empty() {
+            notices.push("normals are ignored: some corners have none, or zero, or NaN".to_owned());
+        }
         normals.clear();
     }
     // OBJ counts v from the bottom.
     let mut uvs: Vec<Vec2> = mesh
         .texcoords
         .chunks_exact(2)
-        .map(|uv| Vec2::new(uv[0], 1.0 - uv[1]))
+        .map(|uv| Vec2::new(uv[0] as f32, 1.0 - uv[1] as f32))
         .collect();
     if uvs.len() != positions.len() || uvs.iter().any(|uv| !uv.is_finite()) {
+        if !uvs.is_empty() {
+            let why = "texture coordinates are ignored: some corners have none, or NaN";
+            notices.push(why.to_owned());
+        }
         uvs.clear();
     }
     let (triangles, face) = triangles(mesh, &positions);
@@ -158,7 +180,7 @@ fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
         triangles,
         ..Mesh::default()
     };
-    (mesh, face)
+    (mesh, face, offset)
 }
 
 /// Returns the triangles, and the face of each.

@@ -8,6 +8,7 @@ use crate::{
 };
 use std::collections::HashMap;
 use std::path::Path;
+use umbrage_core::glam::DVec3;
 use umbrage_core::{Mesh, Scene};
 
 /// Material statements of a model's text.
@@ -26,14 +27,23 @@ pub(super) fn add(
     files: Option<&mut TextureFiles<'_>>,
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
+    let name = path.display();
+    let notices = model.notices.iter();
+    scene
+        .notices
+        .extend(notices.map(|notice| format!("{name}: {notice}")));
     // Read the materials. Without any, keep one mesh.
     let entries = match &files {
-        Some(files) => entries(&model.looks, path, files.files)?,
+        Some(files) => entries(&model.looks, path, files.files, &mut scene.notices)?,
         None => Vec::new(),
     };
     let (Some(files), false) = (files, entries.is_empty()) else {
         scene.meshes.push(model.mesh);
-        return Ok(vec![ModelPart::new(scene.meshes.len() - 1, None)]);
+        return Ok(vec![ModelPart::new(
+            scene.meshes.len() - 1,
+            None,
+            model.offset,
+        )]);
     };
     // Add a mesh for each material.
     let mut parts = Vec::new();
@@ -54,16 +64,32 @@ pub(super) fn add(
         scene.meshes.push(mesh);
         scene.materials.extend(material);
         let material = material.map(|_| scene.materials.len() - 1);
-        parts.push(ModelPart::new(scene.meshes.len() - 1, material));
+        parts.push(ModelPart::new(
+            scene.meshes.len() - 1,
+            material,
+            model.offset,
+        ));
     }
     Ok(parts)
 }
 
-fn entries(looks: &Looks, path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneError> {
+fn entries(
+    looks: &Looks,
+    path: &Path,
+    files: &dyn Files,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Entry>, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut entries = Vec::new();
     for library in &looks.libraries {
         let library = folder.join(library.replace('\\', "/"));
+        if !files.has(&library) {
+            notices.push(format!(
+                "{}: is missing: {}",
+                path.display(),
+                library.display()
+            ));
+        }
         entries.extend(material::load(&library, files)?);
     }
     Ok(entries)
@@ -73,9 +99,13 @@ fn entries(looks: &Looks, path: &Path, files: &dyn Files) -> Result<Vec<Entry>, 
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     pub(super) mesh: Mesh,
+    /// Position of the mesh's origin in the file.
+    pub(super) offset: DVec3,
     /// The face of each triangle.
     pub(super) face: Vec<u32>,
     pub(super) looks: Looks,
+    /// What is left aside, one line each.
+    pub(super) notices: Vec<String>,
 }
 
 impl Model {

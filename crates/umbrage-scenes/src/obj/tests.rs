@@ -7,6 +7,13 @@ fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
     parse_mesh(Cursor::new(text.as_ref().to_vec()))
 }
 
+fn parse_model(text: &str) -> Result<Model, SceneError> {
+    let path = Path::new("model.obj");
+    parse(path, text.as_bytes(), &|error| {
+        SceneError::unreadable_file(path, error, &FilesOnDisk)
+    })
+}
+
 fn parse_mesh(source: impl BufRead) -> Result<Mesh, SceneError> {
     let path = Path::new("model.obj");
     let unreadable =
@@ -118,14 +125,12 @@ fn groups_become_one_mesh_with_shared_vertices() {
 #[test]
 fn faults_are_refused_with_their_line() {
     let bad = [
-        ("v nan 0 0\n", 4, "vertex holds NaN"),
-        ("v 0 inf 0\n", 4, "vertex holds inf"),
-        ("v 1e39 0 0\n", 4, "vertex holds inf"),
+        ("v nan 0 0\nf 1 2 4\n", 4, "vertex holds NaN"),
+        ("v 0 inf 0\nf 1 -1 2\n", 4, "vertex holds inf"),
+        ("v 1e39 0 0\nf 4/ 1 2\n", 4, "vertex holds inf"),
         ("v 0 0\n", 4, "vertex has 2 numbers of 3"),
         ("v 0 1,5 0\n", 4, "`1,5`, which is not a number"),
-        ("v 1 0 0 0\n", 4, "vertex holds 1 over 0"),
-        ("vn 0 0\n", 4, "normal has 2 numbers of 3"),
-        ("vt\n", 4, "texture coordinate has 0 numbers"),
+        ("v 1 0 0 0\nf 1 2 4\n", 4, "vertex holds 1 over 0"),
         ("f 1 2 4\n", 4, "names vertex 4, but the file has 3"),
         ("f 1 2 0\n", 4, "names vertex 0"),
         (
@@ -148,21 +153,6 @@ fn faults_are_refused_with_their_line() {
             4,
             "`99999999999999999999` is not an index",
         ),
-        (
-            "f 1/1 2/1 3/1\n",
-            4,
-            "names texture coordinate 1, but the file has 0",
-        ),
-        (
-            "\n\nf 1/-9223372036854775808 2 3\n",
-            6,
-            "names texture coordinate",
-        ),
-        (
-            "f 1//9223372036854775807 2 3\n",
-            4,
-            "names normal 9223372036854775807",
-        ),
         ("f 1/1/1/1 2 3\n", 4, "too many parts"),
         ("f a b c\n", 4, "`a` is not an index"),
         ("f 1.5 2 3\n", 4, "`1.5` is not an index"),
@@ -178,6 +168,71 @@ fn faults_are_refused_with_their_line() {
             "{message}"
         );
     }
+}
+
+/// What shadows don't need is ignored with a notice: the text, and the end of the notice.
+#[test]
+fn attributes_that_can_t_be_read_are_ignored_with_a_notice() {
+    let plain = read(format!("{TRIANGLE}f 1 2 3\n")).unwrap();
+    let cases = [
+        (
+            "vn 0 0\nf 1//1 2//1 3//1",
+            "normals are ignored: line 4: normal has 2 numbers of 3",
+        ),
+        (
+            "vt\nf 1/1 2/1 3/1",
+            "texture coordinates are ignored: line 4: texture coordinate has 0 numbers of 1",
+        ),
+        (
+            "vn 0 0 x\nf 1//1 2//1 3//1",
+            "normals are ignored: line 4: normal holds `x`, which is not a number",
+        ),
+        (
+            "f 1/1 2/1 3/1",
+            "texture coordinates are ignored: line 4: face names texture coordinate 1, but the file has 0",
+        ),
+        (
+            "\n\nf 1/-9223372036854775808 2 3",
+            "line 6: face names texture coordinate -9223372036854775808, but there are 0 before it",
+        ),
+        (
+            "f 1//9223372036854775807 2 3",
+            "normals are ignored: line 4: face names normal 9223372036854775807, but the file has 0",
+        ),
+        (
+            "vt nan 0\nf 1/1 2/1 3/1",
+            "texture coordinates are ignored: some corners have none, or NaN",
+        ),
+        (
+            "vn 0 0 0\nf 1//1 2//1 3//1",
+            "normals are ignored: some corners have none, or zero, or NaN",
+        ),
+        (
+            "v nan 0 0\nf 1 2 3",
+            "1 vertices that no face uses are ignored: line 4: vertex holds NaN",
+        ),
+        (
+            "l 1 2\nl 2 3\ns 1\nf 1 2 3",
+            "statements are ignored: l (2), s (1)",
+        ),
+    ];
+    for (text, end) in cases {
+        let model = parse_model(&format!("{TRIANGLE}{text}\n")).unwrap();
+        assert_eq!(model.mesh, plain, "{text:?}");
+        let [notice] = &model.notices[..] else {
+            panic!("{text:?}: {:?}", model.notices);
+        };
+        assert!(notice.ends_with(end), "{text:?}: {notice}");
+    }
+    // The other attribute is kept.
+    let text = format!("{TRIANGLE}vt 0 0\nvt 1 0\nvt 0 1\nf 1/1/9 2/2/9 3/3/9\n");
+    let mesh = parse_model(&text).unwrap().mesh;
+    assert_eq!((mesh.uvs.len(), mesh.normals.len()), (3, 0));
+    // These are applied: the obsolete form of faces, and names that end in a backslash.
+    let model = parse_model(&format!("{TRIANGLE}usemtl a\\b\\\nfo 1 2 3\n")).unwrap();
+    assert_eq!(model.mesh, plain);
+    assert_eq!(model.looks.runs, [(0, "a\\b\\".to_owned())]);
+    assert_eq!(model.notices, [""; 0]);
 }
 
 #[test]
@@ -380,4 +435,69 @@ fn damaged_files_are_read_or_refused_without_panic() {
         refused > 400 && usable > 400,
         "{refused} refused, {usable} read"
     );
+}
+
+/// Text with every kind of statement.
+const ALL_KINDS: &str = "o a\nmtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1 1\nvt 0 0\nvt 1 0\nvt 0 1\n\
+    vn 0 0 1\ng b\nusemtl red\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1 2 -1\nl 1 2\np 1\nfo 2 3 4\n";
+
+/// Changes lines of a text: one is removed, duplicated, moved to the end, or has a changed word.
+fn mutated_lines(text: &str, seed: i32) -> String {
+    let pick = |what: i32, of: usize| {
+        crate::builtin::noise::hash(umbrage_core::glam::IVec3::new(seed, what, 43)) as usize % of
+    };
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    for step in (0..10 * (1 + pick(0, 3) as i32)).step_by(10) {
+        let line = pick(step + 1, lines.len());
+        match pick(step + 2, 4) {
+            0 => drop(lines.remove(line)),
+            1 => lines.insert(line, lines[line].clone()),
+            2 => {
+                let moved = lines.remove(line);
+                lines.push(moved);
+            }
+            _ => {
+                let odd = [
+                    "nan", "-1", "0", "7", "1e39", "x", "1//9", "2/9", "", "vn", "\\",
+                ];
+                let mut words: Vec<&str> = lines[line].split(' ').collect();
+                let word = pick(step + 3, words.len());
+                words[word] = odd[pick(step + 4, odd.len())];
+                lines[line] = words.join(" ");
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn mutated_models_never_panic_and_list_what_is_ignored() {
+    const COUNT: i32 = 500;
+    const APPLIED: [&str; 9] = ["v", "vt", "vn", "f", "fo", "o", "g", "usemtl", "mtllib"];
+    let mut loaded = 0;
+    for seed in 0..COUNT {
+        let text = mutated_lines(ALL_KINDS, seed);
+        let Ok(model) = parse_model(&text) else {
+            continue;
+        };
+        loaded += 1;
+        let is_continued = text.lines().any(|line| line.trim_end().ends_with('\\'));
+        if is_continued {
+            continue;
+        }
+        // The end of smoothing groups is applied.
+        let lines = text.lines().filter(|line| line.trim() != "s 0");
+        let keywords = lines.filter_map(|line| line.split_whitespace().next());
+        let others = keywords.filter(|keyword| !APPLIED.contains(keyword));
+        let listed = model
+            .notices
+            .iter()
+            .find(|notice| notice.starts_with("statements are"));
+        for keyword in others {
+            let has_it = listed
+                .is_some_and(|notice| notice.contains(&format!(" {} (", keyword.escape_debug())));
+            assert!(has_it, "{keyword:?} of {seed}: {:?}", model.notices);
+        }
+    }
+    assert!(3 * loaded >= COUNT, "{loaded} of {COUNT} files load");
 }

@@ -312,3 +312,37 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
         "{message}"
     );
 }
+
+/// Files for shadows without colours.
+struct ForShadows(FilesInMemory);
+
+impl crate::Files for ForShadows {
+    fn open(&self, path: &std::path::Path) -> std::io::Result<Box<dyn crate::OpenFile + '_>> {
+        self.0.open(path)
+    }
+
+    fn needs_colors(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn images_that_only_colour_surfaces_are_not_read_for_shadows() {
+    let read = |mode: &str| {
+        let texture = json!({ "index": 0 });
+        let model = square(json!({
+            "alphaMode": mode, "normalTexture": texture.clone(),
+            "pbrMetallicRoughness": { "baseColorTexture": texture },
+        }));
+        let files = ForShadows([("a.glb", model.glb())].into_iter().collect());
+        let wanted = crate::scene_of_file::SceneOfFile::of_path(std::path::Path::new("a.glb"));
+        let bytes = files.0.bytes_of(std::path::Path::new("a.glb"));
+        super::super::read(&bytes, &wanted.expect("a glTF file"), &files).expect("valid")
+    };
+    let opaque = read("OPAQUE");
+    assert!(opaque.textures.is_empty());
+    assert_eq!(opaque.notices, [""; 0]);
+    let masked = read("MASK");
+    assert_eq!(masked.textures.len(), 1);
+    assert!(masked.materials[0].alpha.is_some() && masked.materials[0].normal_map.is_none());
+}

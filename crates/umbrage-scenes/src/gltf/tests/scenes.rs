@@ -72,20 +72,23 @@ fn a_scene_brings_light_if_one_of_its_lights_is_on() {
 }
 
 #[test]
-fn nodes_of_no_size_are_hidden_and_flat_ones_refused() {
+fn nodes_of_no_size_are_hidden_and_flat_ones_are_noticed() {
     let with_scale = |scale: Value| {
         let mut model = TestModel::square();
         model.node(json!({ "mesh": 0, "scale": scale, "name": "sign" }));
         scene_of(&model)
     };
-    assert_eq!(
-        with_scale(json!([0, 0, 0])).expect("valid").instances.len(),
-        1
-    );
-    let message = with_scale(json!([1, 0, 1])).expect_err("flat");
+    let hidden = with_scale(json!([0, 0, 0])).expect("valid");
+    assert_eq!(hidden.instances.len(), 1);
+    assert_eq!(hidden.notices, [""; 0]);
+    let flat = with_scale(json!([1, 0, 1])).expect("valid");
+    assert_eq!(flat.instances.len(), 1);
+    let [notice] = &flat.notices[..] else {
+        panic!("one line: {:?}", flat.notices);
+    };
     assert!(
-        message.contains("node 1 `sign`, its world transform: flattens the mesh"),
-        "{message}"
+        notice.ends_with(": node 1 `sign` is ignored: a size of zero flattens its mesh"),
+        "{notice}"
     );
 }
 
