@@ -77,8 +77,7 @@ impl Figure {
             let position = Vec3::from_slice(corner);
             bones.map(|bone| bone.transform_point3(position))
         });
-        let point = |min| Aabb { min, max: min };
-        places.fold(Aabb::EMPTY, |all, place| all.union(&point(place)))
+        Aabb::from_points(places)
     }
 
     fn draw(&self, pass: &mut RenderPass<'_>) {
@@ -97,6 +96,8 @@ struct Renderer {
     figure_layout: BindGroupLayout,
     /// Pipelines of casts.
     casts: HashMap<CastTargetKey, RenderPipeline>,
+    /// Pipelines that shade boxes and figures, by the number of the set's text.
+    shading: HashMap<u64, [RenderPipeline; 2]>,
 }
 
 impl Renderer {
@@ -118,8 +119,14 @@ impl Renderer {
         };
         let set = &mut self.shadows.set;
         set.prepare(&frame)?;
+        if let Some((_, reason)) = set.unserved_lights().next() {
+            anyhow::bail!("a light has no shadows: {reason}");
+        }
+        let mut peels = false;
         let layout = set.cast_layout().clone();
         set.encode_with(&mut encoder, |pass, target, ids| {
+            // `midpoint` would need another shader.
+            peels |= target.behind.is_some();
             // Targets with equal keys need equal pipelines.
             let pipeline = || cast_pipeline(&self.graphics, target, &layout, &self.figure_layout);
             pass.set_pipeline(self.casts.entry(target.key()).or_insert_with(pipeline));
@@ -128,22 +135,30 @@ impl Renderer {
             }
         })?;
 
+        anyhow::ensure!(!peels, "this example does not peel; use another technique");
+
         // Shade boxes and figures.
         let (shadows, layout) = set.bind_group()?;
-        let scene = self.boxes.scene.wgsl();
-        let text = format!("{}{scene}{}", set.wgsl(), include_str!("forward.wgsl"));
-        let groups = [Some(&self.boxes.layout), Some(layout)];
-        let of_boxes = (self.graphics).pipeline(text.clone(), "shade", true, &groups, &[COLOR]);
-        let of_figures = shade_pipeline(&self.graphics, text, groups, &self.figure_layout);
+        let pipelines = || {
+            let scene = self.boxes.scene.wgsl();
+            let text = format!("{}{scene}{}", set.wgsl(), include_str!("forward.wgsl"));
+            let groups = [Some(&self.boxes.layout), Some(layout)];
+            let graphics = &self.graphics;
+            let of_boxes = graphics.pipeline(text.clone(), "shade", true, &groups, &[COLOR]);
+            let of_figures = shade_pipeline(graphics, text, groups, &self.figure_layout);
+            [of_boxes, of_figures]
+        };
+        let shading = self.shading.entry(set.wgsl_revision());
+        let [of_boxes, of_figures] = shading.or_insert_with(pipelines);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[renderer::color_attachment(color)],
             depth_stencil_attachment: renderer::depth_attachment(depth),
             ..wgpu::RenderPassDescriptor::default()
         });
-        pass.set_pipeline(&of_boxes);
+        pass.set_pipeline(of_boxes);
         pass.set_bind_group(1, shadows, &[]);
         self.boxes.draw(&mut pass);
-        pass.set_pipeline(&of_figures);
+        pass.set_pipeline(of_figures);
         for figure in self.figures.values() {
             figure.draw(&mut pass);
         }
@@ -359,6 +374,7 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>, seconds: f32) -> Res
         figures,
         figure_layout,
         casts: HashMap::new(),
+        shading: HashMap::new(),
     };
     let mut pixels = Vec::new();
     for seconds in [0.0, seconds] {

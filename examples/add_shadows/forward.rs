@@ -47,7 +47,7 @@ impl Forward {
         let (shadows, layout) = set.bind_group()?;
 
         // Put the set's WGSL before the program's. It changes with the kinds of techniques and the
-        // sizes of maps.
+        // number of map sizes.
         let revision = set.wgsl_revision();
         if self.pipeline.as_ref().is_none_or(|made| made.0 != revision) {
             let scene = self.boxes.scene.wgsl();

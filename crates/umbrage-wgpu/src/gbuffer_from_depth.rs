@@ -46,7 +46,8 @@ pub struct GBufferFromDepth {
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer<'a> {
     /// Depth texture: any depth format (with a stencil: a view with `aspect:
-    /// TextureAspect::DepthOnly`) or `R32Float`, usage `TEXTURE_BINDING`. The first sample of a multisampled texture is used.
+    /// TextureAspect::DepthOnly`) or `R32Float`, usage `TEXTURE_BINDING`. The first sample of a
+    /// multisampled texture is used.
     pub depth: &'a TextureView,
     /// Inverse of the camera's clip from world. It covers handedness, reversed z and an infinite
     /// far plane.
@@ -260,13 +261,9 @@ impl DepthBuffer<'_> {
     pub(crate) fn with_advice(&self, error: BackendError) -> BackendError {
         match error {
             BackendError::Validation(why) if self.depth.texture().format().has_stencil_aspect() => {
-                let help = "create its view with `aspect: TextureAspect::DepthOnly`";
-                Invalid::new(
-                    "depth buffer with a stencil",
-                    format!("can't be bound: {why}"),
-                    help,
-                )
-                .into()
+                let help = "if its view has both aspects, create one with `aspect: TextureAspect::DepthOnly`";
+                let why = format!("is not usable: {why}");
+                Invalid::new("depth buffer with a stencil", why, help).into()
             }
             other => other,
         }

@@ -287,7 +287,17 @@ const CORNERS: [Vec3; 2] = [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0
 
 impl<'a> Model<'a> {
     fn new(program: &'a ForwardProgram, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
-        let mut set = program.set(SetBudget::default(), still_layers);
+        // Some lights wait for their redraws.
+        let redraws = if still_layers == StillLayers::Never {
+            u32::MAX
+        } else {
+            2
+        };
+        let budget = SetBudget {
+            redraws,
+            ..SetBudget::default()
+        };
+        let mut set = program.set(budget, still_layers);
         let mesh_ids = meshes.add(&mut set);
         let mut model = Self {
             program,
@@ -428,15 +438,27 @@ impl<'a> Model<'a> {
         let layout = self.set.cast_layout().clone();
         let mut figure = self.meshes.figure.borrow_mut();
         self.set
-            .encode_with(&mut encoder, |pass, target, _| {
+            .encode_with(&mut encoder, |pass, target, ids| {
+                assert_eq!(
+                    Some(ids),
+                    self.figure.map(|(id, _)| [id]).as_ref().map(|ids| &ids[..])
+                );
                 figure.draw(&layout, pass, target);
             })
             .expect("was prepared");
         encoder
     }
 
+    /// Renders a frame, whose text was known beforehand.
     fn frame(&mut self) {
+        let frame = SetFrame {
+            camera: &camera(self.turn, self.anchor),
+            geometry: None,
+        };
+        let expected = self.set.text_with(&frame, &[]).expect("no technique");
         self.prepare();
+        assert!(self.set.wgsl() == expected.wgsl, "another text");
+        assert_eq!(self.set.wgsl_revision(), expected.revision);
         let encoder = self.encode();
         self.program.d.queue.submit([encoder.finish()]);
     }
@@ -460,10 +482,18 @@ impl<'a> Model<'a> {
     /// Returns the mask of each light, on the floor around the anchor.
     fn masks(&mut self) -> Vec<Vec<f32>> {
         self.frame();
-        for (_, reason) in self.set.unserved_lights() {
+        while self.set.report().waiting > 0 {
+            self.frame();
+        }
+        for (id, reason) in self.set.unserved_lights() {
             // Device-built lists can't contain the figure.
-            let is_listed = matches!(reason, Unserved::Refused(_)) && self.figure.is_some();
-            assert!(is_listed, "{reason:?}");
+            let lamp = self.lights.iter().find(|(other, _)| *other == id);
+            let is_exact = lamp.is_some_and(|(_, lamp)| lamp.technique == 6);
+            let is_refused = matches!(reason, Unserved::Refused(_));
+            assert!(
+                is_refused && is_exact && self.figure.is_some(),
+                "{reason:?}"
+            );
         }
         let mut forward = Forward::default();
         let mut masks = Vec::new();

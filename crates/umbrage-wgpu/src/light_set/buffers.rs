@@ -20,6 +20,8 @@ pub(crate) const MAX_LIGHTS: usize = 1 << 12;
 /// Greatest number of layers of a texture that lights can refer to: the index of the first one uses
 /// 12 bits of a light's entry.
 pub(crate) const MAX_NAMED_LAYERS: u32 = 1 << 12;
+/// Number of lights of each kind for which shaders have room at least, if they fit.
+const LEAST_ROOM: usize = 8;
 /// Stride granularity of arrays in uniform buffers, bytes.
 const UNIFORM_STEP: u64 = 16;
 
@@ -110,9 +112,9 @@ impl Records {
         self.stride as u64
     }
 
-    /// Returns the bytes of all records, counting at least one unless records are empty.
-    fn needed_bytes(&self) -> u64 {
-        self.count().max(1) as u64 * self.stride()
+    /// Returns the number of records, at least `least`.
+    fn count_from(&self, least: usize) -> u64 {
+        self.count().max(least) as u64
     }
 
     /// Writes all records.
@@ -191,7 +193,20 @@ impl LightNumbers {
         if self.lists().all(has_room) {
             return false;
         }
-        let needed: u64 = self.lists().map(Records::needed_bytes).sum();
+        // Declare room for a few lights of each kind, so that their number seldom changes the
+        // shaders, unless this exceeds a uniform buffer.
+        let bytes = |least: usize| -> u64 {
+            let lists = self.lists();
+            lists
+                .map(|list| list.count_from(least) * list.stride())
+                .sum()
+        };
+        let least = if bytes(LEAST_ROOM) <= self.most_uniform_bytes {
+            LEAST_ROOM
+        } else {
+            1
+        };
+        let needed = bytes(least);
         let fits = needed <= self.most_uniform_bytes;
         self.space = if fits {
             NumberSpace::Uniform
@@ -207,7 +222,7 @@ impl LightNumbers {
         };
         let mut offset = 0;
         for list in std::iter::once(&mut self.entries).chain(&mut self.kernels) {
-            let count = list.count().max(1) as u64;
+            let count = list.count_from(least);
             let capacity = (count * room / needed).min(MAX_LIGHTS as u64);
             list.capacity = capacity as usize;
             list.offset = offset;

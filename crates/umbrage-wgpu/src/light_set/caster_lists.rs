@@ -306,16 +306,18 @@ impl CasterLists {
             self.mark_stale();
         }
         let corners = tables.place_of(Region::Corners);
-        if self.corners_stale {
+        for (id, lists) in &mut self.lights {
+            let light = lights.get(id);
+            lists.is_enabled = light.is_some_and(|light| light.is_enabled);
+            let made = light.and_then(shown_lists);
+            lists.is_stale |= made.is_some_and(|made| lists.grid != made.uniforms);
+        }
+        if self.corners_stale && self.due_count() > 0 {
             self.corners
                 .prepare(factory, pipelines, casters, buffer, corners.first);
         }
         for (id, lists) in &mut self.lights {
-            let Some(light) = lights.get(id) else {
-                continue;
-            };
-            lists.is_enabled = light.is_enabled;
-            let Some(made) = shown_lists(light) else {
+            let Some(made) = lights.get(id).and_then(shown_lists) else {
                 continue;
             };
             // Find the pipelines of the list, or create them.
@@ -328,7 +330,6 @@ impl CasterLists {
                 self.kinds.len() - 1
             });
             // Write the inputs of lists that are out of date.
-            lists.is_stale |= lists.grid != made.uniforms;
             if lists.is_due() {
                 let rows = [
                     tables.place_of(Region::Light(id, 0)).first,
@@ -351,6 +352,13 @@ impl CasterLists {
         lists.needed
     }
 
+    /// Returns whether buffers are missing for a light that is on.
+    pub(crate) fn lack_buffers(&self, lights: &SlotMap<LightKey, HeldLight>) -> bool {
+        let is_on = |id| lights.get(id).is_some_and(|light| light.is_enabled);
+        let mut lists = self.lights.iter();
+        lists.any(|(id, lists)| lists.buffers.is_none() && is_on(id))
+    }
+
     /// Returns the number of lights whose lists are built in this frame.
     pub(crate) fn due_count(&self) -> u32 {
         self.lights.values().filter(|lists| lists.is_due()).count() as u32
@@ -361,10 +369,12 @@ impl CasterLists {
     pub(crate) fn encode<'q>(
         &mut self,
         encoder: &mut CommandEncoder,
+        lights: &SlotMap<LightKey, HeldLight>,
         mut stamps: impl FnMut(LightKey) -> Option<ComputePassTimestampWrites<'q>>,
     ) {
         for (id, lists) in &mut self.lights {
-            let Some(buffers) = &lists.buffers else {
+            // Skip lights that were removed since `prepare`.
+            let Some(buffers) = lists.buffers.as_ref().filter(|_| lights.contains_key(id)) else {
                 continue;
             };
             if !lists.is_due() {

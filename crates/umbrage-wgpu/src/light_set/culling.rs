@@ -7,7 +7,7 @@ use umbrage_core::{Aabb, Simd, SimdTask};
 /// Relative rounding bound of the test of a box against a plane or a point. Each product and sum of the test
 /// and of the box itself has a relative error of 2^-24, and there are fewer than sixteen of them:
 /// this is 2^-18.
-pub(crate) const ROUNDING: f32 = 1.0 / 262_144.0;
+const ROUNDING: f32 = 1.0 / 262_144.0;
 /// Half extent of empty boxes, which are outside of every plane.
 const NOTHING: f32 = -1e30;
 /// Greatest number of invisible slots that are drawn along to save a draw.
@@ -119,6 +119,14 @@ impl CullingBoxes {
     }
 }
 
+/// Returns the distance of a point from a box along an axis, less its rounding; 0 inside.
+#[inline(always)]
+pub(crate) fn gap(at: f32, centre: f32, half: f32) -> f32 {
+    let rounding = (at.abs() + centre.abs() + half.abs()) * ROUNDING;
+    let outside = (at - centre).abs() - half - rounding;
+    if outside > 0.0 { outside } else { 0.0 }
+}
+
 /// Finds the least squared distance from a point to a box.
 struct FindNearest<'a> {
     boxes: &'a CullingBoxes,
@@ -137,13 +145,10 @@ impl SimdTask for FindNearest<'_> {
             let mut squares = [0.0_f32; CHUNK];
             for axis in 0..3 {
                 let at = self.point[axis];
-                let rounding_at = at.abs() * ROUNDING;
                 let boxes = centre[axis][start..end].iter().zip(&half[axis][start..end]);
                 for (square, (&centre, &half)) in squares.iter_mut().zip(boxes) {
-                    let rounding = rounding_at + (centre.abs() + half.abs()) * ROUNDING;
                     // For empty boxes, the sum is infinite.
-                    let outside = (at - centre).abs() - half - rounding;
-                    let outside = if outside > 0.0 { outside } else { 0.0 };
+                    let outside = gap(at, centre, half);
                     *square += outside * outside;
                 }
             }

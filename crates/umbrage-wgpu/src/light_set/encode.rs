@@ -83,7 +83,8 @@ impl LightSet {
         self.unsubmitted_encoders.watch(encoder);
         let mut timer = timer;
         // Record the lists.
-        self.lists.encode(encoder, |id| timer.as_mut()?.lists(id));
+        self.lists
+            .encode(encoder, &self.lights, |id| timer.as_mut()?.lists(id));
         let mut clock = PassClock {
             meter: match &timer {
                 Some(_) => None,

@@ -546,8 +546,8 @@ impl LightSet {
     }
 
     /// Returns the view for which a light is planned, for a program that computes the same recipe.
-    /// While the program draws casters itself ([`add_own_caster`](Self::add_own_caster)), maps are
-    /// planned without [`View::geometry`].
+    /// While the program draws casters itself ([`add_own_caster`](Self::add_own_caster)), remove
+    /// [`View::geometry`] for techniques with maps, as the set does.
     pub fn view<'a>(&self, frame: &SetFrame<'a>, light: &'a Light) -> View<'a> {
         frame.view_of(light, self.casters_box(), self.casters.distance_from(light))
     }
@@ -572,8 +572,8 @@ impl LightSet {
 
     /// Returns the number of the [text](Self::wgsl) and of the bind group's layout: equal numbers
     /// mean equal texts. Keep pipelines by this number. The graphics API refuses to draw with those
-    /// of another of the last 256 texts. [`text_with`](Self::text_with) returns the text of other
-    /// techniques beforehand.
+    /// of another number, unless the difference is a multiple of 256.
+    /// [`text_with`](Self::text_with) returns the text of other techniques beforehand.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }

@@ -11,7 +11,8 @@ pub struct SetBudget {
     /// least priority, have no shadows.
     pub bytes: u64,
     /// Greatest number of layers drawn per frame; at least those of one light are drawn. The others
-    /// keep their contents, or wait: see [`Unserved::Waiting`](crate::Unserved::Waiting).
+    /// keep their contents, or wait: see [`Unserved::Waiting`](crate::Unserved::Waiting). Lights
+    /// with another kind of technique don't wait.
     pub redraws: u32,
 }
 

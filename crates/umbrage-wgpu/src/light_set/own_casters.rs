@@ -2,7 +2,7 @@
 
 use crate::light_set::{
     casters::Casters,
-    culling::{ROUNDING, Volume},
+    culling::{Volume, gap},
     ids::OwnCasterKey,
     unknown,
 };
@@ -33,9 +33,8 @@ impl OwnCasters {
     pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
         let distance = |bounds: &Aabb| {
             let (centre, half) = (bounds.center(), bounds.extent() * 0.5);
-            let rounding = (point.abs() + centre.abs() + half) * ROUNDING;
-            let outside = (point - centre).abs() - half - rounding;
-            outside.max(Vec3::ZERO).length()
+            let outside = |axis: usize| gap(point[axis], centre[axis], half[axis]);
+            Vec3::new(outside(0), outside(1), outside(2)).length()
         };
         self.0.values().map(distance).fold(f32::INFINITY, f32::min)
     }

@@ -20,7 +20,7 @@ use crate::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
     },
 };
-use slotmap::SecondaryMap;
+use slotmap::{SecondaryMap, SlotMap};
 use std::sync::Arc;
 use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique, View};
 
@@ -49,13 +49,13 @@ impl LightSet {
         Ok(())
     }
 
-    /// Returns the text that the set will have with these techniques instead of the present ones, if
-    /// all lights fit the budget. The set stays as it is: compile the pipelines, in the background
-    /// if you like, then call [`set_technique`](Self::set_technique). Without changes, this
-    /// is the text of the next frame.
+    /// Returns the text of the next frame, with these techniques instead of the present ones. The
+    /// set stays as it is: compile the pipelines, in the background if you like, then call
+    /// [`set_technique`](Self::set_technique). Lights that are off don't count until they are
+    /// switched on. Casters and lights that are added in between may lead to another text.
     ///
     /// # Errors
-    /// Errors if a light's technique is refused, with the reason of
+    /// Errors if one of these techniques is refused, with the reason of
     /// [`Unserved::Refused`](crate::Unserved::Refused), or if there is no such light.
     pub fn text_with(
         &mut self,
@@ -72,23 +72,33 @@ impl LightSet {
             unlisted: unlisted.as_deref(),
         };
         let has_own = !self.casters.own().is_empty();
-        // Plan the changed and the new lights.
+        // Plan all lights that are on, as `prepare` does.
         let mut made: SecondaryMap<LightKey, LightPlan> = SecondaryMap::new();
-        for (key, light) in &self.lights {
+        for (key, light) in self.lights.iter().filter(|(_, light)| light.is_enabled) {
             let settings = &light.settings;
-            let technique = match changed.get(key) {
-                Some(&technique) => technique,
-                None if light.has_changed => &settings.technique,
-                None => continue,
-            };
+            let technique = changed.get(key).copied();
             let view = self.view(frame, &settings.light);
-            made.insert(key, plan_light(&**technique, &view, has_own, limits)?);
+            let used = technique.unwrap_or(&settings.technique);
+            match plan_light(&**used, &view, has_own, limits) {
+                Ok(plan) => drop(made.insert(key, plan)),
+                Err(error) if technique.is_some() => return Err(error),
+                // The light will be refused, and needs no text.
+                Err(_) => {}
+            }
         }
-        // Determine the text. Refused lights need none.
+        let newest = |key: LightKey| -> Option<&LightPlan> {
+            let light = &self.lights[key];
+            let kept = light.state.newest().filter(|_| !light.is_enabled);
+            made.get(key).or(kept)
+        };
+        // Determine the text of the lights that fit into the budget, in the set's order.
+        let bytes = |key: LightKey| newest(key).map(LightPlan::bytes);
+        let fitting = lights_within(self.options.budget.bytes, &self.lights, bytes);
         let plans: Vec<&LightPlan> = self
             .lights
-            .iter()
-            .filter_map(|(key, light)| made.get(key).or_else(|| light.state.newest()))
+            .keys()
+            .filter(|key| fitting.contains(key))
+            .filter_map(newest)
             .collect();
         let factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
         self.shader
@@ -237,31 +247,17 @@ impl LightSet {
         if !std::mem::take(&mut self.layers_changed) {
             return;
         }
-        // Select the lights that fit into the budget, by priority.
-        let mut order: Vec<LightKey> = self.lights.keys().collect();
-        order.sort_by(|&a, &b| {
-            let a = &self.lights[a];
-            let b = &self.lights[b];
-            let by_priority = b.settings.priority.total_cmp(&a.settings.priority);
-            by_priority.then(a.index.cmp(&b.index))
-        });
-        let mut bytes_left = self.options.budget.bytes;
-        let mut fitting = Vec::new();
-        for id in order {
-            let light = &mut self.lights[id];
+        let lights = &self.lights;
+        let bytes = |id: LightKey| lights[id].state.newest().map(LightPlan::bytes);
+        let fitting = lights_within(self.options.budget.bytes, lights, bytes);
+        for (id, light) in &mut self.lights {
             // Release the layers of still casters: they only get the bytes that lights leave.
             for cast in &mut light.maps.casts {
                 cast.still = None;
             }
-            let plan = light.state.newest();
-            let needed = plan.map(LightPlan::bytes).filter(|n| *n <= bytes_left);
-            if needed.is_none() || !has_layers_for_plan(light, &self.pool) {
+            if !fitting.contains(&id) || !has_layers_for_plan(light, &self.pool) {
                 release_layers(light, &mut self.pool);
                 self.shader.forget(id);
-            }
-            if let Some(needed) = needed {
-                bytes_left -= needed;
-                fitting.push(id);
             }
         }
         // Allocate the layers.
@@ -309,7 +305,9 @@ impl LightSet {
             let light = &mut lights[id];
             let layers = light.waiting_layers();
             // New uniforms alone cost nothing.
-            let is_chosen = layers == 0 || layers <= left || is_first || light.is_undrawn();
+            // Other kinds of kernels are shown together, so that the text changes once.
+            let is_forced = light.is_undrawn() || light.state.changes_kind();
+            let is_chosen = layers == 0 || layers <= left || is_first || is_forced;
             if is_chosen {
                 left = left.saturating_sub(layers);
                 light.age = 0;
@@ -327,7 +325,8 @@ impl LightSet {
         let shows_plans = |&id: &LightKey| self.lights[id].state.has_next();
         let makes = self.shader.is_outdated()
             || self.casters.has_grown()
-            || self.passes.lights.iter().any(shows_plans);
+            || self.passes.lights.iter().any(shows_plans)
+            || self.lists.lack_buffers(&self.lights);
         if !makes {
             return self.write();
         }
@@ -510,6 +509,29 @@ fn plan_light(
         };
     }
     LightPlan::of_light(technique, view, limits)
+}
+
+/// Returns the lights whose maps fit into a number of bytes, by priority. `bytes` returns those that
+/// a light needs; `None` if it has no plan.
+fn lights_within(
+    mut most: u64,
+    lights: &SlotMap<LightKey, HeldLight>,
+    bytes: impl Fn(LightKey) -> Option<u64>,
+) -> Vec<LightKey> {
+    let mut order: Vec<LightKey> = lights.keys().collect();
+    order.sort_by(|&a, &b| {
+        let (a, b) = (&lights[a], &lights[b]);
+        let by_priority = b.settings.priority.total_cmp(&a.settings.priority);
+        by_priority.then(a.index.cmp(&b.index))
+    });
+    order.retain(|&id| match bytes(id) {
+        Some(needed) if needed <= most => {
+            most -= needed;
+            true
+        }
+        _ => false,
+    });
+    order
 }
 
 /// Returns whether a light's layers are those of its newest plan.

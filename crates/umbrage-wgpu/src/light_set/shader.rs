@@ -24,7 +24,10 @@ use crate::{
     },
 };
 use slotmap::{SecondaryMap, SlotMap};
-use std::sync::Arc;
+use std::{
+    hash::{DefaultHasher, Hash as _, Hasher as _},
+    sync::Arc,
+};
 use umbrage_core::{BackendError, ImageDesc, Invalid, RecipeError};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 
@@ -36,8 +39,8 @@ pub(crate) struct SetShader {
     tables: SharedTables,
     /// Uniform record of each shown light.
     records: SecondaryMap<LightKey, KernelRecord>,
-    /// All texts so far, numbered from binding 0. The revision of each is its index, plus 1.
-    texts: Vec<String>,
+    /// Hashes of all texts so far. The revision of each is its index, plus 1.
+    texts: Vec<[u64; 2]>,
     text: String,
     /// The text with the user's prefix.
     prefixed_text: String,
@@ -246,7 +249,7 @@ impl SetShader {
     /// Returns the text for lights with these plans, in the order of the set's lights. The texts of
     /// plans with images of classes that `pool` lacks differ from those with known classes alone.
     ///
-    /// Errors with `Unsupported` if a shader can't bind that much.
+    /// Errors if a kernel's WGSL can't be prefixed.
     pub(crate) fn text_of(
         &mut self,
         factory: &ResourceFactory<'_>,
@@ -276,13 +279,16 @@ impl SetShader {
             .collect();
         // Do what `write` does for these plans.
         let mut interface = self.interface.clone();
-        let mut pairs = plans.iter().zip(&maps);
+        let pairs = plans.iter().zip(&maps);
         if !pairs
             .clone()
             .all(|(plan, maps)| interface.has(&plan.kind, maps))
         {
             interface.clear();
-            pairs.try_for_each(|(plan, maps)| interface.register(&plan.kind, maps))?;
+            for (plan, maps) in pairs {
+                // A light that exceeds the limits will be refused, and needs no text.
+                let _ = interface.register(&plan.kind, maps);
+            }
         }
         interface.reserve_records(plans);
         interface.numbers.make_room();
@@ -302,10 +308,6 @@ impl SetShader {
     fn set_records(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
         let mut entries = vec![LightEntry::default(); self.interface.numbers.entries.count()];
         for (id, light) in lights {
-            // The default entry is lit.
-            if !light.is_enabled {
-                continue;
-            }
             let Some(plan) = light.state.shown_plan() else {
                 continue;
             };
@@ -330,7 +332,10 @@ impl SetShader {
             self.interface.numbers.kernels[kind].set(index, &plan.uniforms);
             let record = KernelRecord { kind, index };
             self.records.insert(id, record);
-            entries[light.index as usize] = self.entry(id, plan, light, record);
+            // The default entry is lit. A light that is off keeps its record.
+            if light.is_enabled {
+                entries[light.index as usize] = self.entry(id, plan, light, record);
+            }
         }
         for (index, entry) in entries.iter().enumerate() {
             let words = entry.words();
@@ -440,9 +445,14 @@ impl SetShader {
     /// Returns the number of a text: that of an equal one, or a new one.
     fn number(&mut self, text: &UnnumberedText) -> u64 {
         let text = text.numbered(0);
-        let known = self.texts.iter().position(|other| *other == text);
+        let hash = [0_u8, 1].map(|seed| {
+            let mut hasher = DefaultHasher::new();
+            (seed, &text).hash(&mut hasher);
+            hasher.finish()
+        });
+        let known = self.texts.iter().position(|other| *other == hash);
         let index = known.unwrap_or_else(|| {
-            self.texts.push(text);
+            self.texts.push(hash);
             self.texts.len() - 1
         });
         index as u64 + 1

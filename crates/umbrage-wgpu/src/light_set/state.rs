@@ -60,6 +60,17 @@ impl LightState {
         matches!(self, Self::Waiting(_) | Self::Shown { next: Some(_), .. })
     }
 
+    /// Returns whether its newest plan has another kind of kernel than the shown one.
+    pub(crate) fn changes_kind(&self) -> bool {
+        match self {
+            Self::Shown {
+                plan,
+                next: Some(next),
+            } => plan.kind != next.kind,
+            _ => false,
+        }
+    }
+
     /// Returns the reason why the light is lit everywhere, if it is.
     pub(crate) fn unserved_reason(&self) -> Option<Unserved> {
         match self {
