@@ -37,6 +37,9 @@ pub(crate) fn print(scenes: &[SceneResult]) {
         if let Some(why) = &scene.nothing_compared {
             println!("-: {why}");
         }
+        if let Some(hint) = &scene.hint {
+            println!("hint: {hint}");
+        }
         if let Some(line) = maps(&scene.rows) {
             println!("{line}");
         }
