@@ -86,7 +86,7 @@ pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
 ]);
 
 /// Returns the view from `eye` along `direction` (any length). If `up` is parallel to it, another
-/// axis is used.
+/// axis is used: z for views up and down.
 ///
 /// # Errors
 /// Errors if a number is not finite, or `direction` is zero.
@@ -98,21 +98,21 @@ pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid>
     Ok(look_to_mat4(eye.as_dvec3(), forward, stable_up(forward, up.as_dvec3())).as_mat4())
 }
 
-/// Returns `up`, unless `forward` (unit) is within 0.06 degrees of it. Then returns the world axis
-/// closest to perpendicular to `forward`.
+/// Returns `up`, unless `forward` (unit) is parallel to it within rounding of 32-bit directions.
+/// Then returns an axis that only depends on the axis of `forward`, so that rounding doesn't roll
+/// the view: z for views up and down. That is the limit of views that turn down from +z, and of
+/// those that turn up from -z.
 fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
-    const PARALLEL: f64 = 1e-3;
+    const PARALLEL: f64 = 1e-6;
     let up = up.normalize_or_zero();
     if forward.cross(up).length() > PARALLEL {
         return up;
     }
     let a = forward.abs();
-    if a.z <= a.x && a.z <= a.y {
-        DVec3::Z
-    } else if a.x <= a.y {
+    if a.z >= a.x && a.z >= a.y {
         DVec3::X
     } else {
-        DVec3::Y
+        DVec3::Z
     }
 }
 
@@ -199,4 +199,77 @@ pub fn perspective(fov_y: f32, aspect: f32, near: f32, far: f32) -> Result<Mat4,
         f64::from(far),
     )
     .as_mat4())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::look_along;
+    use glam::{Vec2, Vec3};
+
+    /// Returns the world's direction that is up in the view along `direction`.
+    fn up_of(direction: Vec3) -> Vec3 {
+        let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y).unwrap();
+        view_from_world.inverse().y_axis.truncate()
+    }
+
+    #[test]
+    fn rounding_does_not_roll_views_up_and_down() {
+        for y in [-3.0, -1.0, 1.0, 250.0] {
+            for i in 0..64 {
+                let tilt = Vec2::from_angle(0.1 * i as f32) * (3e-7 * y);
+                let up = up_of(Vec3::new(tilt.x, y, tilt.y));
+                assert!(up.distance(Vec3::Z) < 1e-5, "{y}, {tilt}: {up}");
+            }
+        }
+    }
+
+    /// Views that turn from the horizon to the zenith, and from the other side to the nadir, don't
+    /// jump. Next to them, any other view has the roll of `up`.
+    #[test]
+    fn straight_views_are_the_limit_of_tilted_ones() {
+        for y in [-1.0_f32, 1.0] {
+            let towards = -Vec3::Z * y;
+            let mut last = up_of(Vec3::Y * y);
+            for exponent in -90..=0 {
+                let tilt = 10.0_f32.powf(0.1 * exponent as f32);
+                let direction = Vec3::Y * y + towards * tilt;
+                let up = up_of(direction);
+                assert!(
+                    up.distance(last) < 0.3 * tilt + 1e-5,
+                    "{y}, {tilt}: {last}, {up}"
+                );
+                last = up;
+            }
+            for i in 0..64 {
+                let tilt = Vec2::from_angle(0.1 * i as f32) * 1e-5;
+                let direction = Vec3::new(tilt.x, y, tilt.y).normalize();
+                let right = direction.cross(Vec3::Y).normalize();
+                let expected = right.cross(direction);
+                let up = up_of(direction);
+                assert!(
+                    up.distance(expected) < 1e-5,
+                    "{direction}: {expected}, {up}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn any_up_that_is_parallel_to_the_view_has_a_replacement() {
+        for axis in [
+            Vec3::X,
+            Vec3::Y,
+            Vec3::Z,
+            Vec3::ONE,
+            Vec3::new(-1.0, 2.0, -3.0),
+        ] {
+            for up in [axis, -axis, Vec3::ZERO] {
+                let view = look_along(Vec3::ZERO, axis, up).unwrap();
+                assert!(
+                    (view.determinant() - 1.0).abs() < 1e-5,
+                    "{axis}, {up}: {view}"
+                );
+            }
+        }
+    }
 }

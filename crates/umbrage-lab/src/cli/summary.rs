@@ -33,6 +33,7 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
         for place in group.shortlist(count) {
             out.push(line(group, &group.settings[place], stability));
         }
+        out.extend(without_good_setting(comparison, group));
     }
     out.extend(cost_ranks(comparison));
     let scenes = comparison.scenes.iter();
@@ -45,6 +46,28 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
     }
     out.extend(rows_sensitive_to_rounding(comparison));
     out
+}
+
+/// Returns a line about a group without a good setting: what helps, or why nothing is needed. `None`
+/// for other groups.
+fn without_good_setting(comparison: &Comparison, group: &SettingGroup) -> Option<String> {
+    let what = if group.has_no_shadow() {
+        "no pixel that counts is in shadow, so `none` is exact"
+    } else if group.has_good_setting() {
+        return None;
+    } else {
+        let is_sun = |&scene: &usize| comparison.scenes[scene].light == "directional";
+        match (group.light, group.scenes.iter().any(is_sun)) {
+            ("hard", true) => "no setting here is good: use cascades or `exact`",
+            ("hard", false) => "no setting here is good: use `exact`",
+            (_, true) => "no setting here is good: use cascades or `soft`",
+            (_, false) => "no setting here is good: use `soft`",
+        }
+    };
+    Some(format!(
+        "{} shadows, {:<5} {what}",
+        group.light, group.backend
+    ))
 }
 
 /// Returns a line about rows in which rounding alone changes many pixels. `None` if there are none.
@@ -173,6 +196,35 @@ mod tests {
             lines(&comparison(&["a", "b", "c", "d", "e"]), None).len(),
             12
         );
+    }
+
+    #[test]
+    fn groups_without_a_good_setting_report_what_helps() {
+        let with = |rmse: f64, lit: f64, light: &str, is_ideal: bool| {
+            let scene = SceneResult {
+                is_ideal,
+                light: light.into(),
+                rmse_of_none: [lit, 0.9],
+                rows: vec![row("none", "cpu", lit, 0.1), row("hard", "cpu", rmse, 1.0)],
+                ..SceneResult::default()
+            };
+            let all = Comparison {
+                scenes: vec![scene],
+                ..Comparison::default()
+            };
+            lines(&all, None)[1..].join("\n")
+        };
+        let poor = "hard shadows, cpu   no setting here is good: use cascades or `exact`";
+        assert!(with(0.5, 0.5, "directional", true).starts_with(poor));
+        let poor = "hard shadows, cpu     80 %  1.0 times  hard\n\
+                    hard shadows, cpu   no setting here is good: use `exact`";
+        assert!(with(0.4, 0.5, "point", true).starts_with(poor));
+        let poor = "soft shadows, cpu   no setting here is good: use cascades or `soft`";
+        assert!(with(0.6, 0.5, "directional", false).starts_with(poor));
+        let none = "hard shadows, cpu   no pixel that counts is in shadow, so `none` is exact";
+        assert!(with(0.05, 0.0, "directional", true).starts_with(none));
+        let good = with(0.1, 0.5, "directional", true);
+        assert!(!good.contains("good") && !good.contains("exact"), "{good}");
     }
 
     #[test]

@@ -40,6 +40,9 @@ pub(crate) fn print(scenes: &[SceneResult]) {
         if let Some(line) = scene.truth.left_out_words() {
             println!("{line}");
         }
+        if let Some(hint) = &scene.hint {
+            println!("hint: {hint}");
+        }
         if let Some(line) = maps(&scene.rows) {
             println!("{line}");
         }

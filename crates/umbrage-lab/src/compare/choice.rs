@@ -7,7 +7,8 @@
 //! * **Cheapest**: error at most half of that without shadows, and time at most eight tenths of the
 //!   knee's.
 //!
-//! `none` is excluded from all of them, as it takes no time. If all of them trace rays, which some
+//! `none` is excluded from all of them, as it takes no time, and so are settings that are no better
+//! than it ([`SettingGroup::error_of_none`]). If all of them trace rays, which some
 //! renderers can't, the knee without rays is named, too.
 
 use super::{
@@ -36,6 +37,9 @@ pub struct SettingGroup {
     pub scenes: Vec<usize>,
     /// Kind of the backend.
     pub backend: String,
+    /// Relative error of no shadow: the share of the scenes with shadows that count. In other
+    /// scenes, no shadow is exact.
+    pub error_of_none: f64,
     /// The settings.
     pub settings: Vec<Relative>,
 }
@@ -87,12 +91,23 @@ pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
                 section: group.section,
                 motion: group.scenes[0].motion,
                 scenes: places(comparison, &group),
+                error_of_none: error_of_none(&group),
                 backend: backend.to_owned(),
                 settings: of_backend.cloned().collect(),
             });
         }
     }
     out
+}
+
+/// Returns the relative error of no shadow over a group's scenes ([`relative`]).
+fn error_of_none(group: &SceneGroup<'_>) -> f64 {
+    let scenes = || group.scenes.iter().filter(|s| s.error_of_none() > 0.0);
+    let with_shadow = scenes().filter(|s| s.rmse_of_none[0] > 0.0).count();
+    match scenes().count() {
+        0 => 1.0,
+        all => with_shadow as f64 / all as f64,
+    }
 }
 
 /// Returns the indices of a group's scenes in its comparison.
@@ -138,9 +153,28 @@ impl SettingGroup {
     fn product(&self, setting: usize) -> f64 {
         let r = &self.settings[setting];
         match r.take(self.clock()) {
-            Some(time) if r.technique != "none" && !r.is_exact() && r.error < 1.0 => time * r.error,
+            Some(time) if r.technique != "none" && !r.is_exact() && self.helps(setting) => {
+                time * r.error
+            }
             _ => f64::INFINITY,
         }
+    }
+
+    /// Reports whether a setting is better than no shadow.
+    fn helps(&self, setting: usize) -> bool {
+        self.settings[setting].error < self.error_of_none
+    }
+
+    /// Reports whether no shadow is exact in all scenes, since nothing that counts is in shadow.
+    pub fn has_no_shadow(&self) -> bool {
+        self.error_of_none == 0.0
+    }
+
+    /// Reports whether a setting has at most half of the error without shadows.
+    pub fn has_good_setting(&self) -> bool {
+        let error = |setting: usize| self.settings[setting].error;
+        self.choice()
+            .is_some_and(|choice| error(choice.best) <= MAX_CHEAP_ERROR * self.error_of_none)
     }
 
     /// Returns the settings that are better than no shadow and not exact, in order of increasing
@@ -156,7 +190,7 @@ impl SettingGroup {
     pub fn choice(&self) -> Option<Choice> {
         let clock = self.clock();
         let mut front = self.front(clock);
-        front.retain(|&i| self.settings[i].error < 1.0);
+        front.retain(|&i| self.helps(i));
         let error = |i: &usize| self.settings[*i].error;
         // The front's error falls with increasing time.
         let best = *front.last()?;
@@ -200,7 +234,8 @@ impl SettingGroup {
                 wanted.push(setting);
             }
         }
-        wanted.extend(self.front(self.clock()).into_iter().rev());
+        let front = self.front(self.clock()).into_iter().rev();
+        wanted.extend(front.filter(|&i| self.helps(i)));
         let mut out: Vec<usize> = Vec::new();
         for setting in wanted {
             if out.len() < count && !out.contains(&setting) {
@@ -310,7 +345,7 @@ pub(crate) fn thousands(count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::result::TimingStats;
+    use crate::compare::result::{SceneResult, TimingStats};
 
     fn setting(technique: &str, error: f64, time: f64) -> Relative {
         Relative {
@@ -335,6 +370,7 @@ mod tests {
             motion: FrameMotion::CameraMoves,
             scenes: vec![0],
             backend: "cpu".into(),
+            error_of_none: 1.0,
             settings,
         }
     }
@@ -395,6 +431,51 @@ mod tests {
             sentence.starts_with("hard, 80 %") && sentence.contains("least error: pcss, 70 %"),
             "{sentence}"
         );
+    }
+
+    /// The front of time and error includes settings that are worse than no shadow.
+    #[test]
+    fn what_is_worse_than_no_shadow_is_not_named() {
+        let worse = group(vec![
+            setting("none", 1.0, 0.1),
+            setting("acne", 34.0, 0.7),
+            setting("hard", 1.0, 1.0),
+            setting("volumes", 0.0, 1.7),
+        ]);
+        assert_eq!(worse.front(CostBasis::Wall), [1, 2, 3]);
+        assert_eq!(worse.shortlist(8), [3]);
+        assert!(worse.has_good_setting());
+        let mut poor = group(vec![setting("hard", 0.8, 1.0)]);
+        assert!(!poor.has_good_setting() && !poor.has_no_shadow());
+        assert_eq!(poor.shortlist(8), [0]);
+        // Where nothing is in shadow, errors are relative to a dark mask, and none helps.
+        poor.error_of_none = 0.0;
+        poor.settings.push(setting("exact", 0.0, 9.0));
+        assert!(poor.has_no_shadow() && !poor.has_good_setting());
+        assert_eq!((poor.choice(), poor.shortlist(8)), (None, vec![]));
+        // In one of four scenes nothing is in shadow.
+        poor.error_of_none = 0.75;
+        assert_eq!(poor.shortlist(8), [1]);
+    }
+
+    #[test]
+    fn no_shadow_is_exact_in_scenes_without_shadow() {
+        let scene = |rmse_of_none| SceneResult {
+            rmse_of_none,
+            ..SceneResult::default()
+        };
+        let scenes = [[0.3, 0.9], [0.0, 1.0], [0.1, 0.9], [0.2, 0.9], [0.0, 0.0]].map(scene);
+        let group = |scenes: &[usize], all: &[SceneResult]| {
+            error_of_none(&SceneGroup {
+                is_ideal: true,
+                section: Section::Check,
+                scenes: scenes.iter().map(|&i| &all[i]).collect(),
+            })
+        };
+        // The last one has no pixel that counts.
+        assert_eq!(group(&[0, 1, 2, 3, 4], &scenes), 0.75);
+        assert_eq!(group(&[1], &scenes), 0.0);
+        assert_eq!(group(&[4], &scenes), 1.0);
     }
 
     #[test]

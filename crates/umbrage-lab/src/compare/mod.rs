@@ -23,6 +23,7 @@ mod backends;
 mod choice;
 mod commit;
 mod control;
+mod enclosed;
 mod environment;
 mod event;
 mod expected;

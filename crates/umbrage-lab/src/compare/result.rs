@@ -113,6 +113,9 @@ pub struct SceneResult {
     /// Why rows have no errors. `None` if they have.
     #[serde(default)]
     pub nothing_compared: Option<String>,
+    /// A likely mistake in the scene. `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
     /// RMSE of a fully lit mask, and of a fully dark one.
     pub rmse_of_none: [f64; 2],
     /// One entry for each technique setting and backend.

@@ -2,6 +2,7 @@
 
 use super::{
     backends::Backends,
+    enclosed::enclosed_light,
     event::{CompareEvent, OnEvent},
     map_uses::MapUses,
     options::{CompareOptions, SceneInput},
@@ -12,7 +13,7 @@ use super::{
     timing::DeviceClock,
 };
 use crate::{color, error::LabError};
-use umbrage_core::{Camera, Geometry, Invalid, metrics::Pixel};
+use umbrage_core::{Camera, Geometry, Invalid, Scene, metrics::Pixel};
 use umbrage_plan::truth::{self, Truth, TruthOptions};
 
 /// Images of one scene.
@@ -84,6 +85,7 @@ pub(super) fn run(
         fingerprint: format!("{:016x}", truth.fingerprint),
         nothing_compared: nothing_compared(&truth_summary, truth.pixels.len()),
         truth: truth_summary,
+        hint: hint(scene, rmse_of_none)?,
         rmse_of_none,
         rows,
         controls: run.controls,
@@ -133,7 +135,7 @@ fn truth(
 
 /// Returns the scene for colour images from this camera, with a marker at the light.
 fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::ColorScene, Invalid> {
-    let scene = umbrage_core::Scene {
+    let scene = Scene {
         cameras: vec![*camera],
         ..input.scene.clone()
     };
@@ -165,6 +167,16 @@ fn shadowed(truth: &Truth, kind: Pixel) -> u64 {
     let pixels = truth.pixels.iter().zip(&truth.visibility);
     let is_shadowed = |(pixel, visibility): &(&Pixel, &f32)| **pixel == kind && **visibility < 0.5;
     pixels.filter(is_shadowed).count() as u64
+}
+
+/// Returns a likely mistake in a scene of which nothing is lit. `None` for other scenes.
+fn hint(scene: &Scene, rmse_of_none: [f64; 2]) -> Result<Option<String>, Invalid> {
+    let [lit, dark] = rmse_of_none;
+    if lit > 0.0 && dark == 0.0 {
+        enclosed_light(scene)
+    } else {
+        Ok(None)
+    }
 }
 
 /// Returns why no pixel counts. `None` if one does.

@@ -2,7 +2,8 @@
 
 use super::options::{CompareOptions, NamedPreset, SceneInput};
 use crate::{error::LabError, output::slug};
-use umbrage_core::{Fit, Invalid, ShadowTechnique as _};
+use glam::Vec3;
+use umbrage_core::{Aabb, Fit, Invalid, Layout, Light, Mesh, ShadowTechnique as _};
 use umbrage_techniques::TechniquePreset;
 
 /// A technique setting with a unique stem of file names.
@@ -22,9 +23,41 @@ pub(super) fn settings_of(
     options: &CompareOptions,
 ) -> Result<Vec<NamedSetting>, LabError> {
     let options = input.options_or(options);
-    let tight = options.settings(Fit::Tight)?;
+    let tight = options.settings_for(Fit::Tight, sees_far(input)?)?;
     let all = with_fit(&tight, input.fit, options)?;
     Ok(with_slugs(&options.presets, &all))
+}
+
+/// Least ratio of the scene's farthest and the camera's nearest distance at which a sun's map
+/// without cascades is too coarse near the eye.
+const FAR: f32 = 1000.0;
+
+/// Reports whether the first light is a sun, and the scene extends far beyond the camera's near
+/// plane. Maps around all casters are too coarse even if the camera looks down.
+fn sees_far(input: &SceneInput) -> Result<bool, Invalid> {
+    let (camera, light) = input.camera_and_light()?;
+    let has_perspective = camera.clip_from_view.z_axis.w != 0.0;
+    if !has_perspective || !matches!(light, Light::Directional { .. }) {
+        return Ok(false);
+    }
+    // The near plane has the depth 0, or 1 in reversed projections.
+    let view_from_clip = camera.clip_from_view.inverse();
+    let planes = [0.0, 1.0].map(|depth| view_from_clip.project_point3(Vec3::Z * depth).z.abs());
+    let near = planes[0].min(planes[1]);
+    let scene = &input.scene;
+    let of_mesh = |mesh: &Mesh| Aabb::from_points(mesh.positions.iter().copied());
+    let bounds: Vec<Aabb> = scene.meshes.iter().map(of_mesh).collect();
+    let distances = scene.instances.iter().flat_map(|instance| {
+        let corners = bounds
+            .get(instance.mesh)
+            .into_iter()
+            .flat_map(Aabb::corners);
+        corners.map(|p| {
+            let world = instance.world_from_local.transform_point3(p);
+            world.distance(camera.eye())
+        })
+    });
+    Ok(distances.fold(0.0, f32::max) >= FAR * near)
 }
 
 /// Returns the settings, then those with the scene's own fit. Settings without a map occur once.
@@ -51,6 +84,16 @@ impl CompareOptions {
     /// # Errors
     /// Errors if a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<TechniquePreset>, LabError> {
+        self.settings_for(fit, false)
+    }
+
+    /// Returns the technique settings to compare. `keeps_cascades` adds the first setting with
+    /// cascades of each technique, if the greatest number of settings excludes all of them.
+    fn settings_for(
+        &self,
+        fit: Fit,
+        keeps_cascades: bool,
+    ) -> Result<Vec<TechniquePreset>, LabError> {
         let mut chosen = self.catalogue.select(&self.techniques)?;
         if self.is_preview && self.techniques.is_empty() {
             chosen.retain(|entry| entry.is_previewed);
@@ -72,10 +115,20 @@ impl CompareOptions {
                 entry.settings
             };
             let of_entry = listed(&self.map_sizes, fit);
+            let cascades = of_entry.iter().position(has_cascades);
+            let excluded = cascades.filter(|&i| keeps_cascades && i >= max);
+            let excluded = excluded.map(|i| of_entry[i].clone());
             out.extend(of_entry.into_iter().take(max));
+            out.extend(excluded);
         }
         Ok(out)
     }
+}
+
+/// Reports whether a setting has a map with cascades.
+fn has_cascades(setting: &TechniquePreset) -> bool {
+    let map = setting.map();
+    map.is_some_and(|map| matches!(map.layout, Layout::Cascades(_)))
 }
 
 /// Adds a stem to every setting.
@@ -124,7 +177,48 @@ fn unused_stem(stem: &str, others: &[NamedSetting]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage_core::Camera;
     use umbrage_techniques::{Hard, ListedTechnique as _, MapTechnique, Pcf};
+
+    /// Quick comparisons leave out most settings, but no cascades where a sun sees far.
+    #[test]
+    fn cascades_are_compared_where_a_sun_sees_far() {
+        let options = CompareOptions {
+            techniques: vec!["none".into(), "hard".into(), "exact".into()],
+            max_settings: Some(3),
+            ..CompareOptions::default()
+        };
+        let sun = umbrage_scenes::by_argument("cubes").unwrap();
+        let lamp = Light::Point {
+            position: Vec3::Y,
+            radius: 0.0,
+        };
+        let count = |near: f32, light: Light| {
+            let mut scene = sun.clone();
+            let size = scene.cameras[0].size;
+            let [eye, target] = [Vec3::splat(5.0), Vec3::ZERO];
+            let camera = Camera::perspective(eye, target, Vec3::Y, 0.7, [near, 100.0], size);
+            scene.cameras[0] = camera.unwrap();
+            scene.lights[0] = light;
+            let all = settings_of(&SceneInput::new(scene, ""), &options).unwrap();
+            let cascades = all.iter().filter(|s| has_cascades(&s.technique)).count();
+            [all.len(), cascades]
+        };
+        let light = sun.lights[0];
+        assert!(matches!(light, Light::Directional { .. }));
+        let [few, no_cascades] = count(1.0, light);
+        assert_eq!(no_cascades, 0);
+        assert_eq!(count(1e-3, light), [few + 1, 1]);
+        assert_eq!(count(1e-3, lamp), [few, 0]);
+        // Without a limit, they are compared once.
+        let all = CompareOptions {
+            max_settings: None,
+            ..options.clone()
+        };
+        let settings = [false, true].map(|keeps| all.settings_for(Fit::Tight, keeps).unwrap());
+        assert!(settings[0].iter().any(has_cascades));
+        assert_eq!(settings[0], settings[1]);
+    }
 
     #[test]
     fn presets_come_first_under_their_own_names() {

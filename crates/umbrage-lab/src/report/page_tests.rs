@@ -164,6 +164,7 @@ fn whole_scene() -> SceneResult {
     });
     m.preparation = Some(Preparation::default());
     m.agreement = Some(Agreement::default());
+    result.hint = Some(String::new());
     result
 }
 

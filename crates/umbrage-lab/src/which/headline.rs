@@ -31,6 +31,7 @@ pub(super) fn chart(groups: &[WhichGroup]) -> Option<Figure> {
         motion: scenes.first()?.motion,
         scenes: Vec::new(),
         backend: backend.backend.clone(),
+        error_of_none: 1.0,
         settings,
     };
     Some(figure(&group, &scenes, backend.is_card()))

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Cast, CastMode, Receivers, Recipe, View,
-    footprint::{at_least, side_of, texels_per_pixel_in},
+    footprint::{at_least, texels_per_pixel_in},
     glam::{Mat4, UVec2, Vec2, Vec3},
     math::transform,
 };
@@ -19,6 +19,9 @@ use umbrage_techniques::TechniquePreset;
 /// Share of receivers facing the light that [`MapUse::texels`] and [`MapUse::side`] cover. A few
 /// receivers at grazing angles would need infinite resolution.
 pub const QUANTILE: f32 = 0.9;
+
+/// Greatest side of maps on common devices. No map with a greater side is advised.
+const GREATEST_SIDE: u32 = 16_384;
 
 /// Use of a recipe's maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -41,7 +44,8 @@ pub struct MapUse {
     pub texels_per_pixel: Option<[f32; 3]>,
     /// Least number of texels in a pixel for a share [`QUANTILE`] of these receivers.
     pub texels: Option<f32>,
-    /// Side of a map on which no texel is larger than a pixel for this share: [`side_of`].
+    /// Side of a map on which no texel is larger than a pixel for this share. It may exceed the
+    /// greatest side of a map.
     pub side: Option<u32>,
 }
 
@@ -58,10 +62,16 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
     let unused = range(maps.iter().map(|m| 100.0 * m.unused), 0)?;
     let texels = range(maps.iter().filter_map(|m| m.texels.map(f64::from)), 2);
     let sides = range(maps.iter().filter_map(|m| m.side.map(f64::from)), 0);
+    let least = maps.iter().filter_map(|m| m.side).min();
+    let advice = if least.is_some_and(|side| side > GREATEST_SIDE) {
+        "; use cascades, or a technique without a map"
+    } else {
+        ""
+    };
     let fine = texels.zip(sides).map(|(texels, sides)| {
         let tenths = 10.0 * QUANTILE;
         format!(
-            "; {tenths:.0} in 10 pixels facing the light span at least {texels} texels (1 with a side of {sides})"
+            "; {tenths:.0} in 10 pixels facing the light span at least {texels} texels (1 with a side of {sides}{advice})"
         )
     });
     Some(format!(
@@ -72,11 +82,21 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
 
 /// Formats the least and the greatest figure, or a single one if both round to it. Returns `None`
 /// without figures.
+///
+/// Figures that would round to 0 have two significant digits.
 fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
     let min = figures.clone().reduce(f64::min)?;
     let max = figures.reduce(f64::max)?;
-    let min = format!("{min:.digits$}");
-    let max = format!("{max:.digits$}");
+    let rounded = |x: f64| {
+        let is_small = x > 0.0 && digits > 0 && x < 0.1_f64.powi(digits as i32);
+        let digits = if is_small {
+            (1.0 - x.log10().floor()) as usize
+        } else {
+            digits
+        };
+        format!("{x:.digits$}")
+    };
+    let [min, max] = [min, max].map(rounded);
     Some(if min == max {
         max
     } else {
@@ -159,7 +179,7 @@ pub fn measure(
         unused: untouched as f64 / texels.max(1) as f64,
         texels_per_pixel: overview.map(|sizes| sizes.map(|texels| texels * size)),
         texels: at_least(&sizes, QUANTILE).map(|texels| texels * size),
-        side: side_of(&sizes, QUANTILE),
+        side: at_least(&sizes, QUANTILE).map(|texels| (1.0 / texels).ceil() as u32),
     };
     RecipeFootprint { casts, total }
 }

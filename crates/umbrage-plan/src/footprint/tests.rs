@@ -275,4 +275,9 @@ fn several_maps_are_found_by_their_ranges() {
         "{both}"
     );
     assert_eq!(words(&[]), None);
+    // No map is fine enough: the line reports the side and an alternative.
+    let giant = map(1.0, Some(0.000_744), Some(1_376_345)).words();
+    let end = "at least 0.00074 texels (1 with a side of 1376345; use cascades, or a technique \
+               without a map)";
+    assert!(giant.ends_with(end), "{giant}");
 }

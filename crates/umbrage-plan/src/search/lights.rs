@@ -6,6 +6,10 @@
 //! pairs (sum of times, sum of squared errors) that no other pair beats (Nemhauser and Ullmann
 //! 1969, "Discrete dynamic programming and capital allocation"). The result is exact, since any
 //! part of an optimal choice is optimal itself.
+//!
+//! Maps that are kept from frame to frame take no time, whatever their size. So among choices of
+//! equal time, settings with fewer bytes replace others while the budget permits
+//! ([`with_fewer_bytes`]).
 
 use super::{
     bounds::Bounds,
@@ -18,7 +22,6 @@ use crate::{
     error::MeasureError,
     estimate::{error::Estimate, sampled_truth::Coverage},
     motion::FrameMotion,
-    pareto::front,
     progress::OnStep,
 };
 use serde::{Deserialize, Serialize};
@@ -87,7 +90,7 @@ pub struct LightPlan {
     pub chosen: Option<Setting>,
     /// Error of no shadow at all.
     pub error_of_no_shadow: Estimate,
-    /// The settings that no other evaluated setting beats in both time and error, by rising time.
+    /// The settings that no other evaluated setting beats in time, error and bytes, by rising time.
     pub front: Vec<Setting>,
     /// Number of pixels for which the errors hold.
     pub coverage: Coverage,
@@ -98,6 +101,8 @@ pub struct LightPlan {
 const RUNGS: [f64; 11] = [
     0.9, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03,
 ];
+/// Sums of times that differ by less than this share are equal.
+const EQUAL_TIMES: f64 = 0.02;
 
 /// Plans all lights of a scene under one budget.
 ///
@@ -136,7 +141,7 @@ pub fn plan_lights(
             kind: light.kind().to_owned(),
             chosen: None,
             error_of_no_shadow: trials.error_of_no_shadow()?,
-            front: undominated_settings(settings),
+            front: undominated_settings(&settings),
             coverage: trials.coverage(),
         });
     }
@@ -162,23 +167,25 @@ fn time_of(setting: &Setting) -> f64 {
     setting.measured_ms.unwrap_or(setting.milliseconds)
 }
 
-/// Returns the settings that no other beats in both time and error, by rising time.
-fn undominated_settings(settings: Vec<Setting>) -> Vec<Setting> {
-    let points: Vec<[f64; 2]> = settings
-        .iter()
-        .map(|s| [time_of(s), s.estimate.high])
+/// Returns the settings that no other beats in time, error and bytes, by rising time. Keeps the
+/// first of equal settings.
+fn undominated_settings(settings: &[Setting]) -> Vec<Setting> {
+    let figures = |s: &Setting| [time_of(s), s.estimate.high, s.bytes as f64];
+    let beats = |i: usize, j: usize| {
+        let (a, b) = (figures(&settings[i]), figures(&settings[j]));
+        a.iter().zip(&b).all(|(a, b)| a <= b) && (a != b || i < j)
+    };
+    let all = 0..settings.len();
+    let mut out: Vec<Setting> = all
+        .clone()
+        .filter(|&j| !all.clone().any(|i| i != j && beats(i, j)))
+        .map(|j| settings[j].clone())
         .collect();
-    let mut out: Vec<Setting> = Vec::new();
-    for i in front(&points) {
-        // Keep the first of equal settings.
-        let is_new = out.last().is_none_or(|last| {
-            [time_of(last), last.estimate.high]
-                != [time_of(&settings[i]), settings[i].estimate.high]
-        });
-        if is_new {
-            out.push(settings[i].clone());
-        }
-    }
+    out.sort_by(|a, b| {
+        (time_of(a).total_cmp(&time_of(b)))
+            .then(b.estimate.high.total_cmp(&a.estimate.high))
+            .then(a.bytes.cmp(&b.bytes))
+    });
     out
 }
 
@@ -193,8 +200,8 @@ struct Picks {
 }
 
 /// Returns all choices of one item of each list that no other choice beats in both sums, by rising
-/// time. Items are (time, squared error).
-fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
+/// time.
+fn best_picks(lists: &[Vec<Item>]) -> Vec<Picks> {
     let mut best = vec![Picks {
         milliseconds: 0.0,
         squares: 0.0,
@@ -204,12 +211,12 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
         // Combine each kept choice with each item of the list.
         let mut all: Vec<Picks> = Vec::new();
         for picks in &best {
-            for (place, [milliseconds, square]) in list.iter().enumerate() {
+            for (place, item) in list.iter().enumerate() {
                 let mut places = picks.places.clone();
                 places.push(place);
                 all.push(Picks {
-                    milliseconds: picks.milliseconds + milliseconds,
-                    squares: picks.squares + square,
+                    milliseconds: picks.milliseconds + item.milliseconds,
+                    squares: picks.squares + item.square,
                     places,
                 });
             }
@@ -229,14 +236,74 @@ fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
     best
 }
 
+/// Figures of one setting of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Item {
+    milliseconds: f64,
+    /// Square of the upper error limit.
+    square: f64,
+    bytes: u64,
+}
+
+/// Replaces settings by others with fewer bytes, within these limits of both sums.
+///
+/// Each step chooses the replacement that saves the most bytes for its increase of the squared
+/// error.
+fn with_fewer_bytes(
+    mut picks: Picks,
+    lists: &[Vec<Item>],
+    max_milliseconds: f64,
+    max_squares: f64,
+) -> Picks {
+    loop {
+        let mut best: Option<(f64, Picks)> = None;
+        for (light, list) in lists.iter().enumerate() {
+            let old = list[picks.places[light]];
+            for (place, new) in list.iter().enumerate() {
+                if new.bytes >= old.bytes {
+                    continue;
+                }
+                let mut other = picks.clone();
+                other.places[light] = place;
+                other.milliseconds = other.sum_of(lists, |item| item.milliseconds);
+                other.squares = other.sum_of(lists, |item| item.square);
+                if other.milliseconds > max_milliseconds || other.squares > max_squares {
+                    continue;
+                }
+                let increase = (new.square - old.square).max(f64::MIN_POSITIVE);
+                let gain = (old.bytes - new.bytes) as f64 / increase;
+                if best.as_ref().is_none_or(|(most, _)| gain > *most) {
+                    best = Some((gain, other));
+                }
+            }
+        }
+        let Some((_, other)) = best else {
+            return picks;
+        };
+        picks = other;
+    }
+}
+
+impl Picks {
+    /// Returns the sum of a figure over the lights.
+    fn sum_of(&self, lists: &[Vec<Item>], figure: impl Fn(Item) -> f64) -> f64 {
+        let chosen = self.places.iter().zip(lists);
+        chosen.map(|(&place, list)| figure(list[place])).sum()
+    }
+}
+
 impl LightsPlan {
     /// Returns the plan with the best setting chosen for each light.
     fn picked_settings(mut self) -> Self {
-        let lists: Vec<Vec<[f64; 2]>> = self
+        let lists: Vec<Vec<Item>> = self
             .lights
             .iter()
             .map(|light| {
-                let item = |s: &Setting| [time_of(s), s.estimate.high.powi(2)];
+                let item = |s: &Setting| Item {
+                    milliseconds: time_of(s),
+                    square: s.estimate.high.powi(2),
+                    bytes: s.bytes,
+                };
                 light.front.iter().map(item).collect()
             })
             .collect();
@@ -251,6 +318,12 @@ impl LightsPlan {
             self.miss = Some(self.why_not(&picks));
             return self;
         };
+        let equal_time = found.milliseconds * (1.0 + EQUAL_TIMES);
+        let [max_milliseconds, max_squares] = match self.budget {
+            LightsBudget::Milliseconds(max) => [max.min(equal_time), found.squares],
+            LightsBudget::Error(max) => [equal_time, count * max * max],
+        };
+        let found = with_fewer_bytes(found.clone(), &lists, max_milliseconds, max_squares);
         let mut squares = 0.0;
         for (light, &place) in self.lights.iter_mut().zip(&found.places) {
             let chosen = light.front[place].clone();
@@ -330,12 +403,16 @@ mod tests {
     fn picks_are_the_best_of_all() {
         let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
         for seed in 0..50 {
-            let lists: Vec<Vec<[f64; 2]>> = (0..3)
+            let lists: Vec<Vec<Item>> = (0..3)
                 .map(|light| {
                     (0..5)
                         .map(|i| {
                             let at = 100 * seed + 10 * light + 2 * i;
-                            [random(at), random(at + 1)]
+                            Item {
+                                milliseconds: random(at),
+                                square: random(at + 1),
+                                bytes: 0,
+                            }
                         })
                         .collect()
                 })
@@ -344,8 +421,8 @@ mod tests {
             let mut least = f64::INFINITY;
             for [i, j, k] in (0..125).map(|n| [n / 25, n / 5 % 5, n % 5]) {
                 let [a, b, c] = [lists[0][i], lists[1][j], lists[2][k]];
-                if a[0] + b[0] + c[0] <= budget {
-                    least = least.min(a[1] + b[1] + c[1]);
+                if a.milliseconds + b.milliseconds + c.milliseconds <= budget {
+                    least = least.min(a.square + b.square + c.square);
                 }
             }
             let picks = best_picks(&lists);
@@ -353,6 +430,45 @@ mod tests {
             let found = found.map_or(f64::INFINITY, |p| p.squares);
             assert_eq!(found, least, "seed {seed}");
         }
+    }
+
+    /// Kept maps of all sizes take equal times: the error bound decides about their sizes.
+    #[test]
+    fn equal_times_go_to_fewer_bytes() {
+        let item = |milliseconds, square, bytes| Item {
+            milliseconds,
+            square,
+            bytes,
+        };
+        let list = vec![
+            item(0.0, 1.0, 0),
+            item(1.0, 0.02, 6),
+            item(1.0, 0.01, 24),
+            item(1.0, 0.001, 384),
+            item(1.5, 0.001, 12),
+        ];
+        let lists = vec![list; 9];
+        let bytes = |picks: &Picks| picks.sum_of(&lists, |item| item.bytes as f64);
+        let within = |max_squares: f64| {
+            let picks = best_picks(&lists);
+            let found = picks.iter().find(|p| p.squares <= max_squares);
+            let found = found.expect("within the bound").clone();
+            let saved = with_fewer_bytes(
+                found.clone(),
+                &lists,
+                1.001 * found.milliseconds,
+                max_squares,
+            );
+            assert!(saved.milliseconds <= 1.001 * found.milliseconds);
+            assert!(saved.squares <= max_squares, "{saved:?}");
+            [bytes(&found), bytes(&saved)]
+        };
+        assert_eq!(within(0.091), [9.0 * 384.0, 9.0 * 24.0]);
+        assert_eq!(within(0.181), [9.0 * 384.0, 9.0 * 6.0]);
+        // Nothing smaller is within a bound that only the largest maps meet.
+        assert_eq!(within(0.0091), [9.0 * 384.0, 9.0 * 384.0]);
+        // One smaller map saves as many bytes as the bound permits.
+        assert_eq!(within(0.0185), [9.0 * 384.0, 8.0 * 384.0 + 24.0]);
     }
 
     fn lights(budget: LightsBudget) -> LightsPlan {
