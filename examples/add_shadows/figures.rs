@@ -198,10 +198,10 @@ fn cast_pipeline(
 fn shade_pipeline(
     graphics: &Graphics,
     text: String,
-    [scene, set]: [Option<&BindGroupLayout>; 2],
+    scene_and_set: [Option<&BindGroupLayout>; 2],
     figure: &BindGroupLayout,
 ) -> RenderPipeline {
-    let groups = [scene, set, None, Some(figure)];
+    let groups = [scene_and_set[0], scene_and_set[1], None, Some(figure)];
     let text = text + include_str!("figures.wgsl") + include_str!("figures_shade.wgsl");
     let entries = ["figure_surface", "shade_figure"];
     pipeline(
@@ -219,7 +219,7 @@ fn shade_pipeline(
 fn pipeline(
     graphics: &Graphics,
     text: String,
-    [vertex, fragment]: [&str; 2],
+    entries: [&str; 2],
     groups: &[Option<&BindGroupLayout>],
     targets: &[Option<wgpu::ColorTargetState>],
     complete: impl FnOnce(&mut wgpu::RenderPipelineDescriptor<'_>),
@@ -239,7 +239,7 @@ fn pipeline(
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some(vertex),
+            entry_point: Some(entries[0]),
             compilation_options: compilation_options.clone(),
             buffers: &[Some(CORNERS)],
         },
@@ -248,7 +248,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some(fragment),
+            entry_point: Some(entries[1]),
             compilation_options,
             targets,
         }),

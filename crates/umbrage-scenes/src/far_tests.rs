@@ -28,7 +28,8 @@ fn assert_same(far: &Scene, near: &Scene, offset: Vec3) {
 }
 
 /// A tetrahedron around this point.
-fn obj([x, y, z]: [f64; 3]) -> Vec<u8> {
+fn obj(point: [f64; 3]) -> Vec<u8> {
+    let [x, y, z] = point;
     let corner = |a: f64, b: f64, c: f64| format!("v {} {} {}\n", x + a, y + b, z + c);
     let corners = [
         corner(0.0, 0.0, 0.0),

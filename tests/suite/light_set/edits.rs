@@ -457,7 +457,14 @@ impl<'a> Model<'a> {
         };
         let expected = self.set.text_with(&frame, &[]).expect("no technique");
         self.prepare();
-        assert!(self.set.wgsl() == expected.wgsl, "another text");
+        let other = self
+            .set
+            .wgsl()
+            .lines()
+            .zip(expected.wgsl.lines())
+            .find(|(a, b)| a != b);
+        assert_eq!(other, None, "lines of the text and of the expected one");
+        assert!(self.set.wgsl() == expected.wgsl, "another length of text");
         assert_eq!(self.set.wgsl_revision(), expected.revision);
         let encoder = self.encode();
         self.program.d.queue.submit([encoder.finish()]);

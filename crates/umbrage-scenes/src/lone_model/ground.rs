@@ -11,6 +11,11 @@ const BOTTOM: f32 = 0.12;
 /// rectangle, seen from above. (Floors of rooms do; the bottoms of solids face down.) It also does
 /// if its whole surface faces up by as much on balance, like a landscape.
 const COVERS: f64 = 0.5;
+/// Greatest height of ground without objects over its mean height, as a fraction of the model's
+/// height.
+const FLAT: f32 = 0.02;
+/// Objects on ground are small if they extend over less than this fraction of its length and width.
+const SMALL: f32 = 0.5;
 /// Half the floor's side over the model's greatest extent. Its edge is far behind the model.
 const HALF_SIDE: f32 = 12.0;
 /// Distance of the floor below a flat bottom, over the model's greatest extent, so that no two
@@ -39,18 +44,20 @@ impl Ground {
         let mut heights = 0.0;
         let mut touching = 0.0;
         let mut on_balance = 0.0;
+        let mut balanced_heights = 0.0;
         for t in 0..geometry.triangles().len() as u32 {
             let corners = geometry.corners(t);
             let seen_from_above = 0.5 * f64::from(twice_area(corners).y);
+            let height = f64::from((corners[0].y + corners[1].y + corners[2].y) / 3.0);
             on_balance += seen_from_above;
+            balanced_heights += seen_from_above * height;
             let top = corners[0].y.max(corners[1].y).max(corners[2].y);
             if top <= flat {
                 touching += seen_from_above.abs();
             }
             if top <= bottom && seen_from_above > 0.0 {
-                let height = (corners[0].y + corners[1].y + corners[2].y) / 3.0;
                 facing_up += seen_from_above;
-                heights += seen_from_above * f64::from(height);
+                heights += seen_from_above * height;
             }
         }
         let has_floor = footprint > 0.0 && facing_up >= COVERS * footprint;
@@ -58,7 +65,9 @@ impl Ground {
         let own = if has_floor {
             Some((heights / facing_up) as f32)
         } else if is_landscape {
-            Some(bounds.min.y)
+            // The tops and bottoms of solids on it nearly cancel out.
+            let mean = (balanced_heights / on_balance) as f32;
+            Some(mean.clamp(bounds.min.y, bounds.max.y))
         } else {
             None
         };
@@ -66,6 +75,25 @@ impl Ground {
             own,
             has_flat_bottom: touching > 0.0,
         }
+    }
+
+    /// Returns the points of small objects on wide ground of the model's own: the corners of their
+    /// triangles, none below the ground. Empty if the objects cover the ground, or without any.
+    pub(super) fn objects_on_it(&self, geometry: &Geometry) -> Vec<Vec3> {
+        let Some(height) = self.own else {
+            return Vec::new();
+        };
+        let extent = geometry.bounds().extent();
+        let above = height + FLAT * extent.y;
+        let triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
+        let points: Vec<_> = triangles
+            .filter(|corners| corners.iter().any(|p| p.y > above))
+            .flatten()
+            .map(|p| p.with_y(p.y.max(height)))
+            .collect();
+        let objects = Aabb::from_points(points.iter().copied()).extent();
+        let is_small = objects.x < SMALL * extent.x && objects.z < SMALL * extent.z;
+        if is_small { points } else { Vec::new() }
     }
 
     /// Returns the height of the floor for a model with these bounds. `None` if it has its own

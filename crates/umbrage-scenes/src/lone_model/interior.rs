@@ -1,7 +1,7 @@
 //! Buildings around their own floor, seen from inside: from the position and in the direction with
 //! the greatest depth.
 
-use super::{ground::Ground, sun::seen_points};
+use super::{ground::Ground, sun::seen_points, twice_area};
 use crate::framing::Shot;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Bvh, Geometry};
@@ -40,10 +40,16 @@ const ENCLOSED: f32 = 0.85;
 /// inner and an outer one, and are seen from outside. Rooms of bare walls have one, buildings with
 /// pillars and galleries more.
 const BOWLS: [f32; 2] = [1.4, 2.6];
+/// Number of directions over the whole sphere, from an eye.
+const SPHERE: usize = 96;
+/// Least fraction of these directions that meet the front of a surface first. Yards between houses
+/// have less, since they have no roof, and so have points inside solids, which see backs.
+const FRONTS: f32 = 0.8;
 /// Greatest number of surfaces counted along a ray.
 const MOST: usize = 6;
 
-/// Returns a shot from inside a building around its own floor. `None` for other models.
+/// Returns a shot from inside a building around its own floor. `None` for other models, and if no
+/// candidate position is in a room.
 pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<Shot> {
     let bounds = geometry.bounds();
     let extent = bounds.extent();
@@ -60,6 +66,9 @@ pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<
             let length = along.abs().dot(extent);
             let eye =
                 middle - along * (back * length) + across * (aside * across.abs().dot(extent));
+            if !is_in_room(geometry, eye) {
+                continue;
+            }
             let shot = Shot {
                 eye,
                 target: eye + (along - Vec3::Y * DOWN) * length,
@@ -95,6 +104,29 @@ fn depth_of(geometry: &Geometry, shot: &Shot) -> f32 {
 
 /// Index that excludes no triangle from a ray query.
 const NONE: u32 = u32::MAX;
+
+/// Reports whether the fronts of surfaces surround a point.
+fn is_in_room(geometry: &Geometry, eye: Vec3) -> bool {
+    let reach = geometry.bounds().diagonal();
+    let fronts = (0..SPHERE)
+        .filter(|&i| sees_front(geometry, eye, sphere_direction(i) * reach))
+        .count();
+    fronts as f32 >= FRONTS * SPHERE as f32
+}
+
+/// Returns one of [`SPHERE`] evenly distributed directions: points of a Fibonacci spiral.
+fn sphere_direction(i: usize) -> Vec3 {
+    let y = 1.0 - 2.0 * (i as f32 + 0.5) / SPHERE as f32;
+    let angle = i as f32 * std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());
+    let radius = (1.0 - y * y).sqrt();
+    Vec3::new(radius * angle.cos(), y, radius * angle.sin())
+}
+
+/// Reports whether the first surface on the segment from `from` to `from + way` faces `from`.
+fn sees_front(geometry: &Geometry, from: Vec3, way: Vec3) -> bool {
+    let first = geometry.bvh().nearest_triangle(geometry, from, way, NONE);
+    first.is_some_and(|(_, t)| twice_area(geometry.corners(t)).dot(way) < 0.0)
+}
 
 /// Reports whether walls other than those of a bowl enclose a point.
 fn is_enclosed(geometry: &Geometry, middle: Vec3) -> bool {

@@ -2,10 +2,10 @@
 //!
 //! * A model without ground receives a floor ([`ground`]). Its view is a three-quarter view from
 //!   slightly above, as close as the model and its shadow permit.
-//! * A model with its own ground has the same view, without a floor. A room that is open to one
-//!   side is seen through its opening.
+//! * A model with its own ground has the same view, without a floor. Small objects on wide ground
+//!   fill the view with their shadows. A room that is open to one side is seen through its opening.
 //! * A building around its own floor is seen from inside ([`interior`]): from the position with the
-//!   greatest depth.
+//!   greatest depth that the fronts of surfaces surround. No eye is inside a solid or below ground.
 //! * The sun is on the left, above and behind the model, so that shadows fall to the right and
 //!   towards the eye. Without an added floor, another sun may show more ([`sun`]).
 
@@ -19,7 +19,7 @@ use crate::{
     framing::{Shot, best_side, frame_from, opening_side},
     looks::{PALETTE, matte},
 };
-use umbrage_core::glam::{Affine3A, UVec2, Vec3};
+use umbrage_core::glam::{Affine3A, DVec3, UVec2, Vec3};
 use umbrage_core::{Geometry, Instance, Light, Scene};
 
 /// Image size for a model without a camera.
@@ -121,21 +121,32 @@ fn sunlight(direction: Vec3) -> Light {
 }
 
 /// Returns the closest shot of a model from outside that contains all of it, and its shadow on an
-/// added floor.
+/// added floor. Of small objects on wide ground, it contains the objects and their shadows.
 fn of_model(geometry: &Geometry, ground: &ground::Ground) -> Option<Shot> {
-    let side = if ground.own.is_some() {
-        opening_side(geometry).unwrap_or_else(|| best_side(geometry))
-    } else {
-        best_side(geometry)
-    };
-    let fov_y = FOV_Y_DEGREES.to_radians();
     let points = geometry.positions().iter().copied();
-    let shot = frame_from(side, points.clone(), fov_y, SIZE)?;
-    let Some(height) = ground.floor_height(geometry.bounds()) else {
-        return Some(shot);
+    let side = best_side(geometry);
+    let Some(own) = ground.own else {
+        let height = ground.floor_height(geometry.bounds())?;
+        return with_shadows(side, points, height);
     };
-    // The light only depends on the view's directions, which don't change.
-    let light = sun::from_left(&shot);
+    let objects = ground.objects_on_it(geometry);
+    if !objects.is_empty() {
+        return with_shadows(side, objects.iter().copied(), own);
+    }
+    let side = opening_side(geometry).unwrap_or(side);
+    frame_from(side, points, FOV_Y_DEGREES.to_radians(), SIZE)
+}
+
+/// Returns the closest shot from this side that contains all points, and their shadows on ground of
+/// this height.
+fn with_shadows(
+    side: DVec3,
+    points: impl Iterator<Item = Vec3> + Clone,
+    height: f32,
+) -> Option<Shot> {
+    let fov_y = FOV_Y_DEGREES.to_radians();
+    // The light only depends on the view's directions, which are those of any shot from this side.
+    let light = sun::from_left(&frame_from(side, points.clone(), fov_y, SIZE)?);
     let shadows = points
         .clone()
         .map(move |p| p + light * ((height - p.y) / light.y));
@@ -170,3 +181,5 @@ fn twice_area(corners: [Vec3; 3]) -> Vec3 {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod view_tests;

@@ -218,32 +218,33 @@ impl SetShader {
         Ok(uploaded)
     }
 
-    /// Ensures that kinds and bindings for all shown lights are registered.
+    /// Ensures that kinds and bindings for all lights with layers are registered, whether they are
+    /// drawn yet or not.
     fn register_all(&mut self, lights: &mut SlotMap<LightKey, HeldLight>) {
-        let shown = |light: &HeldLight| -> Option<bool> {
-            let plan = light.state.shown_plan()?;
-            Some(self.interface.has(&plan.kind, &map_bindings(plan, light)))
+        let is_registered = |light: &HeldLight| {
+            let plan = light.state.plan_with_layers();
+            plan.is_none_or(|plan| self.interface.has(&plan.kind, &map_bindings(plan, light)))
         };
-        if lights
-            .values()
-            .filter_map(shown)
-            .all(|is_registered| is_registered)
-        {
-            return;
-        }
-        // The text changes anyway: drop unused kinds and maps.
-        self.interface.clear();
-        self.records.clear();
-        self.is_outdated = true;
-        for light in lights.values_mut() {
-            if let Some(plan) = light.state.shown_plan()
-                && let Err(error) = self
-                    .interface
-                    .register(&plan.kind, &map_bindings(plan, light))
-            {
-                light.state = LightState::Refused(error);
+        if !lights.values().all(is_registered) {
+            // The text changes anyway: drop unused kinds and maps.
+            self.interface.clear();
+            self.records.clear();
+            self.is_outdated = true;
+            for light in lights.values_mut() {
+                if let Some(plan) = light.state.plan_with_layers()
+                    && let Err(error) = self
+                        .interface
+                        .register(&plan.kind, &map_bindings(plan, light))
+                {
+                    light.state = LightState::Refused(error);
+                }
             }
         }
+        let plans = lights.values();
+        let plans: Vec<&LightPlan> = plans
+            .filter_map(|light| light.state.plan_with_layers())
+            .collect();
+        self.interface.reserve_records(&plans);
     }
 
     /// Returns the text for lights with these plans, in the order of the set's lights. The texts of

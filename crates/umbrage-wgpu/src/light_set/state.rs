@@ -55,6 +55,14 @@ impl LightState {
         }
     }
 
+    /// Returns the plan used by shaders, or the one that they will use once it is drawn.
+    pub(crate) fn plan_with_layers(&self) -> Option<&LightPlan> {
+        match self {
+            Self::Waiting(plan) | Self::Shown { plan, .. } => Some(plan),
+            _ => None,
+        }
+    }
+
     /// Returns whether the light has layers that don't show its newest plan.
     pub(crate) fn has_next(&self) -> bool {
         matches!(self, Self::Waiting(_) | Self::Shown { next: Some(_), .. })

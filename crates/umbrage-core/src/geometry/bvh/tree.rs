@@ -105,6 +105,17 @@ impl Bvh {
     /// Returns the first hit of the segment from `o` to `o + d` with a caster other than triangle
     /// `skip`, as a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
+        self.nearest_triangle(geometry, o, d, skip).map(|(t, _)| t)
+    }
+
+    /// Returns the first hit like [`nearest`](Self::nearest), with the triangle's id.
+    pub fn nearest_triangle(
+        &self,
+        geometry: &Geometry,
+        o: Vec3,
+        d: Vec3,
+        skip: u32,
+    ) -> Option<(f32, u32)> {
         let segment = Segment::new(o, d);
         let mut nearest = None;
         self.wide.search(&segment, |i, limit| {
@@ -122,7 +133,7 @@ impl Bvh {
                     self.corners[i].padded_box(),
                 );
                 *limit = (t as f32).max(entry).min(exit).min(*limit);
-                nearest = Some(*limit);
+                nearest = Some((*limit, self.ids[i]));
             }
             false
         });

@@ -1,0 +1,365 @@
+//! Views of more than fifty small models, written as OBJ files and loaded like anybody's.
+//!
+//! Each model is a list of solids on ground, so that the position of the eye can be tested against
+//! what the file contains instead of against rays.
+
+use super::SIZE;
+use std::fmt::Write;
+use umbrage_core::glam::{UVec2, Vec3};
+use umbrage_core::{Aabb, Geometry, Scene};
+
+/// A model under construction: its text, and the facts that its view is tested against.
+#[derive(Default)]
+struct Model {
+    name: String,
+    text: String,
+    vertices: usize,
+    solids: Vec<Aabb>,
+    /// A closed box of inner surfaces.
+    room: Option<Aabb>,
+    /// Bounds of the ground. `None` without ground in the file.
+    ground: Option<Aabb>,
+}
+
+impl Model {
+    fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a face with these corners, counter-clockwise from its front.
+    fn face(&mut self, corners: &[Vec3]) {
+        for p in corners {
+            writeln!(self.text, "v {} {} {}", p.x, p.y, p.z).unwrap();
+        }
+        self.text.push('f');
+        for i in 1..=corners.len() {
+            write!(self.text, " {}", self.vertices + i).unwrap();
+        }
+        self.text.push('\n');
+        self.vertices += corners.len();
+    }
+
+    /// Adds a box with its fronts outside, or inside.
+    fn faces_of_box(&mut self, min: Vec3, max: Vec3, inside: bool) {
+        for axis in 0..3 {
+            for high in [false, true] {
+                let corner = |u: bool, v: bool| {
+                    let mut p = Vec3::ZERO;
+                    let pick = |axis: usize, high: bool| if high { max[axis] } else { min[axis] };
+                    p[axis] = pick(axis, high);
+                    p[(axis + 1) % 3] = pick((axis + 1) % 3, u);
+                    p[(axis + 2) % 3] = pick((axis + 2) % 3, v);
+                    p
+                };
+                let mut corners = [
+                    corner(false, false),
+                    corner(true, false),
+                    corner(true, true),
+                    corner(false, true),
+                ];
+                if high == inside {
+                    corners.reverse();
+                }
+                self.face(&corners);
+            }
+        }
+    }
+
+    fn solid(mut self, min: [f32; 3], max: [f32; 3]) -> Self {
+        let (min, max) = (Vec3::from(min), Vec3::from(max));
+        self.faces_of_box(min, max, false);
+        self.solids.push(Aabb { min, max });
+        self
+    }
+
+    fn room(mut self, min: [f32; 3], max: [f32; 3]) -> Self {
+        let (min, max) = (Vec3::from(min), Vec3::from(max));
+        self.faces_of_box(min, max, true);
+        self.room = Some(Aabb { min, max });
+        self
+    }
+
+    /// Adds a square plane with this half side.
+    fn plane(mut self, half: f32, y: f32) -> Self {
+        self.face(&[
+            Vec3::new(-half, y, half),
+            Vec3::new(half, y, half),
+            Vec3::new(half, y, -half),
+            Vec3::new(-half, y, -half),
+        ]);
+        let [min, max] = [-half, half].map(|side| Vec3::new(side, y, side));
+        self.ground = Some(self.ground.unwrap_or(Aabb { min, max }));
+        self
+    }
+
+    /// Adds terrain: a square grid of cells with this height at each corner.
+    fn terrain(mut self, half: f32, cells: usize, height: impl Fn(f32, f32) -> f32) -> Self {
+        let at = |i: usize, j: usize| {
+            let along = |i: usize| half * (2.0 * i as f32 / cells as f32 - 1.0);
+            let (x, z) = (along(i), along(j));
+            Vec3::new(x, height(x, z), z)
+        };
+        let mut bounds = Aabb::EMPTY;
+        for i in 0..cells {
+            for j in 0..cells {
+                let corners = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+                bounds = bounds.union(&Aabb::from_points(corners));
+                self.face(&corners);
+            }
+        }
+        self.ground = Some(bounds);
+        self
+    }
+
+    /// Adds a tree: a trunk and a crown.
+    fn tree(self, x: f32, z: f32, height: f32) -> Self {
+        let (trunk, crown) = (0.04 * height, 0.25 * height);
+        let middle = 0.4 * height;
+        self.solid([x - trunk, 0.0, z - trunk], [x + trunk, middle, z + trunk])
+            .solid(
+                [x - crown, middle, z - crown],
+                [x + crown, height, z + crown],
+            )
+    }
+
+    /// Loads the file.
+    fn load(&self) -> Scene {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.obj");
+        std::fs::write(&path, &self.text).unwrap();
+        if let Some(keep) = std::env::var_os("KEEP") {
+            let path = std::path::Path::new(&keep).join(self.name.replace(' ', "_") + ".obj");
+            std::fs::write(path, &self.text).unwrap();
+        }
+        crate::load(path.to_str().unwrap()).unwrap()
+    }
+
+    /// Returns the bounds of what the view is about: the solids above ground, or all of it without
+    /// solids.
+    fn subject(&self, geometry: &Geometry) -> Aabb {
+        let all = self.solids.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
+        if all.is_empty() {
+            return geometry.bounds();
+        }
+        let ground = self.ground.map_or(all.min.y, |ground| ground.min.y);
+        let min = all.min.with_y(all.min.y.max(ground));
+        Aabb { min, ..all }
+    }
+}
+
+/// Returns boxes and trees on planes of many sizes, yards, towers, towns, rooms and terrain.
+fn models() -> Vec<Model> {
+    let mut models = on_planes();
+    models.extend(lone_and_terrain());
+    models.extend(yards_and_towns());
+    models.extend(rooms());
+    models.extend(groves());
+    models
+}
+
+/// Boxes, towers and trees on planes.
+fn on_planes() -> Vec<Model> {
+    let mut models = Vec::new();
+    for half in [1.0, 4.0, 10.0, 100.0, 1000.0] {
+        for (kind, min, max) in [
+            ("middle", [-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]),
+            ("corner", [0.0, 0.0, 0.1], [0.7, 0.4, 0.9]),
+            ("sunk", [-0.4, -0.3, -0.5], [0.5, 2.0, 0.5]),
+        ] {
+            let name = format!("box {kind} on {half}");
+            models.push(Model::new(name).plane(half, 0.0).solid(min, max));
+        }
+        let name = format!("tower on {half}");
+        let tower = Model::new(name).plane(half, 0.0);
+        models.push(tower.solid([-0.3, 0.0, -0.3], [0.3, 8.0, 0.3]));
+        let name = format!("tree on {half}");
+        models.push(Model::new(name).plane(half, 0.0).tree(0.0, 0.0, 3.0));
+    }
+    models
+}
+
+/// Boxes without ground, and terrain without objects.
+fn lone_and_terrain() -> Vec<Model> {
+    let mut models = Vec::new();
+    for scale in [0.01, 1.0, 300.0] {
+        let name = format!("lone box of {scale}");
+        models.push(Model::new(name).solid([0.0; 3], [scale, 0.6 * scale, scale]));
+        let name = format!("terrain of {scale}");
+        let hills =
+            move |x: f32, z: f32| 0.2 * scale * (3.0 * x / scale).sin() * (4.0 * z / scale).cos();
+        models.push(Model::new(name).terrain(scale, 16, hills));
+    }
+    let slope = |x: f32, z: f32| 0.5 * x + 0.3 * z;
+    models.push(Model::new("slope").terrain(10.0, 8, slope));
+    let bowl = |x: f32, z: f32| 0.05 * (x * x + z * z);
+    models.push(Model::new("valley").terrain(10.0, 16, bowl));
+    models
+}
+
+/// Walls around yards, and houses along streets.
+fn yards_and_towns() -> Vec<Model> {
+    let mut models = Vec::new();
+    for wall in [0.1, 0.5, 2.0] {
+        for height in [1.0, 3.0, 12.0] {
+            let name = format!("yard, walls {wall} by {height}");
+            let (a, b) = (5.0, 5.0 + wall);
+            let yard = Model::new(name).plane(8.0, 0.0);
+            models.push(
+                yard.solid([-b, 0.0, -b], [b, height, -a])
+                    .solid([-b, 0.0, a], [b, height, b])
+                    .solid([-b, 0.0, -a], [-a, height, a])
+                    .solid([a, 0.0, -a], [b, height, a]),
+            );
+        }
+    }
+    for street in [1.0, 4.0] {
+        for with_middle in [false, true] {
+            let name = format!("town, streets of {street}, {with_middle}");
+            let mut town = Model::new(name).plane(30.0, 0.0);
+            for i in -2..=2_i8 {
+                for j in -2..=2_i8 {
+                    if with_middle || i != 0 || j != 0 {
+                        let (x, z) = (f32::from(i) * (4.0 + street), f32::from(j) * (4.0 + street));
+                        let height = 3.0 + f32::from((i * 3 + j * 5).rem_euclid(7));
+                        town = town.solid([x - 2.0, 0.0, z - 2.0], [x + 2.0, height, z + 2.0]);
+                    }
+                }
+            }
+            models.push(town);
+        }
+    }
+    models
+}
+
+/// Rooms, empty and furnished.
+fn rooms() -> Vec<Model> {
+    let mut models = Vec::new();
+    for size in [
+        [4.0, 3.0, 4.0],
+        [20.0, 4.0, 8.0],
+        [6.0, 12.0, 6.0],
+        [40.0, 3.0, 3.0],
+    ] {
+        let name = format!("room {size:?}");
+        models.push(Model::new(name).room([0.0; 3], size));
+        let name = format!("furnished room {size:?}");
+        let at = |share: f32, axis: usize| share * size[axis];
+        models.push(
+            Model::new(name)
+                .room([0.0; 3], size)
+                .solid(
+                    [at(0.4, 0), 0.0, at(0.4, 2)],
+                    [at(0.6, 0), at(0.4, 1), at(0.6, 2)],
+                )
+                .solid(
+                    [at(0.1, 0), 0.0, at(0.1, 2)],
+                    [at(0.2, 0), at(0.9, 1), at(0.2, 2)],
+                ),
+        );
+    }
+    models
+}
+
+/// Trees in rows, and a trunk through two planes.
+fn groves() -> Vec<Model> {
+    let mut models = Vec::new();
+    for (half, rows) in [(20.0, 2_u8), (50.0, 4), (200.0, 3)] {
+        let mut grove = Model::new(format!("grove of {rows} on {half}")).plane(half, 0.0);
+        for i in 0..rows {
+            for j in 0..rows {
+                let place = |i: u8| 5.0 * (f32::from(i) - 0.5 * f32::from(rows - 1));
+                grove = grove.tree(place(i), place(j) + 0.7 * f32::from(i), 4.0 + f32::from(j));
+            }
+        }
+        models.push(grove);
+    }
+    let plates = Model::new("plates and trunk").plane(200.0, 0.0);
+    models.push(
+        plates
+            .plane(32.0, 0.05)
+            .solid([-0.2, -1.0, -0.2], [0.2, 5.0, 0.2]),
+    );
+    models
+}
+
+#[test]
+fn the_eye_is_in_the_open_above_ground_and_sees_the_model() {
+    let models = models();
+    assert!(models.len() >= 50, "{}", models.len());
+    for model in models {
+        let name = &model.name;
+        let scene = model.load();
+        let geometry = Geometry::bake(&scene).unwrap();
+        let camera = &scene.cameras[0];
+        let eye = camera.eye();
+        let contains = |b: &Aabb| eye.cmpge(b.min).all() && eye.cmple(b.max).all();
+        assert!(
+            !model.solids.iter().any(contains),
+            "{name}: in a solid: {eye}"
+        );
+        // Furniture may lead to a view from outside, but not from within a solid.
+        if model.solids.is_empty() {
+            let is_in_room = model.room.iter().any(contains);
+            assert_eq!(is_in_room, model.room.is_some(), "{name}: {eye}");
+        }
+        let floor = scene.meshes.iter().find(|m| m.name == "floor");
+        let floor = floor.map(|floor| Aabb::from_points(floor.positions.iter().copied()));
+        if let Some(ground) = model.ground.or(floor) {
+            let is_over =
+                (eye.cmpge(ground.min) & eye.cmple(ground.max)).bitmask() & 0b101 == 0b101;
+            let height = if is_over { ground.max.y } else { ground.min.y };
+            assert!(eye.y > height, "{name}: below ground: {eye}");
+        }
+
+        // Trace a grid of pixels.
+        let size = UVec2::new(64, 36);
+        let rays = camera.with_size(size).rays();
+        let reach = 2.0 * geometry.bounds().diagonal() + eye.length();
+        let (mut met, mut of_objects) = (0, 0);
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let [fx, fy] = [x, y].map(|i| i as f32 + 0.5);
+                let way = (rays.dir + fx * rays.dir_dx + fy * rays.dir_dy).truncate();
+                let way = way.normalize() * reach;
+                let Some(t) = geometry.bvh().nearest(&geometry, eye, way, u32::MAX) else {
+                    continue;
+                };
+                met += 1;
+                let p = eye + way * t;
+                let on = |b: &Aabb| {
+                    let slack = 1e-3 * b.diagonal();
+                    p.cmpge(b.min - slack).all() && p.cmple(b.max + slack).all()
+                };
+                of_objects += i32::from(model.solids.iter().any(on));
+            }
+        }
+        let all = size.element_product();
+        // A tower is narrow in a wide picture; `span` below bounds its height.
+        assert!(met * 40 > all, "{name}: {met} of {all} rays hit");
+        if model.room.is_some() {
+            continue;
+        }
+        let clip_from_world = camera.space().clip_from_world();
+        let project = |p| clip_from_world.project_point3(p);
+        let subject = model.subject(&geometry);
+        // Parts below the ground are not visible.
+        let raised = |p: &Vec3| p.with_y(p.y.max(subject.min.y));
+        let is_inside = |p: &Vec3| p.cmpge(subject.min).all() && p.cmple(subject.max).all();
+        let points = geometry.positions().iter().map(raised).filter(is_inside);
+        let Aabb { min, max } = Aabb::from_points(points.map(project));
+        assert!(min.z > 0.0 && max.z < 1.0, "{name}: {min}, {max}");
+        let reach = min.truncate().abs().max(max.truncate().abs()).max_element();
+        assert!(reach < 1.0, "{name}: outside of the view: {min}, {max}");
+        // The view is 2 wide and 2 high here.
+        let span = (max - min).truncate().max_element();
+        assert!(span > 0.6, "{name}: small in the view: {min}, {max}");
+        assert!(
+            model.solids.is_empty() || of_objects > 10,
+            "{name}: {of_objects} rays hit objects"
+        );
+        assert_eq!(camera.size, SIZE);
+    }
+}
