@@ -18,7 +18,7 @@ use umbrage_tests::gpu::gpu;
 fn far_scene(metres: f64, light: &str) -> Scene {
     let at = |x: f64, y: f64, z: f64| format!("[{}, {y:?}, {}]", metres + x, metres + z);
     let mut text = format!(
-        "name = \"far\"\n[camera]\neye = {}\ntarget = {}\nfov_y_degrees = 40\nsize = [160, 120]\n[[light]]\n{light}\n",
+        "name = \"far\"\nanchor = [0, 0, 0]\n[camera]\neye = {}\ntarget = {}\nfov_y_degrees = 40\nsize = [160, 120]\n[[light]]\n{light}\n",
         at(3.0, 3.0, 5.0),
         at(0.0, 0.5, 0.0)
     );

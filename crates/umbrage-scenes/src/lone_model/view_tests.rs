@@ -130,10 +130,6 @@ impl Model {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model.obj");
         std::fs::write(&path, &self.text).unwrap();
-        if let Some(keep) = std::env::var_os("KEEP") {
-            let path = std::path::Path::new(&keep).join(self.name.replace(' ', "_") + ".obj");
-            std::fs::write(path, &self.text).unwrap();
-        }
         crate::load(path.to_str().unwrap()).unwrap()
     }
 
