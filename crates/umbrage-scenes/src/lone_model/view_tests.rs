@@ -6,7 +6,7 @@
 use super::SIZE;
 use std::fmt::Write;
 use umbrage_core::glam::{UVec2, Vec3};
-use umbrage_core::{Aabb, Geometry, Scene};
+use umbrage_core::{Aabb, Camera, Geometry, Scene};
 
 /// A model under construction: its text, and the facts that its view is tested against.
 #[derive(Default)]
@@ -281,6 +281,35 @@ fn groves() -> Vec<Model> {
     models
 }
 
+/// Size of the traced images.
+const TRACED: UVec2 = UVec2::new(64, 36);
+
+/// Returns the number of pixels that show the geometry, and of those that show solids.
+fn hit_pixels(model: &Model, geometry: &Geometry, camera: &Camera) -> [u32; 2] {
+    let eye = camera.eye();
+    let rays = camera.with_size(TRACED).rays();
+    let reach = 2.0 * geometry.bounds().diagonal() + eye.length();
+    let mut counts = [0; 2];
+    for y in 0..TRACED.y {
+        for x in 0..TRACED.x {
+            let [fx, fy] = [x, y].map(|i| i as f32 + 0.5);
+            let way = (rays.dir + fx * rays.dir_dx + fy * rays.dir_dy).truncate();
+            let way = way.normalize() * reach;
+            let Some(t) = geometry.bvh().nearest(geometry, eye, way, u32::MAX) else {
+                continue;
+            };
+            let p = eye + way * t;
+            let is_on = |b: &Aabb| {
+                let slack = 1e-3 * b.diagonal();
+                p.cmpge(b.min - slack).all() && p.cmple(b.max + slack).all()
+            };
+            counts[0] += 1;
+            counts[1] += u32::from(model.solids.iter().any(is_on));
+        }
+    }
+    counts
+}
+
 #[test]
 fn the_eye_is_in_the_open_above_ground_and_sees_the_model() {
     let models = models();
@@ -310,29 +339,8 @@ fn the_eye_is_in_the_open_above_ground_and_sees_the_model() {
             assert!(eye.y > height, "{name}: below ground: {eye}");
         }
 
-        // Trace a grid of pixels.
-        let size = UVec2::new(64, 36);
-        let rays = camera.with_size(size).rays();
-        let reach = 2.0 * geometry.bounds().diagonal() + eye.length();
-        let (mut met, mut of_objects) = (0, 0);
-        for y in 0..size.y {
-            for x in 0..size.x {
-                let [fx, fy] = [x, y].map(|i| i as f32 + 0.5);
-                let way = (rays.dir + fx * rays.dir_dx + fy * rays.dir_dy).truncate();
-                let way = way.normalize() * reach;
-                let Some(t) = geometry.bvh().nearest(&geometry, eye, way, u32::MAX) else {
-                    continue;
-                };
-                met += 1;
-                let p = eye + way * t;
-                let on = |b: &Aabb| {
-                    let slack = 1e-3 * b.diagonal();
-                    p.cmpge(b.min - slack).all() && p.cmple(b.max + slack).all()
-                };
-                of_objects += i32::from(model.solids.iter().any(on));
-            }
-        }
-        let all = size.element_product();
+        let [met, of_objects] = hit_pixels(&model, &geometry, camera);
+        let all = TRACED.element_product();
         // A tower is narrow in a wide picture; `span` below bounds its height.
         assert!(met * 40 > all, "{name}: {met} of {all} rays hit");
         if model.room.is_some() {
