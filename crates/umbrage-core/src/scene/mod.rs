@@ -169,7 +169,7 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras.
     pub cameras: Vec<Camera>,
-    /// What the reader of its file left aside, one line each.
+    /// Contents of the scene's files that readers ignore, one line each.
     pub notices: Vec<String>,
 }
 

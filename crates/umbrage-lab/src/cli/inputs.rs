@@ -63,7 +63,7 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
     Ok(list)
 }
 
-/// Returns a scene by name or path. Prints what the reader of its file left aside.
+/// Returns a scene by name or path. Prints the notices of its reader.
 pub(crate) fn scene(program: &Program, name: &str) -> Result<Scene> {
     let scene = load(program, name, true)?;
     for notice in &scene.notices {

@@ -93,8 +93,8 @@ mod tests {
         );
         let boxed = bulb.replace("sphere", "box");
         assert!(found(lamp, &boxed).is_some());
-        let beside = bulb.replace("[0, 1.5, 0]", "[0.4, 1.5, 0]");
-        assert_eq!(found(lamp, &beside), None);
+        let off_center = bulb.replace("[0, 1.5, 0]", "[0.4, 1.5, 0]");
+        assert_eq!(found(lamp, &off_center), None);
         assert_eq!(found(lamp, &format!("{bulb}\ncasts = false")), None);
         assert_eq!(
             found("kind = \"directional\"\ndirection = [0, -1, 0]", bulb),

@@ -26,7 +26,7 @@ const READ: [&str; 5] = [
 /// may require them, too.
 const LOOKS: &str = "KHR_materials_";
 
-/// Reads and checks a document, and lists what is left aside.
+/// Reads and checks a document, and lists its ignored contents.
 pub(super) fn parse(json: &[u8]) -> Result<(Document, Vec<String>), Invalid> {
     let (mut root, animations) = match serde_json::from_slice::<Root>(json) {
         Ok(root) => {

@@ -55,7 +55,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// Returns a line for each image that was left aside.
+    /// Returns a line for each ignored image.
     pub(super) fn notices(self) -> impl Iterator<Item = String> {
         self.pictures.notices.into_iter()
     }

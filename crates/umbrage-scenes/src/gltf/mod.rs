@@ -197,7 +197,7 @@ struct Reader<'a> {
     materials: Materials<'a>,
     meshes: FileMeshes,
     parts: Vec<ModelPart>,
-    /// What was left aside.
+    /// Ignored contents of the file.
     notices: Vec<String>,
 }
 

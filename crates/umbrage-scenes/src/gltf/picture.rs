@@ -16,7 +16,7 @@ use umbrage_core::{Invalid, Texture};
 pub(super) struct Pictures<'a> {
     document: &'a Document,
     known: HashMap<(usize, Meaning), Option<usize>>,
-    /// A line for each image that was left aside.
+    /// A line for each ignored image.
     pub(super) notices: Vec<String>,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Pose {
 
 impl Pose {
     /// Returns the pose of a node's mesh. `joints` has the placements of the scene's nodes. A skin
-    /// with a joint outside of the scene is left aside, with a notice.
+    /// with a joint outside of the scene is ignored, with a notice.
     pub(super) fn of_node(
         node: &PlacedNode<'_>,
         joints: &HashMap<usize, DAffine3>,

@@ -28,7 +28,7 @@ pub(super) struct CleanText {
     pub(super) statements: Vec<u8>,
     pub(super) faces: usize,
     pub(super) looks: Looks,
-    /// What is left aside, one line each.
+    /// Ignored contents of the file, one line each.
     pub(super) notices: Vec<String>,
 }
 
@@ -86,7 +86,7 @@ struct Cleaner<'a> {
     unusable: Vec<(usize, usize, String)>,
     /// The reason why the texture coordinates or the normals are dropped, if they are.
     dropped: [Option<String>; 3],
-    /// Keywords that are left aside, and their numbers of statements.
+    /// Ignored keywords, and their numbers of statements.
     ignored: BTreeMap<String, usize>,
     clean: CleanText,
 }
@@ -125,7 +125,7 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    /// Keeps a statement that makes a mesh, and counts others. Names are left aside silently, since
+    /// Keeps a statement that makes a mesh, and counts others. Names are ignored silently, since
     /// they change nothing.
     fn statement(&mut self, text: &str) -> Result<(), SceneError> {
         let mut words = text.split_whitespace();
@@ -249,12 +249,18 @@ impl Cleaner<'_> {
                 let name = KINDS[kind];
                 let why = format!("face names {name} {index}, but there are {count} before it");
                 let fault = self.fault(why, "use indices from 1, or from -1 backwards");
-                if kind == 0 {
-                    return Err(fault);
-                }
-                self.drop_kind(kind, &fault);
+                self.drop_or_refuse(kind, fault)?;
             }
         }
+        Ok(())
+    }
+
+    /// Returns a fault of vertices, and drops other kinds of elements because of it.
+    fn drop_or_refuse(&mut self, kind: usize, fault: SceneError) -> Result<(), SceneError> {
+        if kind == 0 {
+            return Err(fault);
+        }
+        self.drop_kind(kind, &fault);
         Ok(())
     }
 
@@ -265,10 +271,7 @@ impl Cleaner<'_> {
                 self.line = line;
                 let why = format!("face names {name} {index}, but the file has {count}");
                 let fault = self.fault(why, "check that the file is complete");
-                if kind == 0 {
-                    return Err(fault);
-                }
-                self.drop_kind(kind, &fault);
+                self.drop_or_refuse(kind, fault)?;
             }
         }
         Ok(())

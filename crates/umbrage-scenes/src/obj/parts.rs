@@ -104,7 +104,7 @@ pub(super) struct Model {
     /// The face of each triangle.
     pub(super) face: Vec<u32>,
     pub(super) looks: Looks,
-    /// What is left aside, one line each.
+    /// Ignored contents of the file, one line each.
     pub(super) notices: Vec<String>,
 }
 

@@ -4,9 +4,9 @@ use glam::{Mat4, Vec3, Vec4};
 use std::ops::Range;
 use umbrage_core::{Aabb, Simd, SimdTask};
 
-/// Relative rounding bound of the test of a box against a plane or a point. Each product and sum of the test
-/// and of the box itself has a relative error of 2^-24, and there are fewer than sixteen of them:
-/// this is 2^-18.
+/// Relative rounding bound of the test of a box against a plane or a point. Each product and sum of
+/// the test and of the box itself has a relative error of 2^-24, and there are fewer than sixteen
+/// of them: this is 2^-18.
 const ROUNDING: f32 = 1.0 / 262_144.0;
 /// Half extent of empty boxes, which are outside of every plane.
 const NOTHING: f32 = -1e30;

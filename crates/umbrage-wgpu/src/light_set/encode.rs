@@ -36,8 +36,9 @@ impl LightSet {
     /// Pipelines need the target's [`primitive`](CastTarget::primitive) and
     /// [`depth_stencil`](CastTarget::depth_stencil). Targets with equal
     /// [keys](CastTarget::key) need equal ones. The vertex shader ends in
-    /// `clip_from_world * p_world`: the pass has this matrix at bind group 0 ([`cast_layout`](Self::cast_layout)). If the target has a
-    /// layer to peel ([`behind`](CastTarget::behind)), the pass has it at group 2.
+    /// `clip_from_world * p_world`: the pass has this matrix at bind group 0
+    /// ([`cast_layout`](Self::cast_layout)). If the target has a layer to peel
+    /// ([`behind`](CastTarget::behind)), the pass has it at group 2.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.

@@ -1,4 +1,4 @@
-//! Morph targets, skins, instances, hidden nodes, and the notices of what is left aside.
+//! Morph targets, skins, instances, hidden nodes, and the notices of ignored contents.
 
 use super::{
     model::{SQUARE, TestModel, U8, U16, words},
