@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Writes the images of the README and of docs, the figures of docs/failures.md, and docs/which.md. Takes about an hour.
 # (`python3 examples/viewer/try.py --bless` writes docs/viewer.png.)
+# It needs `pngquant` (Debian's package of that name).
 set -euo pipefail
 cd "$(dirname "$0")/.."
+command -v pngquant >/dev/null || { echo "install pngquant first: apt-get install pngquant" >&2; exit 1; }
 report=target/pictures
 mkdir -p "$report"
 gallery() {
@@ -37,3 +39,7 @@ scenes=(nave nave-soft street street-soft forest forest-soft valley valley-soft 
   night-room night-room-soft hall hall-soft statue town town-soft)
 cargo xtask compare "${scenes[@]}" --backend cpu --out "$report/which"
 cargo xtask which "$report/which" "$report/stability" --card docs/cards/nvidia-h100.json --out docs
+# A palette halves a picture and changes no pixel visibly. Pictures that a palette would enlarge stay.
+for picture in docs/*.png docs/*/*.png; do
+  pngquant --quality=0-90 --speed 1 --strip --ext .png --force --skip-if-larger "$picture" || [ $? = 98 ]
+done
