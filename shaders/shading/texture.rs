@@ -73,7 +73,9 @@ fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
 /// Returns the texels of all textures in sequence, and each texture's location among them. The
 /// table is one row of zeros if there are none.
 pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
-    let mut rows = Vec::new();
+    // Growing by doubling would hold up to three times the texels.
+    let count = textures.iter().map(|texture| texture.texels.len()).sum();
+    let mut rows = Vec::with_capacity(count);
     let mut places = Vec::new();
     for texture in textures {
         places.push(UVec4::new(

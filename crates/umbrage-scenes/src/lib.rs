@@ -185,5 +185,5 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
-pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, ShadowFilesOnDisk};
+pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, SizedFilesOnDisk};
 pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

@@ -509,7 +509,7 @@ fn scene(
     content: &CompareOptions,
     own: &CompareOptions,
 ) -> Result<SceneInput> {
-    let scene = inputs::load(program, name, own.color)?;
+    let scene = inputs::load(program, name, color_side(own))?;
     Ok(match umbrage_scenes::find(name) {
         Some(entry) => of_entry(scene, entry, content),
         None => SceneInput {
@@ -518,6 +518,21 @@ fn scene(
             ..SceneInput::new(scene, "")
         },
     })
+}
+
+/// Returns the greatest side of textures that only colour surfaces, texels.
+fn color_side(options: &CompareOptions) -> u32 {
+    /// Texels for each pixel, along a side. A frame may show a part of a texture: an atlas, or a
+    /// wall that the camera is close to.
+    const TEXELS_A_PIXEL: u32 = 4;
+    /// Width of the images of models. That of a scene file is known only after its textures are
+    /// read; up to four times this width has a texel for each pixel.
+    const USUAL_WIDTH: u32 = 640;
+    if !options.color {
+        return 0;
+    }
+    let width = options.size.map_or(USUAL_WIDTH, UVec2::max_element);
+    TEXELS_A_PIXEL.saturating_mul(width)
 }
 
 /// Returns the names of techniques that quick runs and the suite's checks omit. `None` if the user

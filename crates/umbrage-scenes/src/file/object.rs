@@ -100,6 +100,7 @@ pub(super) fn read_all(
             item,
         });
     }
+    textures.decode(&mut scene.textures)?;
     // Choose the anchor, and add an instance for each part.
     let anchor = anchor.unwrap_or_else(|eye| {
         let mut bounds = Box64::EMPTY;

@@ -175,6 +175,7 @@ fn parts(
             .add(node, &document, &joints, scene)
             .map_err(|e| e.within_context(node.error_name()))?;
     }
+    reader.materials.decode_images(scene)?;
     if reader.parts.is_empty() {
         return Err(Invalid::new(
             "scene",

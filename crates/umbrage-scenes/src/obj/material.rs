@@ -95,35 +95,55 @@ impl Entry {
         Ok(())
     }
 
-    /// Returns the material. Its textures are read if they exist and the mesh is `mapped`, so that
-    /// it can show them.
-    pub(super) fn material(
+    /// Returns the material with its textures, which are added if their files exist and the mesh is
+    /// `mapped`, so that it can show them.
+    pub(super) fn textured(
         &self,
         mapped: bool,
         files: &mut TextureFiles<'_>,
         textures: &mut Vec<Texture>,
-    ) -> Result<Material, SceneError> {
+    ) -> Result<TexturedEntry, SceneError> {
         let mut material = self.material;
         if let Some(path) = usable_map(self.color_map.as_deref(), mapped, files.files) {
-            let texture = files.index(path, Meaning::Color, textures)?;
-            material.diffuse_texture = Some(texture);
-            // Images without alpha have 1 everywhere.
-            material.alpha = cut_out(texture, textures);
+            material.diffuse_texture = files.index_of_colors(path, textures)?;
         }
+        let mut alpha_texture = material.diffuse_texture;
         if let Some(path) = usable_map(self.alpha_map.as_deref(), mapped, files.files) {
-            let texture = files.index(path, Meaning::Alpha, textures)?;
-            material.alpha = cut_out(texture, textures);
+            alpha_texture = files.index(path, Meaning::Alpha, textures)?;
         }
         if let Some(path) = usable_map(self.normal_map.as_deref(), mapped, files.files) {
-            let map = files.index(path, Meaning::Data, textures)?;
-            // Grey bump maps are heights of unknown scale.
-            let is_grey = textures[map]
-                .texels
-                .iter()
-                .all(|t| t[0] == t[1] && t[1] == t[2]);
-            material.normal_map = if is_grey { None } else { Some(map) };
+            material.normal_map = files.index(path, Meaning::Normals, textures)?;
         }
-        Ok(material)
+        Ok(TexturedEntry {
+            material,
+            alpha_texture,
+        })
+    }
+}
+
+/// A material whose images may not be decoded yet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TexturedEntry {
+    material: Material,
+    /// The texture whose alpha may have holes.
+    alpha_texture: Option<usize>,
+}
+
+impl TexturedEntry {
+    /// Returns the material, given the decoded textures.
+    pub(super) fn material(&self, textures: &[Texture]) -> Material {
+        // Grey bump maps are heights of unknown scale.
+        let is_grey = |map: &usize| {
+            let mut texels = textures[*map].texels.iter();
+            texels.all(|t| t[0] == t[1] && t[1] == t[2])
+        };
+        Material {
+            alpha: self
+                .alpha_texture
+                .and_then(|texture| cut_out(texture, textures)),
+            normal_map: self.material.normal_map.filter(|map| !is_grey(map)),
+            ..self.material
+        }
     }
 }
 

@@ -1,5 +1,5 @@
 use super::{material::parse, read_scene};
-use crate::{FilesOnDisk, SceneError, detail::TextureFiles};
+use crate::{FilesOnDisk, SceneError, SizedFilesOnDisk, detail::TextureFiles};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Geometry, Scene};
@@ -115,6 +115,49 @@ fn alpha_cuts_holes() {
     assert_eq!(alpha("map_d missing.png"), None);
 }
 
+/// Files with textures of at most 8 texels a side, and without textures, in OBJ and scene files.
+#[test]
+fn color_maps_are_reduced_and_alpha_maps_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let brick = image::RgbImage::from_fn(32, 32, |x, _| image::Rgb([8 * x as u8, 99, 9]));
+    brick.save(at("brick.png")).unwrap();
+    let leaf = image::RgbaImage::from_fn(32, 32, |x, y| {
+        image::Rgba([9, 99, 9, if x == y { 0 } else { 255 }])
+    });
+    leaf.save(at("leaf.png")).unwrap();
+    std::fs::write(at("m.obj"), QUADS).unwrap();
+    let text = "newmtl red\nmap_Kd leaf.png\nnewmtl brick\nmap_Kd brick.png\nmap_d leaf.png\n\
+                map_Bump brick.png\n";
+    std::fs::write(at("looks.mtl"), text).unwrap();
+    let text = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n[[object]]\nshape = \"box\"\n\
+                texture = \"leaf.png\"\nalpha_map = \"leaf.png\"\nnormal_map = \"brick.png\"\n\
+                height_map = \"brick.png\"\ndisplacement = 0.1\n";
+    std::fs::write(at("s.toml"), text).unwrap();
+    let sides = |file: &str, color_side: u32| {
+        let scene = crate::read(at(file), &SizedFilesOnDisk { color_side }).unwrap();
+        let textures = scene.textures.iter();
+        let sides: Vec<(String, u32)> = textures.map(|t| (t.name.clone(), t.size.x)).collect();
+        let holes = Geometry::bake(&scene).unwrap().cut_outs().cloned();
+        (sides, holes)
+    };
+    let named = |sides: &[(&str, u32)]| -> Vec<(String, u32)> {
+        let owned = sides.iter().map(|(name, side)| ((*name).to_owned(), *side));
+        owned.collect()
+    };
+    let (leaf, brick) = ("leaf.png", "brick.png");
+    let all = named(&[(leaf, 32), (brick, 8), (leaf, 32), (brick, 8)]);
+    let (found, holes) = sides("m.obj", 8);
+    assert_eq!((found, holes.is_some()), (all, true));
+    let cast = named(&[(leaf, 32), (leaf, 32)]);
+    assert_eq!(sides("m.obj", 0), (cast, holes));
+    let all = named(&[(leaf, 8), (brick, 8), (brick, 32), (leaf, 32)]);
+    let (found, holes) = sides("s.toml", 8);
+    assert_eq!((found, holes.is_some()), (all, true));
+    let cast = named(&[(brick, 32), (leaf, 32)]);
+    assert_eq!(sides("s.toml", 0), (cast, holes));
+}
+
 #[test]
 fn broken_looks_are_refused_with_their_line() {
     let message = |mtl: &str| load(Some(mtl), &[]).unwrap_err().to_string();
@@ -151,8 +194,9 @@ fn powers_are_rounded_to_powers_of_two() {
     ] {
         let entries = parse(&format!("newmtl a\nNs {ns}"), Path::new("a.mtl")).unwrap();
         let material = entries[0]
-            .material(false, &mut TextureFiles::new(&FilesOnDisk), &mut Vec::new())
-            .unwrap();
+            .textured(false, &mut TextureFiles::new(&FilesOnDisk), &mut Vec::new())
+            .unwrap()
+            .material(&[]);
         assert_eq!(material.shininess_log2, expected, "{ns}");
     }
 }

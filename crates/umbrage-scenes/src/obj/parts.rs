@@ -45,16 +45,21 @@ pub(super) fn add(
             model.offset,
         )]);
     };
-    // Add a mesh for each material.
-    let mut parts = Vec::new();
-    for (entry, mut mesh) in model.split(&entries) {
-        let material = match entry {
-            Some(i) => {
-                let is_mapped = !mesh.uvs.is_empty();
-                Some(entries[i].material(is_mapped, files, &mut scene.textures)?)
-            }
+    // Read the textures of all materials.
+    let mut split = Vec::new();
+    for (entry, mesh) in model.split(&entries) {
+        let is_mapped = !mesh.uvs.is_empty();
+        let textured = match entry {
+            Some(i) => Some(entries[i].textured(is_mapped, files, &mut scene.textures)?),
             None => None,
         };
+        split.push((textured, mesh));
+    }
+    files.decode(&mut scene.textures)?;
+    // Add a mesh for each material.
+    let mut parts = Vec::new();
+    for (textured, mut mesh) in split {
+        let material = textured.map(|entry| entry.material(&scene.textures));
         if material.is_some_and(|m| m.normal_map.is_some()) {
             mesh = with_tangents(&mesh).map_err(|fault| SceneError::Invalid {
                 file: path.display().to_string(),
