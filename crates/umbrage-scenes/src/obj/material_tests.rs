@@ -1,4 +1,7 @@
-use super::{material::parse, read_scene};
+use super::{
+    material::{Losses, parse},
+    read_scene,
+};
 use crate::{FilesOnDisk, SceneError, SizedFilesOnDisk, detail::TextureFiles};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
@@ -115,6 +118,59 @@ fn alpha_cuts_holes() {
     assert_eq!(alpha("map_d missing.png"), None);
 }
 
+/// Returns the notices of a model with these materials, without the model's name. It is read with
+/// colours, and for shadows alone.
+fn notices(mtl: &str, obj: &str) -> [Vec<String>; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("m.obj"), obj).unwrap();
+    std::fs::write(at("looks.mtl"), mtl).unwrap();
+    let grey = image::RgbImage::from_pixel(2, 2, image::Rgb([128, 128, 128]));
+    grey.save(at("grey.png")).unwrap();
+    let model = format!("{}: ", at("m.obj").display());
+    let prefix = format!("{}/", folder.path().display());
+    [64, 0].map(|color_side| {
+        let scene = crate::read(at("m.obj"), &SizedFilesOnDisk { color_side }).unwrap();
+        let short = |notice: &String| notice.replace(&model, "").replace(&prefix, "");
+        scene.notices.iter().map(short).collect()
+    })
+}
+
+#[test]
+fn losses_of_materials_are_listed() {
+    let text = "newmtl red\nKd 1 0 0\nKa 1 1 1\nNi 1.5\nillum 2\nd 1\nTr 1\nmap_Kd -s 2 2 1 -o 0 0 0 grey.png\n\
+                map_Ks shine.png\nmap_Bump -bm 1 grey.png\n\
+                newmtl brick\nd -halo 0.5\nmap_Kd brick.jpg\nmap_d -clamp on holes.tga\nmap_bump gone.png\n\
+                disp -s 1 1 1 heights.png\nnewmtl unused\nd 0.1\nmap_Ks other.png\n";
+    let [all, for_shadows] = notices(text, QUADS);
+    let shadows = [
+        "keys of materials are ignored: disp, map_Kd -s, map_d -clamp",
+        "materials are not defined: unknown",
+        "textures are ignored, which are not PNG: holes.tga",
+        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+    ];
+    assert_eq!(for_shadows, shadows);
+    let expected = [
+        "grey bump maps are ignored, whose heights have no scale: grey.png",
+        "keys of materials are ignored: disp, map_Kd -s, map_Ks, map_d -clamp",
+        "materials are not defined: unknown",
+        "textures are ignored, which are not PNG: brick.jpg, holes.tga",
+        "textures are missing: gone.png",
+        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+    ];
+    assert_eq!(all, expected);
+    // Faces without texture coordinates.
+    let bare = QUADS.replace("/1", "").replace("/2", "").replace("/3", "");
+    let text = "newmtl red\nmap_Kd grey.png\nnewmtl brick\nnewmtl unknown\n";
+    let [bare, _] = notices(text, &bare);
+    let why = "textures are ignored where faces have no texture coordinates, of materials: red";
+    assert_eq!(bare, [why]);
+    // Keys without an effect are no loss.
+    let usual = "newmtl red\nKa 0 0 0\nKd 1 0 0\nTf 1 1 1\nTr 0\nNi 1\nillum 7\nmap_Ka grey.png\n\
+                 newmtl brick\nd 1.0\nmap_Kd -s 1 1 1 -t 0 0 0 -clamp off grey.png\nnewmtl unknown\n";
+    assert_eq!(notices(usual, QUADS), [[""; 0]; 2]);
+}
+
 /// Files with textures of at most 8 texels a side, and without textures, in OBJ and scene files.
 #[test]
 fn color_maps_are_reduced_and_alpha_maps_are_not() {
@@ -194,9 +250,14 @@ fn powers_are_rounded_to_powers_of_two() {
     ] {
         let entries = parse(&format!("newmtl a\nNs {ns}"), Path::new("a.mtl")).unwrap();
         let material = entries[0]
-            .textured(false, &mut TextureFiles::new(&FilesOnDisk), &mut Vec::new())
+            .textured(
+                false,
+                &mut TextureFiles::new(&FilesOnDisk),
+                &mut Vec::new(),
+                &mut Losses::new(),
+            )
             .unwrap()
-            .material(&[]);
+            .material(&[], &mut Losses::new());
         assert_eq!(material.shininess_log2, expected, "{ns}");
     }
 }
