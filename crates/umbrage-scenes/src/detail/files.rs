@@ -38,42 +38,32 @@ impl<'a> TextureFiles<'a> {
             return Ok(Some(index));
         }
         let image = self.read(path, meaning)?;
-        Ok(self.add(path, image, textures))
-    }
-
-    /// Returns the texture of colours with an alpha test where the file has an alpha channel, and
-    /// of colours alone where it has none.
-    pub(crate) fn index_of_colors(
-        &mut self,
-        path: &Path,
-        textures: &mut Vec<Texture>,
-    ) -> Result<Option<usize>, SceneError> {
-        for meaning in [Meaning::CutOut, Meaning::Color] {
-            if let Some(&index) = self.known.get(&(path.to_path_buf(), meaning)) {
-                return Ok(Some(index));
-            }
+        if meaning.is_only_shown() && image.color_side == 0 {
+            return Ok(None);
         }
-        let mut image = self.read(path, Meaning::Color)?;
-        let (_, has_alpha) = image.header().map_err(|e| unreadable_image(path, &e))?;
-        if has_alpha {
-            image.meaning = Meaning::CutOut;
-        }
-        Ok(self.add(path, image, textures))
-    }
-
-    fn add(
-        &mut self,
-        path: &Path,
-        image: EncodedImage,
-        textures: &mut Vec<Texture>,
-    ) -> Option<usize> {
-        if image.meaning.is_only_shown() && image.color_side == 0 {
-            return None;
-        }
-        let key = (path.to_path_buf(), image.meaning);
         let index = self.pending.add(image, textures);
-        self.known.insert(key, index);
-        Some(index)
+        self.known.insert((path.to_path_buf(), meaning), index);
+        Ok(Some(index))
+    }
+
+    /// Returns the textures of colours and of their alpha test, if the file has an alpha channel.
+    /// They are one, unless the alpha test is larger than colours may be.
+    pub(crate) fn indices_of_colors(
+        &mut self,
+        path: &Path,
+        textures: &mut Vec<Texture>,
+    ) -> Result<[Option<usize>; 2], SceneError> {
+        let image = self.read(path, Meaning::Color)?;
+        let (size, has_alpha) = image.header().map_err(|e| unreadable_image(path, &e))?;
+        if !has_alpha {
+            return Ok([self.index(path, Meaning::Color, textures)?, None]);
+        }
+        let color_side = image.color_side;
+        let alpha = self.index(path, Meaning::CutOut, textures)?;
+        if color_side == 0 || size.max_element() <= color_side {
+            return Ok([alpha, alpha]);
+        }
+        Ok([self.index(path, Meaning::Color, textures)?, alpha])
     }
 
     /// Decodes the images of all textures so far.

@@ -132,13 +132,23 @@ impl<'a> Materials<'a> {
             // Panes of glass are visible and receive shadows.
             AlphaTest::Everything => (None, false),
         };
+        // A mask keeps its size. Read larger colours again, at theirs.
+        let color_side = data.files.color_side();
+        let is_larger = |texture: &usize| scene.textures[*texture].size.max_element() > color_side;
+        let shown = match maps[0].filter(|_| color_side > 0 && color.iter().any(is_larger)) {
+            Some(map) if meaning == Meaning::CutOut => {
+                self.pictures
+                    .texture(map.picture, Meaning::Color, data, &mut scene.textures)?
+            }
+            _ => color,
+        };
         let surface = file.pbr_metallic_roughness();
         let [red, green, blue, _] = surface.base_color_factor();
         // A texture that is not read restricts emission to a part of the surface.
         let emits_evenly = file.emissive_texture().is_none();
         scene.materials.push(Material {
             diffuse: clamp_color(Vec3::new(red, green, blue)),
-            diffuse_texture: color,
+            diffuse_texture: shown,
             emissive: match emits_evenly {
                 true => clamp_color(Vec3::from_array(file.emissive_factor())),
                 false => Vec3::ZERO,

@@ -191,6 +191,7 @@ impl Entry {
         let shows_colors = files.files.color_side() > 0;
         self.list_losses(shows_colors, losses);
         let mut material = self.material;
+        let mut alpha_texture = None;
         // JPEG files have no alpha.
         let may_cast = |path: &Path| !is_jpeg(path);
         let map = self
@@ -198,9 +199,8 @@ impl Entry {
             .as_deref()
             .filter(|path| shows_colors || may_cast(path));
         if let Some(path) = self.usable_map(map, mapped, files.files, losses) {
-            material.diffuse_texture = files.index_of_colors(path, textures)?;
+            [material.diffuse_texture, alpha_texture] = files.indices_of_colors(path, textures)?;
         }
-        let mut alpha_texture = material.diffuse_texture;
         let map = self.alpha_map.as_deref();
         if let Some(path) = self.usable_map(map, mapped, files.files, losses) {
             alpha_texture = files.index(path, Meaning::Alpha, textures)?;

@@ -202,7 +202,7 @@ fn color_maps_are_reduced_and_alpha_maps_are_not() {
         owned.collect()
     };
     let (leaf, brick) = ("leaf.png", "brick.png");
-    let all = named(&[(leaf, 32), (brick, 8), (leaf, 32), (brick, 8)]);
+    let all = named(&[(leaf, 32), (leaf, 8), (brick, 8), (leaf, 32), (brick, 8)]);
     let (found, holes) = sides("m.obj", 8);
     assert_eq!((found, holes.is_some()), (all, true));
     let cast = named(&[(leaf, 32), (leaf, 32)]);
