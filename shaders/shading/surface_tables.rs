@@ -3,7 +3,7 @@
 
 use crate::shading::texture;
 use glam::{UVec4, Vec2, Vec3, Vec4};
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 use umbrage_core::{Geometry, Invalid, Material, NO_MATERIAL, Scene, Table};
 
 /// Rows per vertex: position and u; shading normal and v; tangent and handedness.
@@ -44,7 +44,18 @@ impl SurfaceTables {
                 "shade it with the scene that it was baked from",
             ));
         }
-        let (texels, places) = texture::rows(&scene.textures);
+        // Leave out the textures that are not shown: masks and heights are large.
+        let shown: HashSet<usize> = scene
+            .materials
+            .iter()
+            .flat_map(|material| [material.diffuse_texture, material.normal_map])
+            .flatten()
+            .collect();
+        let textures = scene.textures.iter().enumerate();
+        let textures: Vec<_> = textures
+            .map(|(i, texture)| shown.contains(&i).then_some(texture))
+            .collect();
+        let (texels, places) = texture::rows(&textures);
         let mut materials = Vec::new();
         for material in &scene.materials {
             materials.extend(material_rows(material, &places));

@@ -71,11 +71,18 @@ fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
 }
 
 /// Returns the texels of all textures in sequence, and each texture's location among them. The
-/// table is one row of zeros if there are none.
-pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
-    let mut rows = Vec::new();
+/// table is one row of zeros if there are none. Textures of `None` have no texels and the width 0.
+pub(crate) fn rows(textures: &[Option<&Texture>]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
+    // Growing by doubling would hold up to three times the texels.
+    let shown = textures.iter().flatten();
+    let count = shown.map(|texture| texture.texels.len()).sum();
+    let mut rows = Vec::with_capacity(count);
     let mut places = Vec::new();
     for texture in textures {
+        let Some(texture) = texture else {
+            places.push(UVec4::ZERO);
+            continue;
+        };
         places.push(UVec4::new(
             rows.len() as u32,
             texture.size.x,
@@ -118,15 +125,14 @@ mod tests {
     }
 
     fn read(u: f32, v: f32) -> [f32; 4] {
-        let (rows, places) = rows(&[
-            Texture {
-                size: UVec2::ONE,
-                texels: vec![[9.0; 4]],
-                ..texture()
-            },
-            texture(),
-        ]);
-        bilinear(&rows, places[1], Vec2::new(u, v)).to_array()
+        let other = Texture {
+            size: UVec2::ONE,
+            texels: vec![[9.0; 4]],
+            ..texture()
+        };
+        let (rows, places) = rows(&[Some(&other), None, Some(&texture())]);
+        assert_eq!((rows.len(), places[1]), (5, UVec4::ZERO));
+        bilinear(&rows, places[2], Vec2::new(u, v)).to_array()
     }
 
     /// u grows to the right, v down; texel centres are at quarters.
@@ -172,7 +178,7 @@ mod tests {
             size: UVec2::new(5, 3),
             texels: vec![[0.1, 0.5, 0.7, 1.0]; 15],
         };
-        let (rows, places) = rows(&[flat]);
+        let (rows, places) = rows(&[Some(&flat)]);
         for i in 0..1000 {
             let uv = Vec2::new(i as f32 * 0.377, i as f32 * -0.061);
             assert_eq!(

@@ -15,7 +15,7 @@ mod gltf_model;
 use std::{cell::RefCell, fs, path::PathBuf};
 use tempfile::TempDir;
 use umbrage::{
-    Backend as _, Camera, Geometry, Light, Scene, ShadowTechnique, View,
+    Anchor, Backend as _, Camera, Geometry, Light, Scene, ShadowTechnique, View,
     cpu::{Cpu, CpuOptions},
     glam::{UVec2, Vec3},
     plan::cost::PriceList,
@@ -121,7 +121,7 @@ pub(super) fn scene_file(bytes: &[u8]) {
     }
     let cube = scenes::find("cubes").expect("built in");
     let geometry = Geometry::bake(&(cube.build)()).expect("built in");
-    if let Ok(cameras) = scenes::cameras(&file("path.toml", bytes), &geometry) {
+    if let Ok(cameras) = scenes::cameras(&file("path.toml", bytes), &geometry, Anchor::ORIGIN) {
         assert!(!cameras.is_empty());
     }
 }

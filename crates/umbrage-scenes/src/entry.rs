@@ -21,6 +21,9 @@ pub struct SceneEntry {
     pub build: fn() -> Scene,
     /// The light space of the textbook. `None` if a tight fit is suitable.
     pub fit: Option<Fit>,
+    /// Greatest share of pixels facing the light that comparisons may leave out as ambiguous. `None`
+    /// for the limit of all scenes.
+    pub max_left_out: Option<f64>,
     /// Points with analytic visibility. `None` for most scenes.
     pub closed_form: Option<fn() -> ClosedForm>,
 }

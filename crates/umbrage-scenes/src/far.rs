@@ -71,7 +71,7 @@ pub(crate) fn notice(file: &str, anchor: Anchor) -> Option<String> {
     }
     let [x, y, z] = anchor.point().to_array();
     Some(format!(
-        "{file}: far from the origin: positions are relative to `anchor = [{x}, {y}, {z}]`; give camera files the same"
+        "{file}: far from the origin: positions are relative to `anchor = [{x}, {y}, {z}]`"
     ))
 }
 

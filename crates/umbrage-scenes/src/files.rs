@@ -1,5 +1,6 @@
 //! Sources of a scene's files: on disk, in memory, or in a program's own store.
 
+use crate::detail::PICTURE_SIDE;
 use std::{
     collections::BTreeSet,
     fmt, fs,
@@ -33,10 +34,11 @@ pub trait Files {
         }
     }
 
-    /// Reports whether images are read that only colour surfaces. glTF files are read without them
-    /// where this is `false`: shadows need images for alpha tests only.
-    fn needs_colors(&self) -> bool {
-        true
+    /// Returns the greatest side, texels, of textures without effect on shadows. Larger images are
+    /// reduced by averaging. They are not read where this is 0: shadows need images for alpha tests
+    /// and heights only, and these keep their sizes.
+    fn color_side(&self) -> u32 {
+        PICTURE_SIDE
     }
 
     /// Returns the remedy for a missing file: the end of its error message.
@@ -64,11 +66,14 @@ impl Files for FilesOnDisk {
     }
 }
 
-/// Files on disk, for shadows without colour images: see [`Files::needs_colors`].
+/// Files on disk, for images of a known size or for shadows alone.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ShadowFilesOnDisk;
+pub struct SizedFilesOnDisk {
+    /// The value of [`Files::color_side`].
+    pub color_side: u32,
+}
 
-impl Files for ShadowFilesOnDisk {
+impl Files for SizedFilesOnDisk {
     fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
         FilesOnDisk.open(path)
     }
@@ -77,8 +82,8 @@ impl Files for ShadowFilesOnDisk {
         FilesOnDisk.has(path)
     }
 
-    fn needs_colors(&self) -> bool {
-        false
+    fn color_side(&self) -> u32 {
+        self.color_side
     }
 }
 

@@ -93,8 +93,10 @@
 //! `map_Kd`, `map_d` and, for normals, `norm` or `map_Bump`. Alpha below one half, of `map_d` or
 //! else of `map_Kd`, fails the alpha test. Shadows don't need looks, and many models lack theirs,
 //! so these are ignored: missing `.mtl` files or textures, textures that are not PNG, and grey bump
-//! maps (heights of unknown scale). A `.png` file that can't be decoded and a number that can't be
-//! read are errors.
+//! maps (heights of unknown scale). They are listed in the notices for the materials that faces use.
+//! So are transparency (`d`, `Tr`), `disp`, `map_Ks` and other textures, and the options `-o`, `-s`,
+//! `-t`, `-mm`, `-bm`, `-clamp` and `-imfchan`. A `.png` file that can't be decoded and a number that
+//! can't be read are errors.
 //!
 //! ## glTF
 //!
@@ -142,7 +144,8 @@
 //! Positions in all files are read as 64-bit numbers. A model or scene that is far from the origin
 //! (1.5 km, and 8 times its size), such as one in UTM metres or in earth-centred coordinates, is
 //! stored relative to an [`Anchor`](umbrage_core::Anchor) near its camera, with a notice. The key
-//! `anchor` of scene files applies to the vertices of models, too.
+//! `anchor` of scene files applies to the vertices of models, too. Camera files have positions of the
+//! scene file, and share its anchor.
 //!
 //! # Detailed surfaces
 //!
@@ -185,5 +188,5 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
-pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, ShadowFilesOnDisk};
+pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile, SizedFilesOnDisk};
 pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

@@ -11,6 +11,7 @@ pub(crate) mod material;
 use crate::{
     invalid::{Invalid, finite},
     scene::{
+        anchor::Anchor,
         camera::Camera,
         light::Light,
         material::{Material, Texture},
@@ -169,6 +170,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras.
     pub cameras: Vec<Camera>,
+    /// Origin of all positions in the scene's files. Camera files for the scene share it.
+    pub anchor: Anchor,
     /// Contents of the scene's files that readers ignore, one line each.
     pub notices: Vec<String>,
 }

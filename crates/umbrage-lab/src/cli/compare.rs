@@ -90,7 +90,8 @@ pub(crate) struct CompareArguments {
     pub(crate) runs: Option<u32>,
     /// Fail if more than this share of pixels facing the light is left out as ambiguous, 0 to 1
     ///
-    /// Applies to scene files and models. The report is written all the same.
+    /// Built-in scenes of leaves, wires or far coordinates have higher limits of their own. The report
+    /// is written all the same.
     #[arg(long, value_name = "SHARE", default_value = "0.05", value_parser = parse_share)]
     pub(crate) max_left_out: f64,
     /// Folder for the report. Default: target/compare in the repository
@@ -228,17 +229,25 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         .filter(|(name, _)| umbrage_scenes::find(name).is_none())
         .map(|(_, input)| input.scene.name.as_str())
         .collect();
-    let enough = check_left_out(&comparison, &of_files, arguments.max_left_out);
+    let limit = |name: &str| limit_of(name, &of_files, arguments.max_left_out);
+    let enough = check_left_out(&comparison, limit);
     // All are printed; the first error is returned.
     verdict(&comparison).and(enough).and(guarded)
 }
 
-/// Errors if a scene of these names leaves out more than this share of its pixels as ambiguous.
-fn check_left_out(comparison: &Comparison, names: &[&str], most: f64) -> Result<()> {
+/// Returns the greatest share of pixels that a scene may leave out as ambiguous: its own limit if it
+/// is built in and has one, or `most`. `of_files` are the names of scenes from files.
+fn limit_of(name: &str, of_files: &[&str], most: f64) -> f64 {
+    let built_in = umbrage_scenes::find(name).filter(|_| !of_files.contains(&name));
+    let own = built_in.and_then(|entry| entry.max_left_out);
+    own.map_or(most, |own| own.max(most))
+}
+
+/// Errors if a scene leaves out more pixels as ambiguous than the limit of its name.
+fn check_left_out(comparison: &Comparison, limit: impl Fn(&str) -> f64) -> Result<()> {
     let scenes = comparison.scenes.iter();
     let over: Vec<String> = scenes
-        .filter(|scene| names.contains(&scene.name.as_str()))
-        .filter(|scene| scene.truth.share_left_out() > most)
+        .filter(|scene| scene.truth.share_left_out() > limit(&scene.name))
         .filter_map(|scene| Some(format!("{}: {}", scene.name, scene.truth.left_out_words()?)))
         .collect();
     if over.is_empty() {
@@ -509,7 +518,7 @@ fn scene(
     content: &CompareOptions,
     own: &CompareOptions,
 ) -> Result<SceneInput> {
-    let scene = inputs::load(program, name, own.color)?;
+    let scene = inputs::load(program, name, color_side(own))?;
     Ok(match umbrage_scenes::find(name) {
         Some(entry) => of_entry(scene, entry, content),
         None => SceneInput {
@@ -518,6 +527,21 @@ fn scene(
             ..SceneInput::new(scene, "")
         },
     })
+}
+
+/// Returns the greatest side of textures that only colour surfaces, texels.
+fn color_side(options: &CompareOptions) -> u32 {
+    /// Texels for each pixel, along a side. A frame may show a part of a texture: an atlas, or a
+    /// wall that the camera is close to.
+    const TEXELS_A_PIXEL: u32 = 4;
+    /// Width of the images of models. That of a scene file is known only after its textures are
+    /// read; up to four times this width has a texel for each pixel.
+    const USUAL_WIDTH: u32 = 640;
+    if !options.color {
+        return 0;
+    }
+    let width = options.size.map_or(USUAL_WIDTH, UVec2::max_element);
+    TEXELS_A_PIXEL.saturating_mul(width)
 }
 
 /// Returns the names of techniques that quick runs and the suite's checks omit. `None` if the user
@@ -647,7 +671,7 @@ fn sort_sizes(sizes: &[u32]) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{check_left_out, sort_sizes};
+    use super::{check_left_out, limit_of, sort_sizes};
     use crate::compare::{Comparison, SceneResult, TruthSummary};
 
     #[test]
@@ -667,8 +691,9 @@ mod tests {
             scenes: vec![scene("a", 5), scene("b", 6), scene("c", 50), scene("d", 90)],
             ..Comparison::default()
         };
-        let names = ["a", "b", "c"];
-        let message = check_left_out(&comparison, &names, 0.05)
+        // The last scene has a limit of its own.
+        let limit = |name: &str| if name == "d" { 0.95 } else { 0.05 };
+        let message = check_left_out(&comparison, limit)
             .expect_err("two")
             .to_string();
         let lines: Vec<&str> = message.lines().skip(1).map(str::trim).collect();
@@ -679,8 +704,16 @@ mod tests {
                 "c: left out as ambiguous: 50 pixels, 50.0 % of those facing the light, all of the shadow among them",
             ]
         );
-        assert!(check_left_out(&comparison, &names, 0.5).is_ok());
-        assert!(check_left_out(&comparison, &["a"], 0.05).is_ok());
+        assert!(check_left_out(&comparison, |_| 0.9).is_ok());
+    }
+
+    #[test]
+    fn built_in_scenes_may_have_limits_of_their_own() {
+        assert_eq!(limit_of("foliage", &[], 0.05), 0.35);
+        assert_eq!(limit_of("foliage", &[], 0.5), 0.5);
+        assert_eq!(limit_of("cubes", &[], 0.05), 0.05);
+        // A file with the name of a built-in scene has the limit of files.
+        assert_eq!(limit_of("foliage", &["foliage"], 0.05), 0.05);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use anyhow::Result;
 use std::path::Path;
 use umbrage_core::{BackendError, Scene};
 use umbrage_plan::cost::PriceList;
-use umbrage_scenes::{SceneError, ShadowFilesOnDisk};
+use umbrage_scenes::{SceneError, SizedFilesOnDisk};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Opens the backends, wgpu on the named adapter.
@@ -65,19 +65,19 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
 
 /// Returns a scene by name or path. Prints the notices of its reader.
 pub(crate) fn scene(program: &Program, name: &str) -> Result<Scene> {
-    let scene = load(program, name, true)?;
+    let scene = load(program, name, u32::MAX)?;
     for notice in &scene.notices {
         eprintln!("note: {notice}");
     }
     Ok(scene)
 }
 
-/// Returns a scene by name or path. Images that only colour surfaces are read if it
-/// `needs_colors`.
-pub(crate) fn load(program: &Program, name: &str, needs_colors: bool) -> Result<Scene> {
+/// Returns a scene by name or path. Images of files are reduced to `color_side`
+/// ([`Files::color_side`](umbrage_scenes::Files::color_side)).
+pub(crate) fn load(program: &Program, name: &str, color_side: u32) -> Result<Scene> {
     let is_file = umbrage_scenes::find(name).is_none() && umbrage_scenes::file_of(name).is_some();
-    let scene = if is_file && !needs_colors {
-        umbrage_scenes::read(name, &ShadowFilesOnDisk)
+    let scene = if is_file {
+        umbrage_scenes::read(name, &SizedFilesOnDisk { color_side })
     } else {
         umbrage_scenes::by_argument(name)
     };

@@ -339,7 +339,7 @@ pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result
 fn options_for(program: &Program, arguments: &PlanArguments, scene: &Scene) -> Result<PlanOptions> {
     let mut options = options_of(program, arguments)?;
     if let Some(path) = &arguments.cameras {
-        options.cameras = umbrage_scenes::cameras(path, &Geometry::bake(scene)?)?;
+        options.cameras = umbrage_scenes::cameras(path, &Geometry::bake(scene)?, scene.anchor)?;
     }
     Ok(options)
 }

@@ -139,7 +139,7 @@ fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::ColorScene,
         cameras: vec![*camera],
         ..input.scene.clone()
     };
-    color::ColorScene::new(&scene, input.fit)
+    color::ColorScene::new(scene, input.fit)
 }
 
 fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {

@@ -621,3 +621,37 @@ fn medians_and_extremes() {
         Some(2.5)
     );
 }
+
+/// Full-size scenes are too slow for this test.
+#[test]
+fn small_built_in_scenes_leave_out_no_more_than_their_limits() {
+    let scenes = umbrage_scenes::all().iter();
+    let inputs: Vec<SceneInput> = scenes
+        .filter(|entry| !entry.kind.is_full_size())
+        .map(|entry| input(entry.name))
+        .collect();
+    let options = quick(&["none"]);
+    let mut backends = Backends::cpu();
+    let comparison = compare(
+        &inputs,
+        &options,
+        &mut backends,
+        &mut |_, _| Ok(()),
+        &|_| (),
+    );
+    let mut over = Vec::new();
+    for scene in comparison.expect("valid").scenes {
+        let entry = umbrage_scenes::find(&scene.name).expect("built in");
+        let share = scene.truth.share_left_out();
+        let limit = entry.max_left_out.unwrap_or(0.05);
+        assert!(share <= limit, "{}: {share}", scene.name);
+        if share > 0.05 {
+            over.push(entry.name);
+        }
+    }
+    // Negative control: these need a limit of their own.
+    assert!(
+        over.contains(&"hills-1e6") && over.contains(&"foliage"),
+        "{over:?}"
+    );
+}

@@ -9,7 +9,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use std::{fs, io::ErrorKind, path::Path};
-use umbrage_core::{Invalid, MAX_NAME_BYTES};
+use umbrage_core::{Invalid, MAX_NAME_BYTES, Scene};
 
 /// File that marks a folder as a scene's.
 pub(super) const FILE: &str = "scene.json";
@@ -31,7 +31,7 @@ impl ComparisonPlan {
     /// Returns the plan of all `inputs`, whichever of them this run measures.
     pub fn new(inputs: &[SceneInput], options: &CompareOptions) -> Self {
         let scenes = unique_names(inputs.iter().map(|i| i.scene.name.as_str()));
-        let contents = inputs.iter().map(|i| hash(&format!("{i:?}"))).collect();
+        let contents = inputs.iter().map(content_hash).collect();
         Self {
             schema: SCHEMA,
             options: format!("{options:?}"),
@@ -39,6 +39,41 @@ impl ComparisonPlan {
             contents,
         }
     }
+}
+
+/// Returns a hash of a scene and its options.
+fn content_hash(input: &SceneInput) -> String {
+    let SceneInput {
+        scene,
+        summary,
+        fit,
+        section,
+        options,
+    } = input;
+    let Scene {
+        name,
+        meshes,
+        instances,
+        materials,
+        textures,
+        lights,
+        cameras,
+        anchor,
+        notices,
+    } = scene;
+    // Hash texels as bytes: as text, each takes some 50 bytes, a gigabyte for a large texture.
+    let textures: Vec<_> = textures
+        .iter()
+        .map(|texture| {
+            let texels = bytemuck::cast_slice::<[f32; 4], u8>(&texture.texels);
+            (&texture.name, texture.size, hash(texels))
+        })
+        .collect();
+    let surfaces = (meshes, instances, materials, textures);
+    let rest = (name, lights, cameras, anchor, notices);
+    hash(&format!(
+        "{surfaces:?} {rest:?} {summary:?} {fit:?} {section:?} {options:?}"
+    ))
 }
 
 /// A scene's figures, and the data needed to reuse them later.

@@ -557,3 +557,22 @@ fn figures_that_were_changed_are_not_taken_up() {
         json["checksum"].as_str().is_some_and(|sum| sum.len() == 16) && json["result"].is_object()
     );
 }
+
+#[test]
+fn plans_differ_where_a_texel_or_the_size_of_a_texture_does() {
+    let contents = |size: [u32; 2], blue: f32| {
+        let mut texels = vec![[0.5; 4]; 4];
+        texels[3][2] = blue;
+        let mut scene = umbrage_scenes::by_argument("cubes").expect("built in");
+        scene.textures.push(umbrage_core::Texture {
+            name: "tile".to_owned(),
+            size: size.into(),
+            texels,
+        });
+        let input = SceneInput::new(scene, "");
+        ComparisonPlan::new(&[input], &CompareOptions::default()).contents
+    };
+    assert_eq!(contents([2, 2], 0.5), contents([2, 2], 0.5));
+    assert_ne!(contents([2, 2], 0.5), contents([2, 2], 0.5 + f32::EPSILON));
+    assert_ne!(contents([2, 2], 0.5), contents([4, 1], 0.5));
+}

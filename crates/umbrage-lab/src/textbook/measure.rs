@@ -49,7 +49,7 @@ pub fn measure(
 fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Side, LabError> {
     let scene = (preset.scene)();
     let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
-    let stage = color::ColorScene::new(&scene, fit)?;
+    let stage = color::ColorScene::new(scene, fit)?;
     let view = stage.view()?;
     // Trace truth with fewer samples than a comparison: the gallery shows artefacts, not
     // thousandths.

@@ -1,8 +1,10 @@
 //! Texture files of a scene, each read once.
 
-use super::pixels::{Meaning, load_texture};
+use super::pixels::{EncodedImage, Meaning, PendingImages, unreadable_image};
 use crate::{Files, SceneError};
+use image::ImageFormat;
 use std::collections::HashMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use umbrage_core::Texture;
 
@@ -11,6 +13,7 @@ pub(crate) struct TextureFiles<'a> {
     /// All files of the scene.
     pub(crate) files: &'a dyn Files,
     known: HashMap<(PathBuf, Meaning), usize>,
+    pending: PendingImages,
 }
 
 impl<'a> TextureFiles<'a> {
@@ -18,22 +21,76 @@ impl<'a> TextureFiles<'a> {
         Self {
             files,
             known: HashMap::new(),
+            pending: PendingImages::default(),
         }
     }
 
-    /// Returns the index of a file's texture among `textures`, and reads the file if it is new.
+    /// Returns the index of a PNG file's texture among `textures`, and reads the file if it is new.
+    /// `None` if the texture only colours surfaces, and no colours are needed. Call
+    /// [`decode`](Self::decode) before using texels.
     pub(crate) fn index(
         &mut self,
         path: &Path,
         meaning: Meaning,
         textures: &mut Vec<Texture>,
-    ) -> Result<usize, SceneError> {
-        let key = (path.to_path_buf(), meaning);
-        if let Some(&index) = self.known.get(&key) {
-            return Ok(index);
+    ) -> Result<Option<usize>, SceneError> {
+        if let Some(&index) = self.known.get(&(path.to_path_buf(), meaning)) {
+            return Ok(Some(index));
         }
-        textures.push(load_texture(path, self.files, meaning)?);
-        self.known.insert(key, textures.len() - 1);
-        Ok(textures.len() - 1)
+        let image = self.read(path, meaning)?;
+        if meaning.is_only_shown() && image.color_side == 0 {
+            return Ok(None);
+        }
+        let index = self.pending.add(image, textures);
+        self.known.insert((path.to_path_buf(), meaning), index);
+        Ok(Some(index))
+    }
+
+    /// Returns the textures of colours and of their alpha test, if the file has an alpha channel.
+    /// They are one, unless the alpha test is larger than colours may be.
+    pub(crate) fn indices_of_colors(
+        &mut self,
+        path: &Path,
+        textures: &mut Vec<Texture>,
+    ) -> Result<[Option<usize>; 2], SceneError> {
+        let image = self.read(path, Meaning::Color)?;
+        let (size, has_alpha) = image.header().map_err(|e| unreadable_image(path, &e))?;
+        if !has_alpha {
+            return Ok([self.index(path, Meaning::Color, textures)?, None]);
+        }
+        let color_side = image.color_side;
+        let alpha = self.index(path, Meaning::CutOut, textures)?;
+        if color_side == 0 || size.max_element() <= color_side {
+            return Ok([alpha, alpha]);
+        }
+        Ok([self.index(path, Meaning::Color, textures)?, alpha])
+    }
+
+    /// Decodes the images of all textures so far.
+    pub(crate) fn decode(&mut self, textures: &mut [Texture]) -> Result<(), SceneError> {
+        self.pending.decode(textures).map_err(|(index, why)| {
+            let known = self.known.iter().find(|(_, known)| **known == index);
+            let path = known.map_or(Path::new(""), |((path, _), _)| path);
+            unreadable_image(path, &why)
+        })
+    }
+
+    /// Reads a file, and checks its header.
+    fn read(&self, path: &Path, meaning: Meaning) -> Result<EncodedImage, SceneError> {
+        let mut bytes = Vec::new();
+        self.files
+            .open(path)
+            .and_then(|mut source| source.read_to_end(&mut bytes))
+            .map_err(|e| SceneError::unreadable_file(path, &e, self.files))?;
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let image = EncodedImage {
+            name: name.to_string_lossy().into_owned(),
+            bytes,
+            format: ImageFormat::Png,
+            meaning,
+            color_side: self.files.color_side(),
+        };
+        image.header().map_err(|e| unreadable_image(path, &e))?;
+        Ok(image)
     }
 }

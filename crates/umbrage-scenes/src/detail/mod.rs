@@ -8,9 +8,9 @@ mod tangents;
 
 pub(crate) use files::TextureFiles;
 pub use normal_map::fitting_normal_map;
-pub(crate) use pixels::Meaning;
 #[cfg(feature = "gltf")]
-pub(crate) use pixels::{PICTURE_SIDE, decode_picture, texture_of};
+pub(crate) use pixels::{EncodedImage, PendingImages};
+pub(crate) use pixels::{Meaning, PICTURE_SIDE};
 pub use tangents::with_tangents;
 
 /// Cut-off of alpha textures in files that don't set one: glTF's default.

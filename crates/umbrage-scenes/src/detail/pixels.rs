@@ -2,14 +2,16 @@
 
 use crate::{Files, SceneError};
 use image::{
-    DynamicImage, ImageError, ImageFormat, ImageReader, ImageResult, Limits, error::DecodingError,
+    DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, ImageResult, Limits,
+    error::DecodingError,
 };
 use std::{
-    io::{BufRead, Read, Result as IoResult, Seek, SeekFrom},
+    io::{BufRead, Cursor, Read, Result as IoResult, Seek, SeekFrom},
+    ops::Range,
     path::Path,
 };
 use umbrage_core::glam::UVec2;
-use umbrage_core::{Texture, picture};
+use umbrage_core::{Texture, parallel::prelude::*, picture};
 
 /// Greatest number of texels along a side: 1 GiB in memory for a square.
 pub(crate) const PICTURE_SIDE: u32 = 8192;
@@ -17,56 +19,139 @@ pub(crate) const PICTURE_SIDE: u32 = 8192;
 /// Meaning of a file's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Meaning {
-    /// Colours encoded as sRGB. This module decodes them, and no other.
+    /// Colours encoded as sRGB. This module decodes them, and no other. Alpha is not used.
     Color,
-    /// Normals or heights, without conversion.
-    Data,
+    /// Colours encoded as sRGB, with an alpha test.
+    CutOut,
+    /// Normals, without conversion.
+    Normals,
+    /// Heights, without conversion.
+    Heights,
     /// Opacity: the file's alpha, or the unconverted first channel of a file without alpha. The
     /// colours are white.
     Alpha,
 }
 
-/// Loads a texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey
-/// fills all three channels. Alpha is 1 if the file has none.
-pub(crate) fn load_texture(
-    path: &Path,
-    files: &dyn Files,
-    meaning: Meaning,
-) -> Result<Texture, SceneError> {
-    let image = load_image(path, files)?;
-    let name = path
-        .file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned();
-    Ok(texture_of(name, &image, meaning))
+impl Meaning {
+    /// Returns whether shadows don't depend on it.
+    pub(crate) fn is_only_shown(self) -> bool {
+        matches!(self, Self::Color | Self::Normals)
+    }
 }
 
-/// Converts an image to a texture: see [`load_texture`].
-pub(crate) fn texture_of(name: String, picture: &DynamicImage, meaning: Meaning) -> Texture {
-    let mut texels = texels(picture, meaning);
-    if meaning == Meaning::Alpha {
-        let channel = if picture.color().has_alpha() { 3 } else { 0 };
-        for texel in &mut texels {
-            *texel = [1.0, 1.0, 1.0, texel[channel]];
+/// An encoded image, to be decoded to a texture.
+#[derive(Clone, Debug)]
+pub(crate) struct EncodedImage {
+    pub(crate) name: String,
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) format: ImageFormat,
+    pub(crate) meaning: Meaning,
+    /// Greatest side of a texture that has no effect on shadows: see
+    /// [`Files::color_side`](crate::Files::color_side).
+    pub(crate) color_side: u32,
+}
+
+impl EncodedImage {
+    /// Reads the size from the header, and whether there is an alpha channel.
+    pub(crate) fn header(&self) -> ImageResult<(UVec2, bool)> {
+        let source = Cursor::new(&self.bytes);
+        let decoder = ImageReader::with_format(source, self.format).into_decoder()?;
+        let size = UVec2::from(decoder.dimensions());
+        Ok((size, decoder.color_type().has_alpha()))
+    }
+
+    /// Decodes the image. PNG files have 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey
+    /// fills all three channels. Alpha is 1 if the file has none.
+    pub(crate) fn texture(&self) -> ImageResult<Texture> {
+        let image = decode_picture(Cursor::new(&self.bytes), self.format)?;
+        // Without a transparent texel, an alpha test has no holes at any size.
+        let is_reduced =
+            self.meaning.is_only_shown() || self.meaning == Meaning::CutOut && is_opaque(&image);
+        let size = UVec2::new(image.width(), image.height());
+        let size = if is_reduced {
+            reduced_size(size, self.color_side)
+        } else {
+            size
+        };
+        let mut texels = texels(&image, self.meaning, size);
+        if self.meaning == Meaning::Alpha {
+            let channel = if image.color().has_alpha() { 3 } else { 0 };
+            for texel in &mut texels {
+                *texel = [1.0, 1.0, 1.0, texel[channel]];
+            }
         }
+        Ok(Texture {
+            name: self.name.clone(),
+            size,
+            texels,
+        })
     }
-    Texture {
-        name,
-        size: UVec2::new(picture.width(), picture.height()),
-        texels,
+}
+
+/// Images that are decoded together, on all threads.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PendingImages {
+    images: Vec<(usize, EncodedImage)>,
+}
+
+impl PendingImages {
+    /// Adds a texture without texels for an image, and returns its index.
+    pub(crate) fn add(&mut self, image: EncodedImage, textures: &mut Vec<Texture>) -> usize {
+        textures.push(Texture {
+            name: image.name.clone(),
+            ..Texture::default()
+        });
+        self.images.push((textures.len() - 1, image));
+        textures.len() - 1
     }
+
+    /// Decodes the images. Returns the first texture whose image can't be decoded, and why.
+    pub(crate) fn decode(&mut self, textures: &mut [Texture]) -> Result<(), (usize, ImageError)> {
+        let images = std::mem::take(&mut self.images);
+        let decoded: Vec<_> = images
+            .into_par_iter()
+            .map(|(index, image)| (index, image.texture()))
+            .collect();
+        for (index, texture) in decoded {
+            textures[index] = texture.map_err(|why| (index, why))?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the size of a texture of at most `side` texels a side: whole numbers of texels are
+/// averaged.
+fn reduced_size(size: UVec2, side: u32) -> UVec2 {
+    let factor = size.max_element().div_ceil(side.max(1)).max(1);
+    UVec2::new(size.x.div_ceil(factor), size.y.div_ceil(factor))
+}
+
+/// Returns whether no texel is transparent. `false` for transparent channels of 16 bits, which are
+/// rare.
+fn is_opaque(image: &DynamicImage) -> bool {
+    let channels = match image {
+        DynamicImage::ImageLumaA8(_) => 2,
+        DynamicImage::ImageRgba8(_) => 4,
+        _ => return !image.color().has_alpha(),
+    };
+    let alphas = image.as_bytes().iter().skip(channels - 1).step_by(channels);
+    alphas.into_iter().all(|&alpha| alpha == u8::MAX)
 }
 
 pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
     let source = files
         .open(path)
         .map_err(|e| SceneError::unreadable_file(path, &e, files))?;
-    decode_picture(source, ImageFormat::Png).map_err(|e| SceneError::Unreadable {
+    decode_picture(source, ImageFormat::Png).map_err(|e| unreadable_image(path, &e))
+}
+
+/// Returns the error of a PNG file that can't be decoded.
+pub(super) fn unreadable_image(path: &Path, why: &ImageError) -> SceneError {
+    SceneError::Unreadable {
         file: path.display().to_string(),
-        why: format!("can't be read as a PNG image: {e}"),
+        why: format!("can't be read as a PNG image: {why}"),
         help: format!("save it as PNG, at most {PICTURE_SIDE} texels a side"),
-    })
+    }
 }
 
 /// Decodes an image of at most [`PICTURE_SIDE`] texels a side.
@@ -114,42 +199,86 @@ fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
     }
 }
 
-fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
-    let channels = u32::from(image.color().channel_count()).max(1);
-    let bits = u32::from(image.color().bits_per_pixel()) / channels;
-    if bits > 8 {
-        let value = match meaning {
-            Meaning::Color => picture::decode_16,
-            Meaning::Data | Meaning::Alpha => |word| f32::from(word) / 65535.0,
+/// Returns texels of an image, reduced to `size`.
+fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> {
+    let is_color = matches!(meaning, Meaning::Color | Meaning::CutOut);
+    let from = UVec2::new(image.width(), image.height());
+    let channels = usize::from(image.color().channel_count()).max(1);
+    if image.color().bytes_per_pixel() as usize > channels {
+        let opacity = |word: u16| f32::from(word) / 65535.0;
+        let value = if is_color {
+            picture::decode_16
+        } else {
+            opacity
         };
         let wide = image.to_rgba16();
-        return wide
-            .pixels()
-            .map(|p| texel(p.0.map(value), f32::from(p.0[3]) / 65535.0))
-            .collect();
+        return averages(wide.as_raw(), 4, [from, size], &value, &opacity);
     }
-    let value = match meaning {
-        Meaning::Color => picture::decode,
-        Meaning::Data | Meaning::Alpha => |byte| f32::from(byte) / 255.0,
-    };
+    let opacity = |byte: u8| f32::from(byte) / 255.0;
+    let value = if is_color { picture::decode } else { opacity };
     // Tabulate the decoding: a power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
-    let narrow = image.to_rgba8();
-    narrow
-        .pixels()
-        .map(|p| {
-            texel(
-                p.0.map(|byte| table[usize::from(byte)]),
-                f32::from(p.0[3]) / 255.0,
-            )
-        })
-        .collect()
+    let value = |byte: u8| table[usize::from(byte)];
+    // Read the file's own channels: a copy with four of them takes as long as decoding.
+    averages(image.as_bytes(), channels, [from, size], &value, &opacity)
 }
 
-/// Returns a texel's decoded colour with its alpha, which is always linear.
-fn texel(decoded: [f32; 4], alpha: f32) -> [f32; 4] {
-    let [red, green, blue, _] = decoded;
-    [red, green, blue, alpha]
+/// Returns the means of boxes of pixels, one for each texel of the size `to`. Means of colours are
+/// those of linear light. One channel is grey; the last of two or four is opacity.
+fn averages<T: Copy + Sync>(
+    samples: &[T],
+    channels: usize,
+    [from, to]: [UVec2; 2],
+    value: &(impl Fn(T) -> f32 + Sync),
+    opacity: &(impl Fn(T) -> f32 + Sync),
+) -> Vec<[f32; 4]> {
+    let [green, blue] = if channels < 3 { [0, 0] } else { [1, 2] };
+    let pixel = |sample: &[T]| {
+        let alpha = match channels % 2 {
+            0 => opacity(sample[channels - 1]),
+            _ => 1.0,
+        };
+        [
+            value(sample[0]),
+            value(sample[green]),
+            value(sample[blue]),
+            alpha,
+        ]
+    };
+    let add = |sum: &mut [f32; 4], part: [f32; 4]| {
+        sum.iter_mut()
+            .zip(part)
+            .for_each(|(sum, part)| *sum += part);
+    };
+    let width = from.x as usize * channels;
+    let mut out = vec![[0.0; 4]; (to.x * to.y) as usize];
+    let rows = out.par_chunks_mut(to.x as usize).enumerate();
+    rows.for_each(|(j, row)| {
+        let down = box_of(j, from.y, to.y);
+        // Add the pixels of each box, a row of pixels at a time.
+        for line in samples[down.start * width..down.end * width].chunks_exact(width) {
+            for (i, sum) in row.iter_mut().enumerate() {
+                let across = box_of(i, from.x, to.x);
+                let mut part = [0.0; 4];
+                line[across.start * channels..across.end * channels]
+                    .chunks_exact(channels)
+                    .for_each(|sample| add(&mut part, pixel(sample)));
+                add(sum, part);
+            }
+        }
+        for (i, sum) in row.iter_mut().enumerate() {
+            let count = down.len() * box_of(i, from.x, to.x).len();
+            // Divide: products with 1 / count would not keep an alpha of 1.
+            *sum = sum.map(|sum| sum / count as f32);
+        }
+    });
+    out
+}
+
+/// Returns the pixels along one axis, of `from`, that texel `i` of `to` averages.
+fn box_of(i: usize, from: u32, to: u32) -> Range<usize> {
+    let (from, to) = (from as usize, to as usize);
+    i * from / to..(i + 1) * from / to
 }
 
 #[cfg(test)]

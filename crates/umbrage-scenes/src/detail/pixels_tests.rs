@@ -1,14 +1,94 @@
 use super::*;
+use crate::detail::TextureFiles;
 use image::{ImageBuffer, Luma, Rgb, Rgba};
 use std::io::Cursor;
+use umbrage_core::glam::Vec3;
+
+/// Encodes an image as `some.png`, to be reduced to this side.
+fn encoded(image: &DynamicImage, meaning: Meaning, color_side: u32) -> EncodedImage {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+    EncodedImage {
+        name: "some.png".to_owned(),
+        bytes: bytes.into_inner(),
+        format: ImageFormat::Png,
+        meaning,
+        color_side,
+    }
+}
 
 fn read(image: &DynamicImage, meaning: Meaning) -> Texture {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("some.png");
-    image.save(&path).unwrap();
-    let texture = load_texture(&path, &crate::FilesOnDisk, meaning).unwrap();
+    let texture = encoded(image, meaning, PICTURE_SIDE).texture().unwrap();
     texture.validate().unwrap();
     texture
+}
+
+/// An image of smooth colours, whose alpha is 0 in one texel.
+fn smooth(width: u32, height: u32) -> DynamicImage {
+    let wave = |i: u32, n: u32| {
+        let turns = f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+        (128.0 + 100.0 * turns.sin()) as u8
+    };
+    DynamicImage::from(ImageBuffer::from_fn(width, height, |x, y| {
+        let alpha = if (x, y) == (5, 3) { 0 } else { 255 };
+        Rgba([wave(x, width), wave(y, height), 40, alpha])
+    }))
+}
+
+#[test]
+fn reduced_colors_are_those_of_the_whole_image() {
+    let image = smooth(203, 96);
+    let whole = read(&image, Meaning::Color);
+    let reduced = encoded(&image, Meaning::Color, 64).texture().unwrap();
+    assert_eq!(
+        (whole.size, reduced.size),
+        (UVec2::new(203, 96), UVec2::new(51, 24))
+    );
+    // Compare colours at the centres of the smaller texels.
+    for (i, texel) in reduced.texels.iter().enumerate() {
+        let at = UVec2::new(i as u32 % 51, i as u32 / 51);
+        let share = (at.as_vec2() + 0.5) / reduced.size.as_vec2();
+        let there = (share * whole.size.as_vec2()).as_uvec2();
+        let expected = whole.texels[(there.y * 203 + there.x) as usize];
+        let off = Vec3::from_slice(texel).distance(Vec3::from_slice(&expected));
+        assert!(off < 0.04, "{at}: {texel:?}, {expected:?}");
+    }
+    // Light is averaged, not its encoding: black and white give 0.5, which is byte 188.
+    let stripes = ImageBuffer::from_fn(4, 4, |x, _| Luma([255 * (x % 2) as u8]));
+    let grey = encoded(&DynamicImage::from(stripes), Meaning::Color, 2).texture();
+    assert_eq!(grey.unwrap().texels, [[0.5, 0.5, 0.5, 1.0]; 4]);
+}
+
+#[test]
+fn alpha_tests_and_heights_keep_their_sizes() {
+    let image = smooth(64, 48);
+    for meaning in [Meaning::CutOut, Meaning::Alpha, Meaning::Heights] {
+        let whole = encoded(&image, meaning, 8).texture().unwrap();
+        assert_eq!(whole.size, UVec2::new(64, 48), "{meaning:?}");
+        assert_eq!(whole.texels[3 * 64 + 5][3], 0.0, "{meaning:?}");
+    }
+    // Without a hole, an alpha test is equal at any size.
+    let opaque = DynamicImage::from(image.to_rgb8()).to_rgba8();
+    let opaque = encoded(&DynamicImage::from(opaque), Meaning::CutOut, 0);
+    let texture = opaque.texture().unwrap();
+    assert_eq!((texture.size, texture.texels[0][3]), (UVec2::ONE, 1.0));
+}
+
+#[test]
+fn pending_images_name_the_first_that_fails() {
+    let mut pending = PendingImages::default();
+    let mut textures = Vec::new();
+    for i in 0..40 {
+        let mut image = encoded(&smooth(20 + i, 20), Meaning::Color, PICTURE_SIDE);
+        if i % 16 == 7 {
+            image.bytes.truncate(image.bytes.len() / 2);
+        }
+        assert_eq!(pending.add(image, &mut textures), i as usize);
+    }
+    let (index, _) = pending.decode(&mut textures).unwrap_err();
+    assert_eq!(index, 7);
+    let widths: Vec<u32> = textures[..7].iter().map(|texture| texture.size.x).collect();
+    assert_eq!(widths, [20, 21, 22, 23, 24, 25, 26]);
 }
 
 #[test]
@@ -27,7 +107,7 @@ fn colours_are_decoded_once_and_data_never() {
     );
     assert_eq!(color.texels[1][1..], [1.0, 0.0, 1.0]);
     assert_eq!(
-        read(&image, Meaning::Data).texels[0],
+        read(&image, Meaning::Heights).texels[0],
         [128.0 / 255.0, 1.0, 0.0, 1.0]
     );
 }
@@ -45,7 +125,7 @@ fn sixteen_bits_keep_their_precision() {
     let image = DynamicImage::from(ImageBuffer::from_fn(2, 1, |x, _| {
         Luma([32_768_u16 + x as u16])
     }));
-    let heights = read(&image, Meaning::Data).texels;
+    let heights = read(&image, Meaning::Heights).texels;
     assert_eq!(
         [heights[0][0], heights[1][0]],
         [32_768.0 / 65535.0, 32_769.0 / 65535.0]
@@ -81,9 +161,11 @@ fn what_is_no_png_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("some.png");
     let message = || {
-        load_texture(&path, &crate::FilesOnDisk, Meaning::Color)
-            .unwrap_err()
-            .to_string()
+        let mut files = TextureFiles::new(&crate::FilesOnDisk);
+        let mut textures = Vec::new();
+        let read = files.index(&path, Meaning::Color, &mut textures);
+        let read = read.and_then(|_| files.decode(&mut textures));
+        read.unwrap_err().to_string()
     };
     assert!(message().contains("check the path"), "{}", message());
     std::fs::write(&path, b"GIF89a").unwrap();

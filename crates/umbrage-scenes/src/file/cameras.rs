@@ -15,8 +15,9 @@ const MAX_BETWEEN: u32 = 1000;
 
 /// Reads cameras from a file. Each pose is a `[[camera]]` table with the keys of a scene file's
 /// `[camera]`. `between` is the number of cameras between neighbouring poses, by default 0.
-/// `anchor` is that of the scene file. Depth ranges that the file doesn't set are fitted to
-/// `geometry`.
+/// Positions are those of the scene's files, in 64 bits: they are made relative to `anchor`, which is
+/// [`Scene::anchor`](umbrage_core::Scene::anchor), unless the file has another `anchor`. Depth ranges
+/// that the file doesn't set are fitted to `geometry`.
 ///
 /// ```toml
 /// between = 3   # a path: three more cameras between the two
@@ -32,12 +33,21 @@ const MAX_BETWEEN: u32 = 1000;
 ///
 /// # Errors
 /// Returns an error if the file can't be read or has no camera, with the line and a remedy.
-pub fn cameras(path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
+pub fn cameras(
+    path: &Path,
+    geometry: &Geometry,
+    anchor: Anchor,
+) -> Result<Vec<Camera>, SceneError> {
     let text = super::text_of(path, &FilesOnDisk)?;
-    parse(&text, path, geometry)
+    parse(&text, path, geometry, anchor)
 }
 
-fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
+fn parse(
+    text: &str,
+    path: &Path,
+    geometry: &Geometry,
+    anchor: Anchor,
+) -> Result<Vec<Camera>, SceneError> {
     let source = TextSource {
         file: path.display().to_string(),
         text,
@@ -45,7 +55,7 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     let document = DeTable::parse(text).map_err(|e| super::syntax(&source, &e))?;
     let root = Table::root(&source, &document);
     root.only(&["anchor", "camera", "between"])?;
-    let anchor = root.anchor()?.unwrap_or(Anchor::ORIGIN);
+    let anchor = root.anchor()?.unwrap_or(anchor);
     let between = match root.get("between") {
         Some(item) => item.whole(0..=MAX_BETWEEN)?,
         None => 0,
@@ -101,7 +111,7 @@ mod tests {
     fn read(text: &str) -> Result<Vec<Camera>, SceneError> {
         let scene = crate::by_argument("cubes").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        parse(text, Path::new("path.toml"), &geometry)
+        parse(text, Path::new("path.toml"), &geometry, scene.anchor)
     }
 
     const TWO: &str = "[[camera]]\neye = [0, 2, 8]\ntarget = [0, 2, 0]\n\
@@ -129,6 +139,34 @@ mod tests {
         let text = "anchor = [1024000, 0, 0]\n".to_owned()
             + &TWO.replace("[0,", "[1024000,").replace("[8,", "[1024008,");
         assert_eq!(read(&text).expect("two poses"), near);
+    }
+
+    /// A scene at coordinates of a map (UTM), whose camera file repeats the eye and has no anchor.
+    #[test]
+    fn paths_share_the_anchor_of_a_far_scene() {
+        let [x, y, z] = [691_234.375, 412.25, -5_336_543.25];
+        let pose = |eye: f64| {
+            format!(
+                "eye = [{}, {}, {z}]\ntarget = [{x}, {y}, {z}]\n",
+                x + eye,
+                y + 2.0
+            )
+        };
+        let scene = format!(
+            "[camera]\n{}[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n\
+             [[object]]\nshape = \"box\"\ntranslate = [{x}, {y}, {z}]\n",
+            pose(8.0)
+        );
+        let scene = crate::parse(&scene, "far.toml", "").expect("valid");
+        assert_ne!(scene.anchor, Anchor::ORIGIN);
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let text = format!("[[camera]]\n{}[[camera]]\n{}", pose(8.0), pose(8.125));
+        let read = |anchor| parse(&text, Path::new("path.toml"), &geometry, anchor).ok();
+        let path = read(scene.anchor).expect("two poses");
+        assert_eq!(path[0], scene.cameras[0]);
+        // Positions have 64 bits until the anchor is subtracted.
+        let step = path[1].eye() - path[0].eye();
+        assert!(step.distance(Vec3::X * 0.125) < 1e-4, "{step}");
     }
 
     #[test]

@@ -69,12 +69,11 @@ pub(super) fn read<'a>(
         };
         files
             .index(&path, meaning, &mut scene.textures)
-            .map(Some)
             .map_err(named)
     };
     let diffuse_texture = texture("texture", Meaning::Color)?;
-    let normal_map = texture("normal_map", Meaning::Data)?;
-    let height_map = texture("height_map", Meaning::Data)?;
+    let normal_map = texture("normal_map", Meaning::Normals)?;
+    let height_map = texture("height_map", Meaning::Heights)?;
     let alpha_map = texture("alpha_map", Meaning::Alpha)?;
     // Build the material from the other keys and the defaults.
     let plain = Material {
@@ -83,7 +82,7 @@ pub(super) fn read<'a>(
         ..Material::default()
     };
     let material = Material {
-        diffuse: color(table, "color")?.unwrap_or(if diffuse_texture.is_some() {
+        diffuse: color(table, "color")?.unwrap_or(if table.get("texture").is_some() {
             Vec3::ONE
         } else {
             plain.diffuse

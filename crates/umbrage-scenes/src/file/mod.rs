@@ -119,6 +119,7 @@ pub(crate) fn parse(
     let anchor = object::read_all(&objects, folder, files, chosen, &mut scene)?;
     // Objects determine the anchor of files without one.
     scene.lights = lights(anchor)?;
+    scene.anchor = anchor;
     add_camera(&root, anchor, &mut scene)?;
     Ok(scene)
 }

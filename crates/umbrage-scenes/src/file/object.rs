@@ -15,7 +15,7 @@ use crate::{
     primitives::{block, grid, icosphere, map_mesh},
     scene_of_file::SceneOfFile,
 };
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, EulerRot, Quat, Vec3};
 use umbrage_core::{AlphaCutout, AlphaFilter, Anchor, Instance, Material, Mesh, Scene, invalid};
@@ -100,6 +100,10 @@ pub(super) fn read_all(
             item,
         });
     }
+    textures.decode(&mut scene.textures)?;
+    // Looks that need other vertices read a model again, with the same notices.
+    let mut listed = HashSet::new();
+    scene.notices.retain(|notice| listed.insert(notice.clone()));
     // Choose the anchor, and add an instance for each part.
     let anchor = anchor.unwrap_or_else(|eye| {
         let mut bounds = Box64::EMPTY;

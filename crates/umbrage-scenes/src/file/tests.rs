@@ -114,12 +114,14 @@ fn places_are_read_relative_to_the_anchor() {
     let far = [1_000_448.0, -2048.0, -7_340_032.0];
     // Any nearby point selects the anchor.
     let anchor = "anchor = [1e6, -2000, -7_340_000.5]";
-    let relative = read(&scene_around(far, anchor)).unwrap();
-    assert_eq!(relative, near);
+    let mut relative = read(&scene_around(far, anchor)).unwrap();
+    let point = std::mem::take(&mut relative.anchor).point();
+    assert_eq!((relative, point.to_array()), (near.clone(), far));
     // Without it, the anchor near the camera is chosen, and listed.
     let mut chosen = read(&scene_around(far, "")).unwrap();
     let notices = std::mem::take(&mut chosen.notices);
-    assert_eq!(chosen, near);
+    let point = std::mem::take(&mut chosen.anchor).point();
+    assert_eq!((chosen, point.to_array()), (near, far));
     assert!(
         notices.len() == 1 && notices[0].contains("`anchor = [1000448, -2048, -7340032]`"),
         "{notices:?}"

@@ -55,6 +55,11 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// Decodes the images of all textures so far.
+    pub(super) fn decode_images(&mut self, scene: &mut Scene) -> Result<(), Invalid> {
+        self.pictures.decode(&mut scene.textures)
+    }
+
     /// Returns a line for each ignored image.
     pub(super) fn notices(self) -> impl Iterator<Item = String> {
         self.pictures.notices.into_iter()
@@ -78,7 +83,7 @@ impl<'a> Materials<'a> {
         let Some(index) = material.index() else {
             return Ok(Some(PLAIN));
         };
-        let is_shown = data.files.needs_colors();
+        let is_shown = data.files.color_side() > 0;
         let color = color_map(&material);
         let maps = [
             color.filter(|_| is_shown || material.alpha_mode() != AlphaMode::Opaque),
@@ -112,8 +117,12 @@ impl<'a> Materials<'a> {
             }
             None => Ok(None),
         };
-        let color = load(maps[0], Meaning::Color)?;
-        let normals = load(maps[1], Meaning::Data)?;
+        let meaning = match file.alpha_mode() {
+            AlphaMode::Opaque => Meaning::Color,
+            AlphaMode::Mask | AlphaMode::Blend => Meaning::CutOut,
+        };
+        let color = load(maps[0], meaning)?;
+        let normals = load(maps[1], Meaning::Normals)?;
         let coordinates = color.or(normals).map(|(_, coordinates)| coordinates);
         let color = color.map(|(texture, _)| texture);
         let (alpha, casts) = match alpha_test(file, color)? {
@@ -123,13 +132,23 @@ impl<'a> Materials<'a> {
             // Panes of glass are visible and receive shadows.
             AlphaTest::Everything => (None, false),
         };
+        // A mask keeps its size. Read larger colours again, at theirs.
+        let color_side = data.files.color_side();
+        let is_larger = |texture: &usize| scene.textures[*texture].size.max_element() > color_side;
+        let shown = match maps[0].filter(|_| color_side > 0 && color.iter().any(is_larger)) {
+            Some(map) if meaning == Meaning::CutOut => {
+                self.pictures
+                    .texture(map.picture, Meaning::Color, data, &mut scene.textures)?
+            }
+            _ => color,
+        };
         let surface = file.pbr_metallic_roughness();
         let [red, green, blue, _] = surface.base_color_factor();
         // A texture that is not read restricts emission to a part of the surface.
         let emits_evenly = file.emissive_texture().is_none();
         scene.materials.push(Material {
             diffuse: clamp_color(Vec3::new(red, green, blue)),
-            diffuse_texture: color,
+            diffuse_texture: shown,
             emissive: match emits_evenly {
                 true => clamp_color(Vec3::from_array(file.emissive_factor())),
                 false => Vec3::ZERO,

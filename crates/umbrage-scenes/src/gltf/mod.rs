@@ -57,7 +57,7 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
 }
 
 /// Adds the meshes of one scene of a file to another scene, with their materials if the model
-/// `has_looks`. The file's cameras and lights are ignored.
+/// `has_looks`. The file's cameras and lights are ignored, with a notice.
 pub(crate) fn add(
     wanted: &SceneOfFile,
     files: &dyn Files,
@@ -65,8 +65,33 @@ pub(crate) fn add(
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
     let bytes = bytes_of(wanted, files)?;
-    let ignore = |_: &[ModelPart], _: Vec<PlacedNode<'_>>, _: &mut Scene| Ok(());
+    let file = wanted.file.display();
+    let ignore = |_: &[ModelPart], nodes: Vec<PlacedNode<'_>>, scene: &mut Scene| {
+        let notice = ignored_nodes(&nodes).map(|what| format!("{file}: {what}"));
+        scene.notices.extend(notice);
+        Ok(())
+    };
     parts(&bytes, wanted, files, has_looks, ignore, scene).map_err(|fault| invalid(wanted, fault))
+}
+
+/// Returns a line about the cameras and lights that a scene file replaces. `None` without any.
+fn ignored_nodes(nodes: &[PlacedNode<'_>]) -> Option<String> {
+    let cameras = nodes.iter().filter(|node| node.node.camera().is_some());
+    // Lights that are off are absent everywhere. Invalid ones count.
+    let is_on = |node: &&PlacedNode<'_>| {
+        let light = node.node.light().filter(|_| node.is_visible);
+        light.is_some_and(|light| !matches!(light::light(&light, node), Ok(None)))
+    };
+    let lights = nodes.iter().filter(is_on).count();
+    let kinds: Vec<String> = [("cameras", cameras.count()), ("lights", lights)]
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(kind, count)| format!("{kind} ({count})"))
+        .collect();
+    (!kinds.is_empty()).then(|| {
+        let kinds = kinds.join(" and ");
+        format!("{kinds} are ignored: those of the scene file are used")
+    })
 }
 
 /// Reports whether one scene of a file has a light that is on. Its meshes are not read.
@@ -134,6 +159,7 @@ fn place(
         .for_each(|part| part.add_to(&mut bounds, &scene.meshes));
     let camera = nodes.iter().find(|node| node.node.camera().is_some());
     let anchor = bounds.anchor(camera.map(|node| node.world_from_node.translation));
+    scene.anchor = anchor;
     scene.notices.extend(far::notice(file, anchor));
     scene
         .instances
@@ -175,6 +201,7 @@ fn parts(
             .add(node, &document, &joints, scene)
             .map_err(|e| e.within_context(node.error_name()))?;
     }
+    reader.materials.decode_images(scene)?;
     if reader.parts.is_empty() {
         return Err(Invalid::new(
             "scene",

@@ -1,14 +1,13 @@
 //! Images: PNG and JPEG, from bytes in the file or next to it.
 
 use super::{
-    budget::ReadBudget,
     document::{broken_element, element_name},
-    file_bytes::{Fetched, FileBytes},
+    file_bytes::FileBytes,
 };
-use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
+use crate::detail::{EncodedImage, Meaning, PICTURE_SIDE, PendingImages};
 use gltf::{Document, json::image::Image};
-use image::{ImageFormat, ImageReader};
-use std::{collections::HashMap, io::Cursor, path::Path, rc::Rc};
+use image::{ImageError, ImageFormat};
+use std::{collections::HashMap, path::Path};
 use umbrage_core::{Invalid, Texture};
 
 /// The images of a file, each read once for each meaning.
@@ -16,6 +15,7 @@ use umbrage_core::{Invalid, Texture};
 pub(super) struct Pictures<'a> {
     document: &'a Document,
     known: HashMap<(usize, Meaning), Option<usize>>,
+    pending: PendingImages,
     /// A line for each ignored image.
     pub(super) notices: Vec<String>,
 }
@@ -25,12 +25,13 @@ impl<'a> Pictures<'a> {
         Self {
             document,
             known: HashMap::new(),
+            pending: PendingImages::default(),
             notices: Vec::new(),
         }
     }
 
     /// Returns the index of an image among `textures`. `None` if it is missing or of another kind.
-    /// Only alpha tests need images for shadows.
+    /// Images without effect on shadows have no texels before [`decode`](Self::decode).
     pub(super) fn texture(
         &mut self,
         index: usize,
@@ -43,21 +44,28 @@ impl<'a> Pictures<'a> {
         }
         let image = &self.document.as_json().images[index];
         let name = element_name("image", index, image.name.as_deref());
-        let texture = self
+        let encoded = self
             .read(image, &name, meaning, data)
             .map_err(|e| e.within_context(&name))?;
-        if texture.is_none() {
+        if encoded.is_none() {
             let notice = format!("{name} is ignored: it is missing, or neither PNG nor JPEG");
             if !self.notices.contains(&notice) {
                 self.notices.push(notice);
             }
         }
-        let place = texture.map(|texture| {
-            textures.push(texture);
-            textures.len() - 1
-        });
+        let place = encoded.map(|image| self.pending.add(image, textures));
+        // The check of wrapping reads the texels of alpha tests while meshes are read.
+        if !meaning.is_only_shown() {
+            self.decode(textures)?;
+        }
         self.known.insert((index, meaning), place);
         Ok(place)
+    }
+
+    /// Decodes the images of all textures so far.
+    pub(super) fn decode(&mut self, textures: &mut [Texture]) -> Result<(), Invalid> {
+        let decoded = self.pending.decode(textures);
+        decoded.map_err(|(index, why)| unreadable(&why).within_context(&textures[index].name))
     }
 
     fn read(
@@ -66,61 +74,59 @@ impl<'a> Pictures<'a> {
         name: &str,
         meaning: Meaning,
         data: &mut FileBytes<'_>,
-    ) -> Result<Option<Texture>, Invalid> {
+    ) -> Result<Option<EncodedImage>, Invalid> {
         let own = image
             .buffer_view
             .and_then(|view| self.document.views().nth(view.value()));
         let bytes = match (own, &image.uri) {
-            (Some(view), _) => Fetched::Apart(Rc::new(data.view(&view)?.to_vec())),
+            (Some(view), _) => data.view(&view)?.to_vec(),
             (None, Some(uri)) => {
                 if !uri.starts_with("data:") && !data.files.has(&data.path(uri)?) {
                     return Ok(None);
                 }
                 // The document doesn't state its length.
-                data.fetch(uri, u64::MAX)?
+                data.fetch(uri, u64::MAX)?.slice().to_vec()
             }
             (None, None) => {
                 let why = "are missing: it has neither a URI nor a buffer view";
                 return Err(broken_element("its bytes", why));
             }
         };
-        decode(bytes.slice(), image, name, meaning, &mut data.budget)
+        let Some(format) = format_of(&bytes, image)? else {
+            return Ok(None);
+        };
+        let encoded = EncodedImage {
+            name: name.to_owned(),
+            bytes,
+            format,
+            meaning,
+            color_side: data.files.color_side(),
+        };
+        let (size, _) = encoded.header().map_err(|e| unreadable(&e))?;
+        data.budget.decode(u64::from(size.x) * u64::from(size.y))?;
+        Ok(Some(encoded))
     }
 }
 
-fn decode(
-    bytes: &[u8],
-    image: &Image,
-    name: &str,
-    meaning: Meaning,
-    budget: &mut ReadBudget,
-) -> Result<Option<Texture>, Invalid> {
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ if is_of_another_kind(image) => return Ok(None),
-        _ => {
-            return Err(Invalid::new(
-                "its bytes",
-                "are neither a PNG nor a JPEG image",
-                "save it as one of the two",
-            ));
-        }
-    };
-    let unreadable = |e| {
-        Invalid::new(
+/// Returns the format of an image. `None` if it declares another one.
+fn format_of(bytes: &[u8], image: &Image) -> Result<Option<ImageFormat>, Invalid> {
+    match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => Ok(Some(format)),
+        _ if is_of_another_kind(image) => Ok(None),
+        _ => Err(Invalid::new(
             "its bytes",
-            format!("can't be decoded: {e}"),
-            format!("save it again, at most {PICTURE_SIDE} texels a side"),
-        )
-    };
-    // Read its size from its header.
-    let [width, height] = ImageReader::with_format(Cursor::new(bytes), format)
-        .into_dimensions()
-        .map(|(width, height)| [width, height].map(u64::from))
-        .map_err(unreadable)?;
-    budget.decode(width * height)?;
-    let picture = decode_picture(Cursor::new(bytes), format).map_err(unreadable)?;
-    Ok(Some(texture_of(name.to_owned(), &picture, meaning)))
+            "are neither a PNG nor a JPEG image",
+            "save it as one of the two",
+        )),
+    }
+}
+
+fn unreadable(why: &ImageError) -> Invalid {
+    Invalid::new(
+        "its bytes",
+        format!("can't be decoded: {why}"),
+        format!("save it again, at most {PICTURE_SIDE} texels a side"),
+    )
 }
 
 /// Reports whether an image declares itself to be neither PNG nor JPEG.

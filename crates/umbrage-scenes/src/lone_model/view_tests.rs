@@ -1,19 +1,24 @@
-//! Views of more than fifty small models, written as OBJ files and loaded like anybody's.
+//! Views of more than fifty small models, each written as an OBJ and as a glTF file, and loaded like
+//! anybody's.
 //!
 //! Each model is a list of solids on ground, so that the position of the eye can be tested against
 //! what the file contains instead of against rays.
 
 use super::SIZE;
+#[cfg(feature = "gltf")]
+use crate::gltf::tests::model::{TestModel, U32};
+#[cfg(feature = "gltf")]
+use serde_json::json;
 use std::fmt::Write;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Aabb, Camera, Geometry, Scene};
 
-/// A model under construction: its text, and the facts that its view is tested against.
+/// A model under construction: its faces, and the facts that its view is tested against.
 #[derive(Default)]
 struct Model {
     name: String,
-    text: String,
-    vertices: usize,
+    /// Corners, counter-clockwise from the front.
+    faces: Vec<Vec<Vec3>>,
     solids: Vec<Aabb>,
     /// A closed box of inner surfaces.
     room: Option<Aabb>,
@@ -31,15 +36,48 @@ impl Model {
 
     /// Adds a face with these corners, counter-clockwise from its front.
     fn face(&mut self, corners: &[Vec3]) {
-        for p in corners {
-            writeln!(self.text, "v {} {} {}", p.x, p.y, p.z).unwrap();
+        self.faces.push(corners.to_vec());
+    }
+
+    /// Returns the model as an OBJ file.
+    fn obj(&self) -> String {
+        let mut text = String::new();
+        let mut vertices = 0;
+        for face in &self.faces {
+            for p in face {
+                writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
+            }
+            text.push('f');
+            for i in 1..=face.len() {
+                write!(text, " {}", vertices + i).unwrap();
+            }
+            text.push('\n');
+            vertices += face.len();
         }
-        self.text.push('f');
-        for i in 1..=corners.len() {
-            write!(self.text, " {}", self.vertices + i).unwrap();
+        text
+    }
+
+    /// Returns the model as a glTF file: a node with one mesh, and neither a camera nor a light.
+    #[cfg(feature = "gltf")]
+    fn glb(&self) -> Vec<u8> {
+        let mut model = TestModel::new();
+        let corners = self.faces.iter().flatten();
+        let positions: Vec<f32> = corners.flat_map(|p| p.to_array()).collect();
+        // Cut each face, which is convex, into a fan of triangles.
+        let mut indices: Vec<u8> = Vec::new();
+        let mut first = 0_u32;
+        for face in &self.faces {
+            for i in 1..face.len() as u32 - 1 {
+                let triangle = [first, first + i, first + i + 1];
+                indices.extend(triangle.iter().flat_map(|index| index.to_le_bytes()));
+            }
+            first += face.len() as u32;
         }
-        self.text.push('\n');
-        self.vertices += corners.len();
+        let positions = model.floats("VEC3", 3, &positions);
+        let indices = model.numbers(U32, "SCALAR", indices.len() / 4, &indices);
+        model.mesh(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+        model.node(json!({ "mesh": 0 }));
+        model.glb()
     }
 
     /// Adds a box with its fronts outside, or inside.
@@ -125,12 +163,20 @@ impl Model {
             )
     }
 
-    /// Loads the file.
-    fn load(&self) -> Scene {
+    /// Loads the model from a file of each format.
+    fn load(&self) -> Vec<(&'static str, Scene)> {
+        let files = [
+            ("model.obj", self.obj().into_bytes()),
+            #[cfg(feature = "gltf")]
+            ("model.glb", self.glb()),
+        ];
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("model.obj");
-        std::fs::write(&path, &self.text).unwrap();
-        crate::load(path.to_str().unwrap()).unwrap()
+        let load = |(name, bytes): (&'static str, Vec<u8>)| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            (name, crate::load(path).unwrap())
+        };
+        files.into_iter().map(load).collect()
     }
 
     /// Returns the bounds of what the view is about: the solids above ground, or all of it without
@@ -314,56 +360,59 @@ fn hit_pixels(model: &Model, geometry: &Geometry, camera: &Camera) -> [u32; 2] {
 fn the_eye_is_in_the_open_above_ground_and_sees_the_model() {
     let models = models();
     assert!(models.len() >= 50, "{}", models.len());
-    for model in models {
-        let name = &model.name;
-        let scene = model.load();
-        let geometry = Geometry::bake(&scene).unwrap();
-        let camera = &scene.cameras[0];
-        let eye = camera.eye();
-        let contains = |b: &Aabb| eye.cmpge(b.min).all() && eye.cmple(b.max).all();
-        assert!(
-            !model.solids.iter().any(contains),
-            "{name}: in a solid: {eye}"
-        );
-        // Furniture may lead to a view from outside, but not from within a solid.
-        if model.solids.is_empty() {
-            let is_in_room = model.room.iter().any(contains);
-            assert_eq!(is_in_room, model.room.is_some(), "{name}: {eye}");
+    for model in &models {
+        for (file, scene) in model.load() {
+            check_view(&format!("{}, {file}", model.name), model, &scene);
         }
-        let floor = scene.meshes.iter().find(|m| m.name == "floor");
-        let floor = floor.map(|floor| Aabb::from_points(floor.positions.iter().copied()));
-        if let Some(ground) = model.ground.or(floor) {
-            let is_over =
-                (eye.cmpge(ground.min) & eye.cmple(ground.max)).bitmask() & 0b101 == 0b101;
-            let height = if is_over { ground.max.y } else { ground.min.y };
-            assert!(eye.y > height, "{name}: below ground: {eye}");
-        }
-
-        let [met, of_objects] = hit_pixels(&model, &geometry, camera);
-        let all = TRACED.element_product();
-        // A tower is narrow in a wide picture; `span` below bounds its height.
-        assert!(met * 40 > all, "{name}: {met} of {all} rays hit");
-        if model.room.is_some() {
-            continue;
-        }
-        let clip_from_world = camera.space().clip_from_world();
-        let project = |p| clip_from_world.project_point3(p);
-        let subject = model.subject(&geometry);
-        // Parts below the ground are not visible.
-        let raised = |p: &Vec3| p.with_y(p.y.max(subject.min.y));
-        let is_inside = |p: &Vec3| p.cmpge(subject.min).all() && p.cmple(subject.max).all();
-        let points = geometry.positions().iter().map(raised).filter(is_inside);
-        let Aabb { min, max } = Aabb::from_points(points.map(project));
-        assert!(min.z > 0.0 && max.z < 1.0, "{name}: {min}, {max}");
-        let reach = min.truncate().abs().max(max.truncate().abs()).max_element();
-        assert!(reach < 1.0, "{name}: outside of the view: {min}, {max}");
-        // The view is 2 wide and 2 high here.
-        let span = (max - min).truncate().max_element();
-        assert!(span > 0.6, "{name}: small in the view: {min}, {max}");
-        assert!(
-            model.solids.is_empty() || of_objects > 10,
-            "{name}: {of_objects} rays hit objects"
-        );
-        assert_eq!(camera.size, SIZE);
     }
+}
+
+fn check_view(name: &str, model: &Model, scene: &Scene) {
+    let geometry = Geometry::bake(scene).unwrap();
+    let camera = &scene.cameras[0];
+    let eye = camera.eye();
+    let contains = |b: &Aabb| eye.cmpge(b.min).all() && eye.cmple(b.max).all();
+    assert!(
+        !model.solids.iter().any(contains),
+        "{name}: in a solid: {eye}"
+    );
+    // Furniture may lead to a view from outside, but not from within a solid.
+    if model.solids.is_empty() {
+        let is_in_room = model.room.iter().any(contains);
+        assert_eq!(is_in_room, model.room.is_some(), "{name}: {eye}");
+    }
+    let floor = scene.meshes.iter().find(|m| m.name == "floor");
+    let floor = floor.map(|floor| Aabb::from_points(floor.positions.iter().copied()));
+    if let Some(ground) = model.ground.or(floor) {
+        let is_over = (eye.cmpge(ground.min) & eye.cmple(ground.max)).bitmask() & 0b101 == 0b101;
+        let height = if is_over { ground.max.y } else { ground.min.y };
+        assert!(eye.y > height, "{name}: below ground: {eye}");
+    }
+
+    let [met, of_objects] = hit_pixels(model, &geometry, camera);
+    let all = TRACED.element_product();
+    // A tower is narrow in a wide picture; `span` below bounds its height.
+    assert!(met * 40 > all, "{name}: {met} of {all} rays hit");
+    if model.room.is_some() {
+        return;
+    }
+    let clip_from_world = camera.space().clip_from_world();
+    let project = |p| clip_from_world.project_point3(p);
+    let subject = model.subject(&geometry);
+    // Parts below the ground are not visible.
+    let raised = |p: &Vec3| p.with_y(p.y.max(subject.min.y));
+    let is_inside = |p: &Vec3| p.cmpge(subject.min).all() && p.cmple(subject.max).all();
+    let points = geometry.positions().iter().map(raised).filter(is_inside);
+    let Aabb { min, max } = Aabb::from_points(points.map(project));
+    assert!(min.z > 0.0 && max.z < 1.0, "{name}: {min}, {max}");
+    let reach = min.truncate().abs().max(max.truncate().abs()).max_element();
+    assert!(reach < 1.0, "{name}: outside of the view: {min}, {max}");
+    // The view is 2 wide and 2 high here.
+    let span = (max - min).truncate().max_element();
+    assert!(span > 0.6, "{name}: small in the view: {min}, {max}");
+    assert!(
+        model.solids.is_empty() || of_objects > 10,
+        "{name}: {of_objects} rays hit objects"
+    );
+    assert_eq!(camera.size, SIZE);
 }

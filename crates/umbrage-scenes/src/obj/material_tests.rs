@@ -1,5 +1,8 @@
-use super::{material::parse, read_scene};
-use crate::{FilesOnDisk, SceneError, detail::TextureFiles};
+use super::{
+    material::{Losses, parse},
+    read_scene,
+};
+use crate::{FilesOnDisk, SceneError, SizedFilesOnDisk, detail::TextureFiles};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Geometry, Scene};
@@ -115,6 +118,102 @@ fn alpha_cuts_holes() {
     assert_eq!(alpha("map_d missing.png"), None);
 }
 
+/// Returns the notices of a model with these materials, without the model's name. It is read with
+/// colours, and for shadows alone.
+fn notices(mtl: &str, obj: &str) -> [Vec<String>; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("m.obj"), obj).unwrap();
+    std::fs::write(at("looks.mtl"), mtl).unwrap();
+    let grey = image::RgbImage::from_pixel(2, 2, image::Rgb([128, 128, 128]));
+    grey.save(at("grey.png")).unwrap();
+    let model = format!("{}: ", at("m.obj").display());
+    let prefix = format!("{}/", folder.path().display());
+    [64, 0].map(|color_side| {
+        let scene = crate::read(at("m.obj"), &SizedFilesOnDisk { color_side }).unwrap();
+        let short = |notice: &String| notice.replace(&model, "").replace(&prefix, "");
+        scene.notices.iter().map(short).collect()
+    })
+}
+
+#[test]
+fn losses_of_materials_are_listed() {
+    let text = "newmtl red\nKd 1 0 0\nKa 1 1 1\nNi 1.5\nillum 2\nd 1\nTr 1\nmap_Kd -s 2 2 1 -o 0 0 0 grey.png\n\
+                map_Ks shine.png\nmap_Bump -bm 1 grey.png\n\
+                newmtl brick\nd -halo 0.5\nmap_Kd brick.jpg\nmap_d -clamp on holes.tga\nmap_bump gone.png\n\
+                disp -s 1 1 1 heights.png\nnewmtl unused\nd 0.1\nmap_Ks other.png\n";
+    let [all, for_shadows] = notices(text, QUADS);
+    let shadows = [
+        "keys of materials are ignored: disp, map_Kd -s, map_d -clamp",
+        "materials are not defined: unknown",
+        "textures are ignored, which are not PNG: holes.tga",
+        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+    ];
+    assert_eq!(for_shadows, shadows);
+    let expected = [
+        "grey bump maps are ignored, whose heights have no scale: grey.png",
+        "keys of materials are ignored: disp, map_Kd -s, map_Ks, map_d -clamp",
+        "materials are not defined: unknown",
+        "textures are ignored, which are not PNG: brick.jpg, holes.tga",
+        "textures are missing: gone.png",
+        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+    ];
+    assert_eq!(all, expected);
+    // Faces without texture coordinates.
+    let bare = QUADS.replace("/1", "").replace("/2", "").replace("/3", "");
+    let text = "newmtl red\nmap_Kd grey.png\nnewmtl brick\nnewmtl unknown\n";
+    let [bare, _] = notices(text, &bare);
+    let why = "textures are ignored where faces have no texture coordinates, of materials: red";
+    assert_eq!(bare, [why]);
+    // Keys without an effect are no loss.
+    let usual = "newmtl red\nKa 0 0 0\nKd 1 0 0\nTf 1 1 1\nTr 0\nNi 1\nillum 7\nmap_Ka grey.png\n\
+                 newmtl brick\nd 1.0\nmap_Kd -s 1 1 1 -t 0 0 0 -clamp off grey.png\nnewmtl unknown\n";
+    assert_eq!(notices(usual, QUADS), [[""; 0]; 2]);
+}
+
+/// Files with textures of at most 8 texels a side, and without textures, in OBJ and scene files.
+#[test]
+fn color_maps_are_reduced_and_alpha_maps_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let brick = image::RgbImage::from_fn(32, 32, |x, _| image::Rgb([8 * x as u8, 99, 9]));
+    brick.save(at("brick.png")).unwrap();
+    let leaf = image::RgbaImage::from_fn(32, 32, |x, y| {
+        image::Rgba([9, 99, 9, if x == y { 0 } else { 255 }])
+    });
+    leaf.save(at("leaf.png")).unwrap();
+    std::fs::write(at("m.obj"), QUADS).unwrap();
+    let text = "newmtl red\nmap_Kd leaf.png\nnewmtl brick\nmap_Kd brick.png\nmap_d leaf.png\n\
+                map_Bump brick.png\n";
+    std::fs::write(at("looks.mtl"), text).unwrap();
+    let text = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n[[object]]\nshape = \"box\"\n\
+                texture = \"leaf.png\"\nalpha_map = \"leaf.png\"\nnormal_map = \"brick.png\"\n\
+                height_map = \"brick.png\"\ndisplacement = 0.1\n";
+    std::fs::write(at("s.toml"), text).unwrap();
+    let sides = |file: &str, color_side: u32| {
+        let scene = crate::read(at(file), &SizedFilesOnDisk { color_side }).unwrap();
+        let textures = scene.textures.iter();
+        let sides: Vec<(String, u32)> = textures.map(|t| (t.name.clone(), t.size.x)).collect();
+        let holes = Geometry::bake(&scene).unwrap().cut_outs().cloned();
+        (sides, holes)
+    };
+    let named = |sides: &[(&str, u32)]| -> Vec<(String, u32)> {
+        let owned = sides.iter().map(|(name, side)| ((*name).to_owned(), *side));
+        owned.collect()
+    };
+    let (leaf, brick) = ("leaf.png", "brick.png");
+    let all = named(&[(leaf, 32), (leaf, 8), (brick, 8), (leaf, 32), (brick, 8)]);
+    let (found, holes) = sides("m.obj", 8);
+    assert_eq!((found, holes.is_some()), (all, true));
+    let cast = named(&[(leaf, 32), (leaf, 32)]);
+    assert_eq!(sides("m.obj", 0), (cast, holes));
+    let all = named(&[(leaf, 8), (brick, 8), (brick, 32), (leaf, 32)]);
+    let (found, holes) = sides("s.toml", 8);
+    assert_eq!((found, holes.is_some()), (all, true));
+    let cast = named(&[(brick, 32), (leaf, 32)]);
+    assert_eq!(sides("s.toml", 0), (cast, holes));
+}
+
 #[test]
 fn broken_looks_are_refused_with_their_line() {
     let message = |mtl: &str| load(Some(mtl), &[]).unwrap_err().to_string();
@@ -151,8 +250,14 @@ fn powers_are_rounded_to_powers_of_two() {
     ] {
         let entries = parse(&format!("newmtl a\nNs {ns}"), Path::new("a.mtl")).unwrap();
         let material = entries[0]
-            .material(false, &mut TextureFiles::new(&FilesOnDisk), &mut Vec::new())
-            .unwrap();
+            .textured(
+                false,
+                &mut TextureFiles::new(&FilesOnDisk),
+                &mut Vec::new(),
+                &mut Losses::new(),
+            )
+            .unwrap()
+            .material(&[], &mut Losses::new());
         assert_eq!(material.shininess_log2, expected, "{ns}");
     }
 }

@@ -45,6 +45,7 @@ pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneE
     scene
         .instances
         .extend(parts.iter().map(|part| part.instance(anchor)));
+    scene.anchor = anchor;
     scene.notices.extend(far::notice(&file, anchor));
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
     let place = Place {

@@ -1,15 +1,18 @@
 //! A model's parts: one mesh for each of its materials.
 
-use super::material::{self, Entry};
+use super::material::{self, Entry, Losses, UNDEFINED};
 use crate::{
     Files, SceneError,
     detail::{TextureFiles, with_tangents},
     model_part::ModelPart,
 };
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
 use umbrage_core::glam::DVec3;
 use umbrage_core::{Mesh, Scene};
+
+/// Greatest number of names in a notice.
+const MOST_ITEMS: usize = 20;
 
 /// Material statements of a model's text.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,16 +48,33 @@ pub(super) fn add(
             model.offset,
         )]);
     };
-    // Add a mesh for each material.
-    let mut parts = Vec::new();
-    for (entry, mut mesh) in model.split(&entries) {
-        let material = match entry {
+    // Read the textures of all materials.
+    let mut losses = Losses::new();
+    if model
+        .looks
+        .libraries
+        .iter()
+        .all(|library| files.files.has(&library_path(library, path)))
+    {
+        losses.extend(model.undefined(&entries));
+    }
+    let mut split = Vec::new();
+    for (entry, mesh) in model.split(&entries) {
+        let is_mapped = !mesh.uvs.is_empty();
+        let textured = match entry {
             Some(i) => {
-                let is_mapped = !mesh.uvs.is_empty();
-                Some(entries[i].material(is_mapped, files, &mut scene.textures)?)
+                let textures = &mut scene.textures;
+                Some(entries[i].textured(is_mapped, files, textures, &mut losses)?)
             }
             None => None,
         };
+        split.push((textured, mesh));
+    }
+    files.decode(&mut scene.textures)?;
+    // Add a mesh for each material.
+    let mut parts = Vec::new();
+    for (textured, mut mesh) in split {
+        let material = textured.map(|entry| entry.material(&scene.textures, &mut losses));
         if material.is_some_and(|m| m.normal_map.is_some()) {
             mesh = with_tangents(&mesh).map_err(|fault| SceneError::Invalid {
                 file: path.display().to_string(),
@@ -70,7 +90,28 @@ pub(super) fn add(
             model.offset,
         ));
     }
+    for (reason, items) in losses {
+        scene
+            .notices
+            .push(format!("{name}: {reason}: {}", list_of(&items)));
+    }
     Ok(parts)
+}
+
+/// Returns a list of at most [`MOST_ITEMS`] names.
+fn list_of(items: &BTreeSet<String>) -> String {
+    let mut names: Vec<&str> = items.iter().take(MOST_ITEMS).map(String::as_str).collect();
+    let others = format!("and {} others", items.len().saturating_sub(MOST_ITEMS));
+    if items.len() > MOST_ITEMS {
+        names.push(&others);
+    }
+    names.join(", ")
+}
+
+/// Returns the path of a library that a model names.
+fn library_path(library: &str, model: &Path) -> PathBuf {
+    let folder = model.parent().unwrap_or(Path::new(""));
+    folder.join(library.replace('\\', "/"))
 }
 
 fn entries(
@@ -79,10 +120,9 @@ fn entries(
     files: &dyn Files,
     notices: &mut Vec<String>,
 ) -> Result<Vec<Entry>, SceneError> {
-    let folder = path.parent().unwrap_or(Path::new(""));
     let mut entries = Vec::new();
     for library in &looks.libraries {
-        let library = folder.join(library.replace('\\', "/"));
+        let library = library_path(library, path);
         if !files.has(&library) {
             notices.push(format!(
                 "{}: is missing: {}",
@@ -109,6 +149,16 @@ pub(super) struct Model {
 }
 
 impl Model {
+    /// Returns the names of used materials that no entry defines.
+    fn undefined(&self, entries: &[Entry]) -> Losses {
+        let is_undefined =
+            |name: &&String| !name.is_empty() && entries.iter().all(|entry| entry.name != **name);
+        let names = self.looks.runs.iter().map(|(_, name)| name);
+        let names: BTreeSet<String> = names.filter(is_undefined).cloned().collect();
+        let losses = [(UNDEFINED, names)].into_iter();
+        losses.filter(|(_, names)| !names.is_empty()).collect()
+    }
+
     /// Returns a mesh for each used entry, in the order of their first faces. Faces without a known
     /// material share one.
     fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {

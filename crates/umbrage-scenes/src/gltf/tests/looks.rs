@@ -313,16 +313,16 @@ fn pictures_may_be_jpeg_and_files_and_missing() {
     );
 }
 
-/// Files for shadows without colours.
-struct ForShadows(FilesInMemory);
+/// Files for colours of this size.
+struct Sized(FilesInMemory, u32);
 
-impl crate::Files for ForShadows {
+impl crate::Files for Sized {
     fn open(&self, path: &std::path::Path) -> std::io::Result<Box<dyn crate::OpenFile + '_>> {
         self.0.open(path)
     }
 
-    fn needs_colors(&self) -> bool {
-        false
+    fn color_side(&self) -> u32 {
+        self.1
     }
 }
 
@@ -334,7 +334,7 @@ fn images_that_only_colour_surfaces_are_not_read_for_shadows() {
             "alphaMode": mode, "normalTexture": texture.clone(),
             "pbrMetallicRoughness": { "baseColorTexture": texture },
         }));
-        let files = ForShadows([("a.glb", model.glb())].into_iter().collect());
+        let files = Sized([("a.glb", model.glb())].into_iter().collect(), 0);
         let wanted = crate::scene_of_file::SceneOfFile::of_path(std::path::Path::new("a.glb"));
         let bytes = files.0.bytes_of(std::path::Path::new("a.glb"));
         super::super::read(&bytes, &wanted.expect("a glTF file"), &files).expect("valid")
@@ -345,4 +345,57 @@ fn images_that_only_colour_surfaces_are_not_read_for_shadows() {
     let masked = read("MASK");
     assert_eq!(masked.textures.len(), 1);
     assert!(masked.materials[0].alpha.is_some() && masked.materials[0].normal_map.is_none());
+}
+
+#[test]
+fn images_are_reduced_unless_their_alpha_casts() {
+    let holes = |x: u32, y: u32| if (x, y) == (9, 4) { 0 } else { 255 };
+    let picture = ImageBuffer::from_fn(64, 32, |x, y| {
+        image::Rgba([200, 4 * x as u8, 100, holes(x, y)])
+    });
+    let mut png = Cursor::new(Vec::new());
+    let encoded = DynamicImage::from(picture).write_to(&mut png, ImageFormat::Png);
+    encoded.expect("encoded");
+    let read = |mode: &str, color_side: u32| {
+        let textured = base(json!({ "index": 0 }), [1.0; 4]);
+        let mut model = square(json!({ "alphaMode": mode, "pbrMetallicRoughness": textured }));
+        let view = model.view(png.get_ref());
+        model.json["images"][0] = json!({ "bufferView": view });
+        let files = [("a.glb", model.glb())].into_iter().collect();
+        let scene = crate::read("a.glb", &Sized(files, color_side)).expect("valid");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let holes = geometry.cut_outs().map(|holes| holes.rows().to_vec());
+        let textures = scene.textures.iter();
+        let sides: Vec<u32> = textures.map(|texture| texture.size.x).collect();
+        let shown = scene.materials[0].diffuse_texture;
+        let alpha = scene.materials[0].alpha.map(|alpha| sides[alpha.texture]);
+        (
+            shown.map(|shown| scene.textures[shown].clone()),
+            alpha,
+            holes,
+        )
+    };
+    let whole = read("OPAQUE", 64).0.expect("a texture");
+    let reduced = read("OPAQUE", 16).0.expect("a texture");
+    assert_eq!(
+        [whole.size.to_array(), reduced.size.to_array()],
+        [[64, 32], [16, 8]]
+    );
+    // Compare the middle of each reduced texel.
+    for (i, texel) in reduced.texels.iter().enumerate() {
+        let expected = whole.texels[(4 * (i / 16) + 2) * 64 + 4 * (i % 16) + 2];
+        let off = Vec3::from_slice(texel).distance(Vec3::from_slice(&expected));
+        assert!(off < 0.05, "{texel:?}, {expected:?}");
+    }
+    // The mask that casts shadows is that of the whole image, whatever the size of the colours.
+    let (_, _, holes) = read("MASK", 64);
+    assert!(holes.is_some());
+    for (side, width) in [(0, 64), (16, 16)] {
+        let (shown, mask, found) = read("MASK", side);
+        assert_eq!(
+            (shown.map(|shown| shown.size.x), mask),
+            (Some(width), Some(64))
+        );
+        assert_eq!(found, holes, "{side}");
+    }
 }
