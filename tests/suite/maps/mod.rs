@@ -5,6 +5,8 @@ mod cube;
 mod formats;
 mod hardware;
 mod midpoint;
+mod small_casters;
+mod zenith;
 
 use umbrage_core::{
     Backend, Camera, Geometry, Light, Scene, ShadowTechnique, View,

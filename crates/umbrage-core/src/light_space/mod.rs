@@ -88,6 +88,13 @@ pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
 /// Returns the view from `eye` along `direction` (any length). If `up` is parallel to it, another
 /// axis is used: z for views up and down.
 ///
+/// No rule is continuous at such views: the image's roll has a limit from each azimuth, and no two
+/// are equal. A view that turns down from the horizontal direction h has the limit h, one that
+/// turns up has -h. With `up` along y, the axis z is the limit of views that turn down from +z and
+/// of those that turn up from -z. A view that passes y from the opposite side turns its image by
+/// 180 degrees there, and from any other side by the angle between h and z. Pass another `up` to
+/// keep the roll. Maps of lights have the same extents after a turn by 180 degrees.
+///
 /// # Errors
 /// Errors if a number is not finite, or `direction` is zero.
 pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {

@@ -198,6 +198,31 @@ fn far_case(metres: f32) -> AmbiguityCase {
     }
 }
 
+/// Returns boxes and plates on a ground of 200 km that rises by this angle along x, radians.
+fn giant_cases(slope: f32) -> Vec<AmbiguityCase> {
+    let turn = Affine3A::from_rotation_z(slope);
+    let mut out = Vec::new();
+    for (name, shape) in [("boxes", boxes()), ("contacts", contacts())] {
+        // The first two triangles are the small floor.
+        let on_giant = floor(1e5).into_iter().chain(shape.into_iter().skip(2));
+        let corners: Vec<_> = on_giant
+            .map(|t| t.map(|c| turn.transform_point3(c)))
+            .collect();
+        for direction in [Vec3::new(-0.5, -0.7, -0.3), Vec3::new(-0.8, -0.05, -0.5)] {
+            out.push(AmbiguityCase {
+                name,
+                corners: corners.clone(),
+                camera: camera(Vec3::ZERO, false),
+                light: Light::Directional {
+                    direction,
+                    angular_diameter: 0.0,
+                },
+            });
+        }
+    }
+    out
+}
+
 fn camera(at: Vec3, parallel: bool) -> Camera {
     let (eye, size) = (at + Vec3::new(4.0, 3.5, 6.0), UVec2::new(96, 64));
     if parallel {
@@ -311,12 +336,34 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     }
 }
 
+/// On giant ground, depths are interpolated so far that the wrong one of two surfaces may be shown
+/// next to their intersection. The results are right for the triangles that are shown, also
+/// wherever rounding near the point may move them. Few pixels are marked.
+#[test]
+fn answers_on_giant_ground_are_right_where_they_are_not_ambiguous() {
+    for case in [0.0, 0.2].into_iter().flat_map(giant_cases) {
+        let [wrong, pixels] = contradicted_pixels(&case, false, |oracle, (pixel, shown, value)| {
+            shown.is_some()
+                && (oracle.answer(pixel, shown) != value
+                    || oracle.changes(pixel, shown, 0.0196, 1.0, 24))
+        });
+        assert!(
+            wrong == 0 && pixels > 6_000,
+            "{wrong} of {pixels} under {:?}",
+            case.light
+        );
+    }
+}
+
 /// Marked pixels change within the limits of rounding, or slightly beyond: the corners of the
 /// limits are too small for samples.
 #[test]
 fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
-    for case in cases() {
+    let giant = giant_cases(0.0)
+        .into_iter()
+        .filter(|case| case.name == "contacts");
+    for case in cases().into_iter().chain(giant) {
         let [firm, pixels] = contradicted_pixels(&case, true, |oracle, (pixel, shown, _)| {
             ![None, shown]
                 .iter()
@@ -330,4 +377,55 @@ fn ambiguous_answers_change_within_rounding() {
         marked += pixels;
     }
     assert!(marked > 200, "too few marked pixels: {marked}");
+}
+
+/// Truth of a box's shadow is the same on a ground of 200 km as on one of 20 m, and as certain.
+#[test]
+fn the_size_of_the_ground_leaves_out_no_shadow() {
+    let light = Light::Directional {
+        direction: Vec3::new(-1.0, -1.2, -0.5),
+        angular_diameter: 0.0,
+    };
+    let block = cuboid(Affine3A::from_scale_rotation_translation(
+        Vec3::splat(0.5),
+        Quat::IDENTITY,
+        Vec3::Y * 0.5,
+    ));
+    let truth_on = |half: f32| {
+        let (eye, target) = (Vec3::new(3.0, 2.5, 4.0), Vec3::Y * 0.5);
+        let size = UVec2::new(320, 240);
+        let camera = Camera::perspective(eye, target, Vec3::Y, 0.7, [0.1, 1e6], size);
+        let case = AmbiguityCase {
+            name: "box",
+            corners: floor(half).into_iter().chain(block.clone()).collect(),
+            camera: camera.expect("a good camera"),
+            light,
+        };
+        truth_of(&case).1
+    };
+    let near = truth_on(10.0);
+    for half in [1e3, 1e5, 1e7] {
+        let giant = truth_on(half);
+        let mut shadow = 0;
+        let mut left_out = 0;
+        for i in 0..near.pixels.len() {
+            // Giant triangles are rasterised less accurately: compare where both show the ground,
+            // whose triangles come first.
+            let shows_ground =
+                |truth: &Truth| truth.receivers.receives[i] && truth.receivers.triangle[i] < 2;
+            if !shows_ground(&near) || !shows_ground(&giant) {
+                continue;
+            }
+            if giant.pixels[i] == Pixel::Ambiguous {
+                left_out += 1;
+            } else if near.pixels[i] == Pixel::Counted {
+                assert_eq!(near.visibility[i], giant.visibility[i], "{half}: {i}");
+                shadow += usize::from(giant.visibility[i] == 0.0);
+            }
+        }
+        assert!(
+            shadow > 150 && left_out <= 8,
+            "{half}: {shadow}, {left_out}"
+        );
+    }
 }

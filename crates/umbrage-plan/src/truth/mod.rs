@@ -2,8 +2,9 @@
 //!
 //! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points
 //! below its tangent plane are not visible. Rays start a few units in the last place above the
-//! surface, in proportion to the lengths of the scene. The same scene at another scale thus has the
-//! same mask. Rays skip the receiver's own triangle, and end 2^-14 of their length before the
+//! surface, in proportion to the lengths near the point. The same scene at another scale thus has
+//! the same mask. Near triangles that are far larger, such as a ground of kilometres, rays are
+//! traced in 64 bits. Rays skip the receiver's own triangle, and end 2^-14 of their length before the
 //! light, so that a light's own mesh doesn't hide it. The samples are those of
 //! [`umbrage_core::light_sample`].
 
@@ -13,6 +14,7 @@ mod judged;
 mod options;
 #[cfg(test)]
 mod oracle;
+mod pixel_ray;
 mod points;
 mod polygon;
 mod sampled;

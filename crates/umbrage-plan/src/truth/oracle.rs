@@ -6,6 +6,7 @@
 //! is certain if it stays the same while the pixel and the shadow ray's origin move at random
 //! within given limits.
 
+use super::points::GIANT;
 use glam::{DAffine3, DMat4, DVec2, DVec3, Mat4, Vec3, Vec4};
 use std::ops::Range;
 use umbrage_core::{
@@ -91,15 +92,22 @@ impl<'a> Oracle<'a> {
             across
         };
         let (u, v) = normal.any_orthonormal_pair();
-        let lengths = corners.map(|c| (c - p).abs().max_element());
-        let length = lengths
+        let nearby = (eye - p).length().max(p.abs().max_element());
+        let farthest = corners
+            .map(|c| (c - p).abs().max_element())
             .into_iter()
-            .fold((eye - p).length().max(p.abs().max_element()), f64::max);
+            .fold(0.0, f64::max);
+        // Corners of giant triangles don't count.
+        let length = if farthest <= f64::from(GIANT) * nearby {
+            nearby.max(farthest)
+        } else {
+            nearby
+        };
         let by = moved.offsets * length * f64::from(LIFT);
         // The least height keeps neighbours in the same plane, with rounded corners, from shadowing
         // each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
-        let to_light = self.to_light(o, length);
+        let to_light = self.to_light(o, length.max(farthest));
         let is_facing = normal.dot(to_light) > 0.0 && !self.is_outside_cone(o);
         let is_lit = is_facing && !self.is_shadowed(o, to_light, hit.id);
         f64::from(u8::from(is_lit))

@@ -2,13 +2,26 @@
 
 use super::{
     options::TruthOptions,
+    pixel_ray::PixelRay,
     tracer::{Memory, Tracer},
 };
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use umbrage_core::{
-    Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers, invalid::finite, light_sample,
+    Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers,
+    invalid::finite,
+    light_sample::{self, origin_offset},
 };
+
+/// Greatest extent of a triangle, in multiples of the coordinates of a point and its distance from
+/// the eye, at which the ray's offset also covers the rounding of the triangle's own corners.
+///
+/// In 32 bits, the bound of an intersection's rounding is proportional to the corners' coordinates,
+/// at any point of the triangle. On a ground of 200 km it is centimetres, and would leave out the
+/// whole shadow of a box. Rays among larger triangles are therefore traced in 64 bits. Their offset
+/// covers the coordinates of the point, and the position's actual error. Other rays keep the offset
+/// of the `traced` technique, and its speed.
+pub(super) const GIANT: f32 = 64.0;
 
 /// Point that may be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,9 +32,13 @@ pub struct ReceiverPoint {
     pub normal: Vec3,
     /// Triangle that contains the point and never shadows it; [`NO_TRIANGLE`] if unknown.
     pub triangle: u32,
-    /// Greatest length other than the position's coordinates, metres: the distance to the eye, or
-    /// the triangle's extent. The ray's offset is proportional to it.
+    /// Greatest length other than the position's coordinates whose rounding the ray's offset must
+    /// exceed, metres: the distance to the eye, or the triangle's extent. The ray's offset is
+    /// proportional to it.
     pub reach: f32,
+    /// Rounding error of the position, metres, if the triangle is so large that the offset doesn't
+    /// cover it; otherwise 0.
+    pub moved: f32,
     /// Scrambling seed of the samples: [`light_sample::seed`].
     pub seed: u32,
 }
@@ -40,6 +57,7 @@ impl ReceiverPoint {
             normal,
             triangle: NO_TRIANGLE,
             reach: if reach.is_finite() { reach } else { 0.0 },
+            moved: 0.0,
             seed,
         }
     }
@@ -51,20 +69,42 @@ impl ReceiverPoint {
     pub fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
         let position = receivers.position(i);
         let triangle = receivers.triangle[i];
-        let mut reach = (camera.eye() - position).length();
-        for corner in geometry.corners(triangle) {
-            reach = reach.max((corner - position).abs().max_element());
-        }
+        let corners = geometry.corners(triangle);
         let x = i as u32 % receivers.size.x;
         let y = i as u32 / receivers.size.x;
+        let to_eye = (camera.eye() - position).length();
+        let farthest = corners
+            .map(|corner| (corner - position).abs().max_element())
+            .into_iter()
+            .fold(0.0, f32::max);
+        let is_giant = farthest > GIANT * to_eye.max(position.abs().max_element());
+        let [reach, moved] = if is_giant {
+            [to_eye, rounding_of(camera, [x, y], position, corners)]
+        } else {
+            [to_eye.max(farthest), 0.0]
+        };
         Self {
             position,
             normal: receivers.normal(i),
             triangle,
             reach,
+            moved,
             seed: light_sample::seed(x, y),
         }
     }
+
+    /// Returns the offset of rays from the surface, metres.
+    pub(super) fn offset(&self) -> f32 {
+        origin_offset(self.position, self.reach).max(self.moved)
+    }
+}
+
+/// Returns the distance from a position to the exact intersection of the pixel's ray with the plane
+/// of its triangle, computed in 64 bits; 0 if the ray is parallel to the plane.
+fn rounding_of(camera: &Camera, pixel: [u32; 2], position: Vec3, corners: [Vec3; 3]) -> f32 {
+    let ray = PixelRay::new(&camera.rays(), pixel, DVec2::ZERO);
+    let exact = ray.on_plane(corners.map(Vec3::as_dvec3));
+    exact.map_or(0.0, |exact| exact.distance(position.as_dvec3()) as f32)
 }
 
 /// Truth at a point.

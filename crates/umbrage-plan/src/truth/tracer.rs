@@ -2,15 +2,14 @@
 
 use super::{
     options::TruthOptions,
-    points::{PointTruth, ReceiverPoint},
+    points::{GIANT, PointTruth, ReceiverPoint},
 };
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 use umbrage_core::{
     Aabb, Bvh, Geometry, Invalid, Light,
-    light_sample::{
-        LightSampler, bitangent, kind, origin_offset, scramble_bits, segment, sobol_bits, tangent,
-    },
+    light_sample::{LightSampler, bitangent, kind, scramble_bits, segment, sobol_bits, tangent},
     math::dot3,
 };
 
@@ -32,6 +31,8 @@ pub(super) struct Tracer<'a> {
     center: Vec3,
     /// Radius of the sphere, metres.
     radius: f32,
+    /// Greatest extent of a caster's triangle along an axis, metres.
+    largest: f32,
     /// Sample sequence before scrambling.
     sequence: Vec<[u32; 2]>,
     /// Number of samples of each receiver.
@@ -49,11 +50,15 @@ struct Cone {
     cosine: f32,
 }
 
-/// Origin of a point's rays, and their length towards directional lights, metres.
+/// Start of a point's rays.
 #[derive(Clone, Copy, Debug)]
 struct Start {
+    /// Origin of the rays.
     o: Vec3,
+    /// Length towards directional lights, metres.
     far: f32,
+    /// True if casters are so large that they must be tested in 64 bits: see [`GIANT`].
+    in_f64: bool,
 }
 
 /// Cache between rays: the triangle that hid the last ray most likely hides this one.
@@ -96,6 +101,7 @@ impl<'a> Tracer<'a> {
             cone: cone(light),
             center: if empty { Vec3::ZERO } else { bounds.center() },
             radius: if empty { 1.0 } else { bounds.diagonal() },
+            largest: largest_extent(geometry),
             sequence: (0..all_samples).map(sobol_bits).collect(),
             samples,
             all_samples,
@@ -109,28 +115,28 @@ impl<'a> Tracer<'a> {
         lift: f32,
         memory: &mut Memory,
     ) -> PointTruth {
-        let Start { o, far } = self.start(point, lift);
+        let start = self.start(point, lift);
         let mut blocks = Vec::new();
         let mut samples = self.samples;
-        let mut count = self.run(0..samples, point, o, far, memory, &mut blocks);
+        let mut count = self.run(0..samples, point, start, memory, &mut blocks);
         let is_penumbra = count.seen > 0 && count.seen < samples;
         if is_penumbra {
             blocks.clear();
             samples = self.all_samples;
-            count = self.run(0..samples, point, o, far, memory, &mut blocks);
+            count = self.run(0..samples, point, start, memory, &mut blocks);
         }
         let visibility = count.seen as f32 / samples as f32;
         PointTruth {
             visibility,
             error: standard_error(&blocks, visibility),
-            unlit: count.above == 0 || self.is_outside_cone(o),
+            unlit: count.above == 0 || self.is_outside_cone(start.o),
         }
     }
 
     /// Returns whether a point is unlit, with the result of [`Tracer::trace_point`] but without
     /// rays.
     pub(super) fn is_unlit(&self, point: &ReceiverPoint) -> bool {
-        let Start { o, far } = self.start(point, 1.0);
+        let Start { o, far, .. } = self.start(point, 1.0);
         let is_above = |i: u32| {
             let uv = scramble_bits(self.sequence[i as usize], point.seed);
             dot3(point.normal, segment(&self.light, o, uv, far)) > 0.0
@@ -141,11 +147,14 @@ impl<'a> Tracer<'a> {
 
     /// Returns the start of a point's rays. `lift` multiplies their offset.
     fn start(&self, point: &ReceiverPoint, lift: f32) -> Start {
-        let offset = lift * origin_offset(point.position, point.reach);
+        let offset = lift * point.offset();
         let o = point.position + point.normal * offset;
         let to_center = Aabb::from_points([o, self.center]).diagonal();
-        let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
-        Start { o, far }
+        Start {
+            o,
+            far: (1.01 * (to_center + self.radius)).min(FARTHEST),
+            in_f64: self.largest > GIANT * point.position.abs().max_element().max(point.reach),
+        }
     }
 
     /// Traces a range of samples. `blocks` receives the visible fraction of each of [`BLOCKS`]
@@ -154,24 +163,23 @@ impl<'a> Tracer<'a> {
         &self,
         range: std::ops::Range<u32>,
         point: &ReceiverPoint,
-        o: Vec3,
-        far: f32,
+        start: Start,
         memory: &mut Memory,
         blocks: &mut Vec<f32>,
     ) -> Count {
         let mut count = Count {
-            clear: self.is_clear(point, o),
+            clear: self.is_clear(point, start.o),
             ..Count::default()
         };
         let size = (range.len() as u32).div_ceil(BLOCKS);
-        for start in range.clone().step_by(size as usize) {
+        for first in range.clone().step_by(size as usize) {
             let before = count.seen;
-            let end = (start + size).min(range.end);
-            for i in start..end {
+            let end = (first + size).min(range.end);
+            for i in first..end {
                 let uv = scramble_bits(self.sequence[i as usize], point.seed);
-                self.sample(uv, point, o, far, memory, &mut count);
+                self.sample(uv, point, start, memory, &mut count);
             }
-            blocks.push((count.seen - before) as f32 / (end - start) as f32);
+            blocks.push((count.seen - before) as f32 / (end - first) as f32);
         }
         count
     }
@@ -182,11 +190,11 @@ impl<'a> Tracer<'a> {
         &self,
         uv: Vec2,
         point: &ReceiverPoint,
-        o: Vec3,
-        far: f32,
+        start: Start,
         memory: &mut Memory,
         count: &mut Count,
     ) {
+        let Start { o, far, in_f64 } = start;
         let d = segment(&self.light, o, uv, far);
         if dot3(point.normal, d) <= 0.0 {
             return;
@@ -196,13 +204,22 @@ impl<'a> Tracer<'a> {
             count.seen += 1;
             return;
         }
-        if memory
-            .occluder
-            .is_some_and(|i| self.bvh.hits(i, o, d, point.triangle))
-        {
+        let hides = |i: u32| {
+            if in_f64 {
+                self.bvh.hits_in_f64(i, o, d, point.triangle)
+            } else {
+                self.bvh.hits(i, o, d, point.triangle)
+            }
+        };
+        if memory.occluder.is_some_and(hides) {
             return;
         }
-        match self.bvh.occluder(o, d, point.triangle) {
+        let occluder = if in_f64 {
+            self.bvh.occluder_in_f64(o, d, point.triangle)
+        } else {
+            self.bvh.occluder(o, d, point.triangle)
+        };
+        match occluder {
             Some(i) => memory.occluder = Some(i),
             None => count.seen += 1,
         }
@@ -274,6 +291,15 @@ impl<'a> Tracer<'a> {
         let to_point = (p - cone.apex).as_dvec3().normalize_or_zero().as_vec3();
         dot3(to_point, cone.axis) < cone.cosine
     }
+}
+
+/// Returns the greatest extent of a caster's triangle along an axis, metres; 0 without casters.
+fn largest_extent(geometry: &Geometry) -> f32 {
+    let extents = geometry.casters().into_par_iter().map(|id| {
+        let bounds = Aabb::from_points(geometry.corners(id));
+        bounds.extent().max_element()
+    });
+    extents.reduce(|| 0.0, f32::max)
 }
 
 /// Returns the outer cone of a spot light, or `None` for other lights.

@@ -7,13 +7,14 @@
 //! of the vicinity, without all shadows, is light.
 
 use super::{
+    pixel_ray::PixelRay,
     points::ReceiverPoint,
     polygon::{
         FlatPolygon, area, common, contains, counter_clockwise, cut, hull, minkowski_sum, spread,
         subtract_polygon,
     },
 };
-use glam::{DVec2, DVec3, Vec3, Vec4};
+use glam::{DVec2, DVec3, Vec3};
 use umbrage_core::{
     Camera, CameraRays, Geometry, Light,
     light_sample::{LIFT, SHORT, origin_offset},
@@ -38,9 +39,9 @@ pub(super) enum Around {
 /// 2^-50 of its length. If it is a hundred times longer than wide, that is 1e-13 of its area.
 const MIN_AREA_SHARE: f64 = 1e-9;
 
-/// Height of the lowest origin of a ray, as a share of the highest: 2^-24 of the scene's lengths,
-/// the last place of 32 bits. Neighbours in one plane with rounded corners differ by less in
-/// height, so they don't shadow each other.
+/// Height of the lowest origin of a ray, as a share of the highest without the position's own error:
+/// 2^-24 of the lengths near the point, the last place of 32 bits. Neighbours in one plane with
+/// rounded corners differ by less in height, so they don't shadow each other.
 const MIN_LIFT_SHARE: f64 = 1.0 / 32.0;
 
 /// Greatest number of pieces that shadows may leave. With more pieces, a point counts as having
@@ -69,21 +70,9 @@ enum ToLight {
     Everywhere,
 }
 
-/// Camera ray through a pixel.
-#[derive(Clone, Copy)]
-struct PixelRay {
-    origin: DVec3,
-    direction: DVec3,
-}
-
 /// Returns the radius of a disc around the visible point that contains a polygon, at least `least`.
 fn radius(p: &[DVec2], least: f64) -> f64 {
     p.iter().map(|q| q.length()).fold(least, f64::max)
-}
-
-/// Returns `base + dx * x + dy * y` in 64 bits.
-fn linear(base: Vec4, dx: Vec4, dy: Vec4, x: f64, y: f64) -> DVec3 {
-    (base.as_dvec4() + dx.as_dvec4() * x + dy.as_dvec4() * y).truncate()
 }
 
 /// Plane of a visible triangle.
@@ -206,8 +195,9 @@ impl<'a> Vicinity<'a> {
         if surface.sine() < 0.0 {
             return Around::Neither;
         }
-        let offset = f64::from(origin_offset(point.position, point.reach));
+        let offset = f64::from(point.offset());
         let highest = 2.0 * offset;
+        let lowest = 2.0 * MIN_LIFT_SHARE * f64::from(origin_offset(point.position, point.reach));
         let unclipped = self.unclipped_vicinity(&surface, pixel, offset);
         if let Some(unclipped) = &unclipped {
             // Return early for most points, which have no casters nearby: they need only this
@@ -232,7 +222,7 @@ impl<'a> Vicinity<'a> {
         // Compare the shadows for the lowest and the highest origin of rays.
         self.casters_near(&surface, radius(&vicinity, highest), ids);
         ids.retain(|&id| id != point.triangle);
-        let from_lowest = self.left(&surface, &vicinity, ids, highest * MIN_LIFT_SHARE);
+        let from_lowest = self.left(&surface, &vicinity, ids, lowest);
         if from_lowest == Around::Both {
             return Around::Both;
         }
@@ -346,7 +336,7 @@ impl<'a> Vicinity<'a> {
     /// Returns the plane of a triangle at the point that a pixel shows. Returns `None` if the plane
     /// is seen edge-on or the light has an extent.
     fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<NearSurface> {
-        let ray = self.ray(pixel, DVec2::ZERO);
+        let ray = PixelRay::new(&self.rays, pixel, DVec2::ZERO);
         let edge_1 = corners[1] - corners[0];
         let edge_2 = corners[2] - corners[0];
         let normal = edge_1.cross(edge_2).try_normalize()?;
@@ -371,17 +361,6 @@ impl<'a> Vicinity<'a> {
         })
     }
 
-    /// Returns the ray through a pixel's centre, moved by some pixels.
-    fn ray(&self, pixel: [u32; 2], by: DVec2) -> PixelRay {
-        let x = f64::from(pixel[0]) + 0.5 + by.x;
-        let y = f64::from(pixel[1]) + 0.5 + by.y;
-        let rays = &self.rays;
-        PixelRay {
-            origin: linear(rays.origin, rays.origin_dx, rays.origin_dy, x, y),
-            direction: linear(rays.dir, rays.dir_dx, rays.dir_dy, x, y),
-        }
-    }
-
     /// Returns the vicinity of a point as if its triangle were unbounded, for rays whose origins
     /// may move by `offset`, metres. Returns `None` if the plane's horizon is so close that any
     /// point of the triangle may be visible.
@@ -395,7 +374,7 @@ impl<'a> Vicinity<'a> {
         let mut seen = Vec::with_capacity(16);
         for k in 0..16 {
             let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k));
-            let ray = self.ray(pixel, direction * self.pixels);
+            let ray = PixelRay::new(&self.rays, pixel, direction * self.pixels);
             let t = s.axes[2].dot(s.p - ray.origin) / s.axes[2].dot(ray.direction);
             if !(t > 0.0 && t.is_finite()) {
                 return None;

@@ -1,5 +1,8 @@
 //! Buildings around their own floor, seen from inside: from the position and in the direction with
 //! the greatest depth.
+//!
+//! A building encloses most of the candidate positions that are free of solids. The centre alone
+//! would not do: it may be inside a table or a pillar.
 
 use super::{ground::Ground, sun::seen_points, twice_area};
 use crate::framing::Shot;
@@ -36,9 +39,10 @@ const NEAR_COUNTS: f32 = 2.0;
 const DIRECTIONS: usize = 32;
 /// Least fraction of these directions with a wall. A room that is open to one side has fewer.
 const ENCLOSED: f32 = 0.85;
-/// Mean number of surfaces on a horizontal ray from the centre. Bowls, cups and boots have two, an
+/// Mean number of surfaces on a horizontal ray from an eye. Bowls, cups and boots have two, an
 /// inner and an outer one, and are seen from outside. Rooms of bare walls have one, buildings with
-/// pillars and galleries more.
+/// pillars and galleries more. Furnished rooms may have as many as bowls, but the last surface of
+/// a bowl faces outwards.
 const BOWLS: [f32; 2] = [1.4, 2.6];
 /// Number of directions over the whole sphere, from an eye.
 const SPHERE: usize = 96;
@@ -56,30 +60,38 @@ pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<
     let floor = ground.own?;
     let height = bounds.max.y - floor;
     let middle = bounds.center().with_y(floor + EYE_HEIGHT * height);
-    if !is_enclosed(geometry, middle) {
-        return None;
-    }
-    let mut best: Option<(f32, Shot)> = None;
+    // Collect the candidates that are free of solids.
+    let mut free: Vec<(Vec3, Vec3)> = Vec::new();
     for along in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
         let across = Vec3::Y.cross(along);
         for [back, aside] in EYES {
-            let length = along.abs().dot(extent);
-            let eye =
-                middle - along * (back * length) + across * (aside * across.abs().dot(extent));
-            if !is_in_room(geometry, eye) {
-                continue;
+            let eye = middle - along * (back * along.abs().dot(extent))
+                + across * (aside * across.abs().dot(extent));
+            if is_in_room(geometry, eye) {
+                free.push((eye, along));
             }
-            let shot = Shot {
-                eye,
-                target: eye + (along - Vec3::Y * DOWN) * length,
-                up: Vec3::Y,
-                fov_y: FOV_Y_DEGREES.to_radians(),
-                size,
-            };
-            let depth = depth_of(geometry, &shot);
-            if best.as_ref().is_none_or(|(most, _)| depth > *most) {
-                best = Some((depth, shot));
-            }
+        }
+    }
+    let enclosed = free
+        .iter()
+        .filter(|(eye, _)| is_enclosed(geometry, *eye))
+        .count();
+    if 2 * enclosed < free.len() {
+        return None;
+    }
+    // Choose the view with the greatest depth.
+    let mut best: Option<(f32, Shot)> = None;
+    for (eye, along) in free {
+        let shot = Shot {
+            eye,
+            target: eye + (along - Vec3::Y * DOWN) * along.abs().dot(extent),
+            up: Vec3::Y,
+            fov_y: FOV_Y_DEGREES.to_radians(),
+            size,
+        };
+        let depth = depth_of(geometry, &shot);
+        if best.as_ref().is_none_or(|(most, _)| depth > *most) {
+            best = Some((depth, shot));
         }
     }
     best.map(|(_, shot)| shot)
@@ -125,43 +137,61 @@ fn sphere_direction(i: usize) -> Vec3 {
 /// Reports whether the first surface on the segment from `from` to `from + way` faces `from`.
 fn sees_front(geometry: &Geometry, from: Vec3, way: Vec3) -> bool {
     let first = geometry.bvh().nearest_triangle(geometry, from, way, NONE);
-    first.is_some_and(|(_, t)| twice_area(geometry.corners(t)).dot(way) < 0.0)
+    first.is_some_and(|(_, triangle)| faces_start(geometry, triangle, way))
 }
 
 /// Reports whether walls other than those of a bowl enclose a point.
-fn is_enclosed(geometry: &Geometry, middle: Vec3) -> bool {
+fn is_enclosed(geometry: &Geometry, eye: Vec3) -> bool {
     let reach = geometry.bounds().diagonal();
-    let mut enclosed = 0;
+    let mut walls = 0;
+    let mut inner_walls = 0;
     let mut surfaces = 0;
     for i in 0..DIRECTIONS {
         // Avoid the axes, along which walls and their joints are aligned.
         let angle = (i as f32 + 0.37) / DIRECTIONS as f32 * std::f32::consts::TAU;
         let way = Vec3::new(angle.cos(), 0.0, angle.sin()) * reach;
-        let met = surfaces_along(geometry, middle, way);
-        enclosed += usize::from(met > 0);
-        surfaces += met;
+        let met = surfaces_along(geometry, eye, way);
+        walls += usize::from(met.count > 0);
+        inner_walls += usize::from(met.ends_at_front);
+        surfaces += met.count;
     }
-    let share = enclosed as f32 / DIRECTIONS as f32;
+    let are_most = |count: usize| count as f32 >= ENCLOSED * DIRECTIONS as f32;
     let mean = surfaces as f32 / DIRECTIONS as f32;
-    share >= ENCLOSED && !(BOWLS[0]..=BOWLS[1]).contains(&mean)
+    are_most(walls) && (are_most(inner_walls) || !(BOWLS[0]..=BOWLS[1]).contains(&mean))
 }
 
-/// Returns the number of surfaces on the segment from `from` to `from + way`, at most [`MOST`].
-fn surfaces_along(geometry: &Geometry, from: Vec3, way: Vec3) -> usize {
+/// Surfaces on a segment.
+#[derive(Clone, Copy, Debug, Default)]
+struct Met {
+    /// Number of surfaces, at most [`MOST`].
+    count: usize,
+    /// True if the last one faces the segment's start.
+    ends_at_front: bool,
+}
+
+/// Returns the surfaces on the segment from `from` to `from + way`.
+fn surfaces_along(geometry: &Geometry, from: Vec3, way: Vec3) -> Met {
     let bvh: &Bvh = geometry.bvh();
-    let mut count = 0;
+    let mut met = Met::default();
     let mut at = 0.0;
-    while count < MOST {
+    while met.count < MOST {
         let rest = way * (1.0 - at);
-        let Some(t) = bvh.nearest(geometry, from + way * at, rest, NONE) else {
+        let Some((t, triangle)) = bvh.nearest_triangle(geometry, from + way * at, rest, NONE)
+        else {
             break;
         };
-        count += 1;
+        met.count += 1;
+        met.ends_at_front = faces_start(geometry, triangle, way);
         // Continue beyond the surface by a thousandth of the segment.
         at += t * (1.0 - at) + 1e-3;
         if at >= 1.0 {
             break;
         }
     }
-    count
+    met
+}
+
+/// Reports whether a triangle faces the start of a segment along `way`.
+fn faces_start(geometry: &Geometry, triangle: u32, way: Vec3) -> bool {
+    twice_area(geometry.corners(triangle)).dot(way) < 0.0
 }

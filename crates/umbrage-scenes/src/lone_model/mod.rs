@@ -5,7 +5,7 @@
 //! * A model with its own ground has the same view, without a floor. Small objects on wide ground
 //!   fill the view with their shadows. A room that is open to one side is seen through its opening.
 //! * A building around its own floor is seen from inside ([`interior`]): from the position with the
-//!   greatest depth that the fronts of surfaces surround. Furnished rooms may be seen from outside.
+//!   greatest depth that the fronts of surfaces surround, also if the building is furnished.
 //! * The sun is on the left, above and behind the model, so that shadows fall to the right and
 //!   towards the eye. Without an added floor, another sun may show more ([`sun`]).
 

@@ -22,6 +22,8 @@ struct Model {
     solids: Vec<Aabb>,
     /// A closed box of inner surfaces.
     room: Option<Aabb>,
+    /// A hollow that is seen from outside.
+    hollow: Option<Aabb>,
     /// Bounds of the ground. `None` without ground in the file.
     ground: Option<Aabb>,
 }
@@ -82,8 +84,16 @@ impl Model {
 
     /// Adds a box with its fronts outside, or inside.
     fn faces_of_box(&mut self, min: Vec3, max: Vec3, inside: bool) {
+        self.faces_of_box_except(min, max, inside, None);
+    }
+
+    /// Adds a box without the upper face along an axis.
+    fn faces_of_box_except(&mut self, min: Vec3, max: Vec3, inside: bool, open: Option<usize>) {
         for axis in 0..3 {
             for high in [false, true] {
+                if high && open == Some(axis) {
+                    continue;
+                }
                 let corner = |u: bool, v: bool| {
                     let mut p = Vec3::ZERO;
                     let pick = |axis: usize, high: bool| if high { max[axis] } else { min[axis] };
@@ -118,6 +128,60 @@ impl Model {
         self.faces_of_box(min, max, true);
         self.room = Some(Aabb { min, max });
         self
+    }
+
+    /// Adds a room with an opening in its front wall: a door or a window with these bounds along x
+    /// and y.
+    fn room_with_opening(mut self, size: [f32; 3], x: [f32; 2], y: [f32; 2]) -> Self {
+        let (min, max) = (Vec3::ZERO, Vec3::from(size));
+        self.faces_of_box_except(min, max, true, Some(2));
+        let mut wall = |x: [f32; 2], y: [f32; 2]| {
+            let corner = |x: f32, y: f32| Vec3::new(x, y, max.z);
+            if x[0] < x[1] && y[0] < y[1] {
+                self.face(&[
+                    corner(x[0], y[0]),
+                    corner(x[0], y[1]),
+                    corner(x[1], y[1]),
+                    corner(x[1], y[0]),
+                ]);
+            }
+        };
+        wall([0.0, x[0]], [0.0, max.y]);
+        wall([x[1], max.x], [0.0, max.y]);
+        wall(x, [0.0, y[0]]);
+        wall(x, [y[1], max.y]);
+        self.room = Some(Aabb { min, max });
+        self
+    }
+
+    /// Adds a container with walls of this thickness, with or without a lid.
+    fn container(mut self, size: [f32; 3], wall: f32, with_lid: bool) -> Self {
+        let (min, max) = (Vec3::ZERO, Vec3::from(size));
+        let open = (!with_lid).then_some(1);
+        self.faces_of_box_except(min, max, true, open);
+        let top = if with_lid { max.y + wall } else { max.y };
+        self.faces_of_box_except(min - wall, (max + wall).with_y(top), false, open);
+        self.hollow = Some(Aabb { min, max });
+        self
+    }
+
+    /// Adds a table: a top on four legs.
+    fn table(self, [x, z]: [f32; 2], [length, height, width]: [f32; 3]) -> Self {
+        let [x_0, x_1, z_0, z_1] = [
+            x - 0.5 * length,
+            x + 0.5 * length,
+            z - 0.5 * width,
+            z + 0.5 * width,
+        ];
+        let leg = 0.08 * height;
+        let top = 0.93 * height;
+        let mut out = self.solid([x_0, top, z_0], [x_1, height, z_1]);
+        for x in [x_0, x_1 - leg] {
+            for z in [z_0, z_1 - leg] {
+                out = out.solid([x, 0.0, z], [x + leg, top, z + leg]);
+            }
+        }
+        out
     }
 
     /// Adds a square plane with this half side.
@@ -179,12 +243,12 @@ impl Model {
         files.into_iter().map(load).collect()
     }
 
-    /// Returns the bounds of what the view is about: the solids above ground, or all of it without
-    /// solids.
+    /// Returns the bounds of what the view is about: the solids above ground, the hollow, or all
+    /// of it.
     fn subject(&self, geometry: &Geometry) -> Aabb {
         let all = self.solids.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
         if all.is_empty() {
-            return geometry.bounds();
+            return self.hollow.unwrap_or(geometry.bounds());
         }
         let ground = self.ground.map_or(all.min.y, |ground| ground.min.y);
         let min = all.min.with_y(all.min.y.max(ground));
@@ -198,6 +262,8 @@ fn models() -> Vec<Model> {
     models.extend(lone_and_terrain());
     models.extend(yards_and_towns());
     models.extend(rooms());
+    models.extend(furnished_rooms());
+    models.extend(hollows());
     models.extend(groves());
     models
 }
@@ -305,6 +371,58 @@ fn rooms() -> Vec<Model> {
     models
 }
 
+/// Rooms whose centre or most of whose floor is taken, and rooms with openings.
+fn furnished_rooms() -> Vec<Model> {
+    let room = |name: &str| Model::new(name).room([0.0; 3], [6.0, 3.0, 5.0]);
+    let mut columns = Model::new("hall of columns").room([0.0; 3], [12.0, 4.0, 10.0]);
+    for i in 0..3_u8 {
+        for j in 0..3_u8 {
+            let (x, z) = (3.0 * f32::from(i) + 3.0, 2.5 * f32::from(j) + 2.5);
+            columns = columns.solid([x - 0.3, 0.0, z - 0.3], [x + 0.3, 4.0, z + 0.3]);
+        }
+    }
+    let opening = |name: &str, x, y| Model::new(name).room_with_opening([6.0, 3.0, 5.0], x, y);
+    vec![
+        room("table in the middle").table([3.0, 2.5], [1.8, 0.75, 0.9]),
+        room("table with chairs")
+            .table([3.0, 2.5], [1.8, 0.75, 0.9])
+            .table([1.7, 2.5], [0.45, 0.45, 0.45])
+            .table([4.3, 2.5], [0.45, 0.45, 0.45]),
+        room("block in the middle").solid([2.2, 0.0, 1.9], [3.8, 0.9, 3.1]),
+        room("sofa and cupboard")
+            .solid([0.5, 0.0, 0.1], [2.6, 0.45, 1.0])
+            .solid([0.5, 0.45, 0.1], [2.6, 0.9, 0.3])
+            .solid([5.3, 0.0, 1.0], [5.9, 2.2, 3.5]),
+        room("pillar in the middle").solid([2.6, 0.0, 2.1], [3.4, 3.0, 2.9]),
+        room("wide pillar in the middle").solid([2.0, 0.0, 1.7], [4.0, 3.0, 3.3]),
+        columns,
+        opening("open door", [2.5, 3.4], [0.0, 2.1]),
+        opening("open door, furnished", [4.0, 4.9], [0.0, 2.1])
+            .table([3.0, 2.5], [1.8, 0.75, 0.9])
+            .solid([0.1, 0.0, 1.0], [0.9, 0.8, 3.2]),
+        opening("window", [1.5, 4.5], [0.9, 2.4]),
+        opening("window, furnished", [1.5, 4.5], [0.9, 2.4])
+            .solid([2.2, 0.0, 1.9], [3.8, 0.9, 3.1]),
+    ]
+}
+
+/// Containers, which are seen from outside.
+fn hollows() -> Vec<Model> {
+    let mut models = Vec::new();
+    for wall in [0.02, 0.1, 0.4] {
+        for with_lid in [false, true] {
+            for size in [[2.0, 1.0, 2.0], [4.0, 2.0, 3.0], [1.0, 3.0, 1.0]] {
+                let name = format!("container {size:?}, walls {wall}, lid {with_lid}");
+                models.push(Model::new(name).container(size, wall, with_lid));
+            }
+        }
+    }
+    models.push(Model::new("table").table([0.0, 0.0], [1.8, 0.75, 0.9]));
+    let on_plane = Model::new("table on a plane").plane(4.0, 0.0);
+    models.push(on_plane.table([0.0, 0.0], [1.8, 0.75, 0.9]));
+    models
+}
+
 /// Trees in rows, and a trunk through two planes.
 fn groves() -> Vec<Model> {
     let mut models = Vec::new();
@@ -376,11 +494,9 @@ fn check_view(name: &str, model: &Model, scene: &Scene) {
         !model.solids.iter().any(contains),
         "{name}: in a solid: {eye}"
     );
-    // Furniture may lead to a view from outside, but not from within a solid.
-    if model.solids.is_empty() {
-        let is_in_room = model.room.iter().any(contains);
-        assert_eq!(is_in_room, model.room.is_some(), "{name}: {eye}");
-    }
+    let is_in_room = model.room.iter().any(contains);
+    assert_eq!(is_in_room, model.room.is_some(), "{name}: {eye}");
+    assert!(!model.hollow.iter().any(contains), "{name}: {eye}");
     let floor = scene.meshes.iter().find(|m| m.name == "floor");
     let floor = floor.map(|floor| Aabb::from_points(floor.positions.iter().copied()));
     if let Some(ground) = model.ground.or(floor) {

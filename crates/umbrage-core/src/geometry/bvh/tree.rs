@@ -6,7 +6,7 @@ use crate::geometry::{
     bvh::{build, wide::Wide},
     cut_out::CutOuts,
     ray_box::{enters_box, slab_inverse, span},
-    ray_triangle::{Corners, Segment},
+    ray_triangle::{Corners, Segment, hits_in_f64},
     shaft::{Shaft, ShaftSearch},
 };
 use glam::Vec3;
@@ -90,10 +90,31 @@ impl Bvh {
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
         let segment = Segment::new(o, d);
+        self.first_visited(&segment, skip, |corners| segment.hits(corners))
+    }
+
+    /// Returns an occluder like [`occluder`](Self::occluder), but tests triangles in 64 bits. It is
+    /// slower. Use it if casters are so large that the rounding of the 32-bit test, some 2^-20 of
+    /// their extent, exceeds the distance of `o` from them.
+    pub fn occluder_in_f64(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
+        let segment = Segment::new(o, d);
+        self.first_visited(&segment, skip, |corners| {
+            hits_in_f64(o, d, corners.points())
+        })
+    }
+
+    /// Returns the first visited caster other than triangle `skip` that passes the triangle test
+    /// `hits`, and whose hole does not contain the hit.
+    #[inline(always)]
+    fn first_visited(
+        &self,
+        segment: &Segment,
+        skip: u32,
+        hits: impl Fn(&Corners) -> bool,
+    ) -> Option<u32> {
         let mut found = None;
-        self.wide.search(&segment, |i, _| {
-            let hit =
-                segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i);
+        self.wide.search(segment, |i, _| {
+            let hit = hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(segment, i);
             if hit {
                 found = Some(i as u32);
             }
@@ -191,6 +212,18 @@ impl Bvh {
         let i = occluder as usize;
         let segment = Segment::new(o, d);
         self.ids[i] != skip && segment.hits(&self.corners[i]) && !self.is_hole(&segment, i)
+    }
+
+    /// Returns the result of [`hits`](Self::hits) with the triangle test of
+    /// [`occluder_in_f64`](Self::occluder_in_f64).
+    ///
+    /// # Panics
+    /// Panics if the number is from another hierarchy with more triangles.
+    pub fn hits_in_f64(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
+        let i = occluder as usize;
+        self.ids[i] != skip
+            && hits_in_f64(o, d, self.corners[i].points())
+            && !self.is_hole(&Segment::new(o, d), i)
     }
 
     /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all
