@@ -103,6 +103,26 @@ impl BoxScene {
         })
     }
 
+    /// Returns 64 boxes under the lights of [`BoxScene::large`], a spot and a point light.
+    pub fn corner() -> Result<Self> {
+        let mut scene = Self {
+            boxes_per_side: 8,
+            ..Self::large()?
+        };
+        scene.lights.push(Light::Spot {
+            position: Vec3::new(4.0, 7.0, -8.0),
+            direction: Vec3::new(-0.2, -1.0, 0.3),
+            inner: 0.5,
+            outer: 0.6,
+            radius: 0.0,
+        });
+        scene.lights.push(Light::Point {
+            position: Vec3::new(-2.0, 5.0, 1.0),
+            radius: 0.0,
+        });
+        Ok(scene)
+    }
+
     /// Returns 225 boxes under a sun and three spots, 1280x720 pixels.
     pub fn large() -> Result<Self> {
         let mut lights = vec![Light::Directional {

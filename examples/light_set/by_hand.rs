@@ -4,8 +4,9 @@
 use super::program::{SceneShadows, SurfaceBuffer};
 use crate::renderer::{self, BOX_BUFFERS, Boxes, DEPTH, Graphics, UNIFORMS, floats};
 use anyhow::Result;
+use std::sync::Arc;
 use umbrage::{
-    ShadowTechnique,
+    Light, ShadowTechnique,
     glam::{Affine3A, Mat4, UVec2},
     gpu::{
         LightSet, SetFrame,
@@ -42,11 +43,12 @@ pub(crate) struct ByHand {
 }
 
 impl ByHand {
-    /// Places maps like the set does with a technique, so that only the work is compared.
+    /// Places maps like the set does with the technique of each light, so that only the work is
+    /// compared. The lookup is for lights with one map.
     pub(crate) fn new(
         graphics: &Graphics,
         boxes: &Boxes,
-        technique: &dyn ShadowTechnique,
+        technique: impl Fn(&Light) -> Arc<dyn ShadowTechnique>,
         set: &LightSet,
         lookup: HandLookup,
     ) -> Result<Self> {
@@ -57,12 +59,12 @@ impl ByHand {
                 camera: &boxes.scene.camera,
                 geometry: None,
             };
-            let recipe = technique.recipe(&set.view(&frame, light))?;
-            spaces.push(recipe.casts[0].space.clip_from_world());
+            let recipe = technique(light).recipe(&set.view(&frame, light))?;
+            spaces.extend(recipe.casts.iter().map(|cast| cast.space.clip_from_world()));
         }
         // Create the maps, and a matrix for each.
-        let lights = spaces.len() as u32;
-        let map_array = graphics.target_array(UVec2::splat(lookup.map_size), lights, DEPTH);
+        let layers = spaces.len() as u32;
+        let map_array = graphics.target_array(UVec2::splat(lookup.map_size), layers, DEPTH);
         let uniforms = wgpu::BufferUsages::UNIFORM;
         let matrix_layout = graphics.layout(&[UNIFORMS]);
         let mut maps = Vec::new();
@@ -88,9 +90,14 @@ impl ByHand {
             text: format!("const RADIUS = {radius};\n{}", include_str!("by_hand.wgsl")),
             group: graphics.group(&layout, &resources),
             layout,
-            masks: graphics.target_array(boxes.scene.camera.size, lights, MASK),
+            masks: graphics.target_array(boxes.scene.camera.size, layers, MASK),
             mask_pipeline: None,
         })
+    }
+
+    /// Returns the number of layers of all maps.
+    pub(crate) fn layers(&self) -> usize {
+        self.maps.len()
     }
 }
 

@@ -22,7 +22,7 @@ use std::{
     time::{Duration, Instant},
 };
 use umbrage::{
-    ShadowTechnique,
+    Cascades, Layout, Light, ShadowTechnique,
     gpu::{AdapterChoice, Gpu},
     techniques::{Bias, Hard, MapFilter as _, Pcf, ShadowMap},
 };
@@ -55,8 +55,14 @@ fn open(choice: &AdapterChoice) -> Result<(String, Graphics)> {
 
 /// Returns `hard`, or `pcf` with a radius of 1, with a constant bias.
 fn technique(radius: u32) -> Arc<dyn ShadowTechnique> {
+    technique_on(Layout::Auto, radius)
+}
+
+/// Returns such a technique with maps of a layout.
+fn technique_on(layout: Layout, radius: u32) -> Arc<dyn ShadowTechnique> {
     let map = ShadowMap {
         size: MAP_SIZE,
+        layout,
         bias: Bias {
             constant: BIAS,
             ..Bias::NONE
@@ -139,7 +145,13 @@ fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Rat
         radius: radius as i32,
         map_size: MAP_SIZE,
     };
-    let hand = ByHand::new(graphics, &of_hand, &*technique, &set.set, lookup)?;
+    let hand = ByHand::new(
+        graphics,
+        &of_hand,
+        |_| Arc::clone(&technique),
+        &set.set,
+        lookup,
+    )?;
     let mut set = TimedRenderer::new(graphics, of_set, set, stage);
     let mut hand = TimedRenderer::new(graphics, of_hand, hand, stage);
     let differing = check_alike(graphics, &mut set, &mut hand)?;
@@ -209,42 +221,83 @@ fn check_alike(
     Ok(differing)
 }
 
-/// Prints the time of preparing 10,000 casters of which 100 move.
+/// Prints how long the processor prepares and records the maps of a frame, in a small and in a
+/// crowded scene. The small one is compared with passes recorded by hand.
 ///
 /// # Errors
 /// Returns an error if the device fails.
 pub fn casters() -> Result<()> {
-    const MOVED: usize = 100;
-    const FRAMES: usize = 60;
-    let (_, graphics) = open(&AdapterChoice::from_env())?;
-    let boxes = Boxes::new(&graphics, BoxScene::crowded_scene()?);
-    let mut shadows = BoxShadows::new(&graphics, &boxes)?;
-    shadows.add_lights(&boxes.scene.lights, &technique(1))?;
+    let (name, graphics) = open(&AdapterChoice::from_env())?;
+    println!("{name}: median times of the processor for the maps of a frame");
+    print_caster_times(&graphics, BoxScene::corner()?, 10)?;
+    print_caster_times(&graphics, BoxScene::crowded_scene()?, 100)
+}
+
+/// Returns 3x3 comparisons: four cascades for a sun, a single map or a cube for other lights.
+fn light_technique(light: &Light) -> Arc<dyn ShadowTechnique> {
+    let layout = match light {
+        Light::Directional { .. } => Layout::Cascades(Cascades::default()),
+        _ => Layout::Auto,
+    };
+    technique_on(layout, 1)
+}
+
+/// Prints the median times of frames in which some casters move.
+fn print_caster_times(graphics: &Graphics, scene: BoxScene, moved: usize) -> Result<()> {
+    const FRAMES: usize = 200;
+    let boxes = Boxes::new(graphics, scene);
+    let mut shadows = BoxShadows::new(graphics, &boxes)?;
+    for light in &boxes.scene.lights {
+        shadows.add_lights(&[*light], &light_technique(light))?;
+    }
+    let lookup = HandLookup {
+        bias: BIAS,
+        radius: 1,
+        map_size: MAP_SIZE,
+    };
+    let mut hand = ByHand::new(graphics, &boxes, light_technique, &shadows.set, lookup)?;
     let count = shadows.casters.len();
-    let mut times = Vec::new();
+    let mut times: [Vec<f64>; 4] = Default::default();
     for frame in 0..FRAMES {
-        let start = Instant::now();
         let placements = boxes.scene.placements(0.01 * frame as f32);
-        let placing = start.elapsed();
-        for i in 0..MOVED {
+        let mut start = Instant::now();
+        let mut lap = || {
+            let microseconds = 1e6 * start.elapsed().as_secs_f64();
+            start = Instant::now();
+            microseconds
+        };
+        for i in 0..moved {
             let caster = 1 + (97 * i + frame) % (count - 1);
-            let place = placements[caster];
-            shadows.set.move_caster(shadows.casters[caster], place)?;
+            shadows
+                .set
+                .move_caster(shadows.casters[caster], placements[caster])?;
         }
+        times[0].push(lap());
         shadows.prepare(&boxes)?;
-        times.push(1e3 * (start.elapsed() - placing).as_secs_f64());
+        times[1].push(lap());
         let mut encoder = graphics.encoder();
+        lap();
         shadows.set.encode(&mut encoder)?;
+        times[2].push(lap());
+        graphics.queue.submit([encoder.finish()]);
+        graphics.wait()?;
+        let mut encoder = graphics.encoder();
+        lap();
+        hand.encode(graphics, &boxes, &mut encoder)?;
+        times[3].push(lap());
         graphics.queue.submit([encoder.finish()]);
         graphics.wait()?;
     }
-    times.sort_by(f64::total_cmp);
-    let median = times[FRAMES / 2];
+    let [place, prepare, encode, by_hand] = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[FRAMES / 2]
+    });
     let report = shadows.set.report();
     println!(
-        "{count} casters, {MOVED} of them moved, {} lights: {median:.2} ms to move and prepare (median of {FRAMES} frames), {} layers drawn again, {} bytes written",
+        "{count} casters, {moved} moved, {} lights: move {place:.1} us, prepare {prepare:.1} us, encode {encode:.1} us for {} of {} layers, {} bytes written; by hand {by_hand:.1} us for all layers",
         shadows.lights.len(),
         report.redrawn,
+        hand.layers(),
         report.uploaded
     );
     Ok(())
