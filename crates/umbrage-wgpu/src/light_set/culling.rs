@@ -13,7 +13,8 @@ const NOTHING: f32 = -1e30;
 /// Greatest number of invisible slots that are drawn along to save a draw.
 const GREATEST_GAP: u32 = 8;
 
-/// Boxes in arrays, with one entry per slot.
+/// Boxes in arrays, with one entry per slot. Empty boxes fill the last [`CHUNK`], so that loops over
+/// chunks have known counts.
 #[derive(Debug, Default)]
 pub(crate) struct CullingBoxes {
     centre: [Vec<f32>; 3],
@@ -51,11 +52,13 @@ pub(crate) struct Volume {
 
 impl CullingBoxes {
     pub(crate) fn resize(&mut self, slots: u32) {
-        for values in &mut self.centre {
-            values.resize(slots as usize, 0.0);
-        }
-        for values in &mut self.half {
-            values.resize(slots as usize, NOTHING);
+        let slots = slots as usize;
+        let filled = slots.next_multiple_of(CHUNK);
+        for (centre, half) in self.centre.iter_mut().zip(&mut self.half) {
+            centre.truncate(slots);
+            centre.resize(filled, 0.0);
+            half.truncate(slots);
+            half.resize(filled, NOTHING);
         }
     }
 
@@ -140,19 +143,20 @@ impl SimdTask for FindNearest<'_> {
     fn run(self) -> f32 {
         let mut least = [f32::INFINITY; CHUNK];
         let CullingBoxes { centre, half } = self.boxes;
-        for start in (0..centre[0].len()).step_by(CHUNK) {
-            let end = (start + CHUNK).min(centre[0].len());
+        for chunk in 0..centre[0].len() / CHUNK {
             let mut squares = [0.0_f32; CHUNK];
             for axis in 0..3 {
                 let at = self.point[axis];
-                let boxes = centre[axis][start..end].iter().zip(&half[axis][start..end]);
+                let boxes = chunk_of(&centre[axis], chunk)
+                    .iter()
+                    .zip(chunk_of(&half[axis], chunk));
                 for (square, (&centre, &half)) in squares.iter_mut().zip(boxes) {
                     // For empty boxes, the sum is infinite.
                     let outside = gap(at, centre, half);
                     *square += outside * outside;
                 }
             }
-            for (least, &square) in least.iter_mut().zip(&squares[..end - start]) {
+            for (least, square) in least.iter_mut().zip(squares) {
                 *least = if square < *least { square } else { *least };
             }
         }
@@ -249,36 +253,32 @@ impl SimdTask for FindShown<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let mut start = 0;
-        for out in self.out.chunks_mut(CHUNK) {
-            let part = start..start + out.len();
-            let centre = self
-                .boxes
-                .centre
-                .each_ref()
-                .map(|values| &values[part.clone()]);
-            let half = self
-                .boxes
-                .half
-                .each_ref()
-                .map(|values| &values[part.clone()]);
-            find_chunk(self.planes, centre, half, out);
-            start += out.len();
+        let CullingBoxes { centre, half } = self.boxes;
+        let (out, _) = self.out.as_chunks_mut();
+        for (chunk, out) in out.iter_mut().enumerate() {
+            let centre = centre.each_ref().map(|values| chunk_of(values, chunk));
+            let half = half.each_ref().map(|values| chunk_of(values, chunk));
+            *out = find_chunk(self.planes, centre, half);
         }
     }
 }
 
-/// Tests whether at most [`CHUNK`] boxes may be visible.
+/// Returns a chunk of values.
 #[inline(always)]
-fn find_chunk(planes: &[Vec4; 6], centre: [&[f32]; 3], half: [&[f32]; 3], out: &mut [u32]) {
-    // Use whole chunks, so that compilers know the loop counts; ignore the rest of the results.
-    let mut middle = [[0.0_f32; CHUNK]; 3];
-    // Half extents, padded for rounding.
-    let mut padded = [[0.0_f32; CHUNK]; 3];
+fn chunk_of(values: &[f32], chunk: usize) -> &[f32; CHUNK] {
+    &values.as_chunks().0[chunk]
+}
+
+/// Returns 1 for each box that may be visible, and 0 for the others.
+#[inline(always)]
+fn find_chunk(
+    planes: &[Vec4; 6],
+    middle: [&[f32; CHUNK]; 3],
+    half: [&[f32; CHUNK]; 3],
+) -> [u32; CHUNK] {
+    // Pad the half extents for rounding.
+    let mut padded = half.map(|values| *values);
     for axis in 0..3 {
-        let count = out.len();
-        middle[axis][..count].copy_from_slice(centre[axis]);
-        padded[axis][..count].copy_from_slice(half[axis]);
         for i in 0..CHUNK {
             let reach = padded[axis][i].abs() + middle[axis][i].abs();
             padded[axis][i] += reach * ROUNDING;
@@ -295,13 +295,13 @@ fn find_chunk(planes: &[Vec4; 6], centre: [&[f32]; 3], half: [&[f32]; 3], out: &
             inside[i] &= u32::from(x + y + z + constant >= 0.0);
         }
     }
-    out.copy_from_slice(&inside[..out.len()]);
+    inside
 }
 
-/// Number of boxes tested against a plane at a time.
-const CHUNK: usize = 64;
+/// Number of boxes tested against a plane at a time: a few vectors of the processor.
+const CHUNK: usize = 32;
 
-/// The slots that may be visible in a layer.
+/// For each slot, 1 if it may be visible in a layer, or else 0.
 #[derive(Debug, Default)]
 pub(crate) struct ShownSlots(Vec<u32>);
 
@@ -309,8 +309,19 @@ impl ShownSlots {
     /// Returns the number of wanted slots in a range that may be visible.
     pub(crate) fn count(&self, slots: Range<u32>, wanted: Wanted<'_>) -> u64 {
         let slots = slots.start as usize..slots.end as usize;
-        let is_shown = |slot: &usize| self.0[*slot] != 0 && wanted.has(*slot);
-        slots.filter(is_shown).count() as u64
+        let shown = &self.0[slots.clone()];
+        let sum_where = |flags: &[bool], expected: bool| -> u32 {
+            let pairs = shown.iter().zip(&flags[slots]);
+            pairs
+                .map(|(&shown, &flag)| shown & u32::from(flag == expected))
+                .sum()
+        };
+        let count = match wanted {
+            Wanted::All => shown.iter().sum(),
+            Wanted::Moving(moving) => sum_where(moving, true),
+            Wanted::Still(moving) => sum_where(moving, false),
+        };
+        u64::from(count)
     }
 
     /// Appends the rising runs of wanted slots in a range that may be visible.
