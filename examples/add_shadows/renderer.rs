@@ -103,7 +103,8 @@ impl BoxScene {
         })
     }
 
-    /// Returns 64 boxes under the lights of [`BoxScene::large`], a spot and a point light.
+    /// Returns 64 boxes under the lights of [`BoxScene::large`] and two more: a spot and a point
+    /// light.
     pub fn corner() -> Result<Self> {
         let mut scene = Self {
             boxes_per_side: 8,

@@ -54,10 +54,9 @@
 //!
 //! - Kernels that reach r texels need .5 + r texels of the stored slope where casters are smaller
 //!   than a texel: all taps but one meet the ground behind the caster, which neither plane
-//!   describes. The default has .5 + .25 r, so that the sides of a box on a ground of 200 km are a
-//!   third dark (pcf 3x3, one map). The rest, `raster.slope = .75 r`, removes this, but lets half
-//!   as much light again into a closed room. Such a map resolves no shadow with any bias: use
-//!   cascades.
+//!   describes. The default has .5 + .25 r, so that the sides of a box on a ground of kilometres
+//!   are a third dark (pcf 3x3, one map). `raster.slope = .75 r` on top removes this, but costs
+//!   more elsewhere: see `docs/bias.md`. Use cascades.
 //! - Comparison samples take the whole margin from the stored facet. Where a steep facet meets a
 //!   flatter one at a convex edge, the flatter one's margin is too small. The steep facet is then
 //!   up to some percent grey within a texel of the edge. [`Bias::RECEIVER_PLANE`] avoids this, but

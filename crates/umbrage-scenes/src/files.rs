@@ -35,7 +35,7 @@ pub trait Files {
     }
 
     /// Returns the greatest side, texels, of textures without effect on shadows. Larger images are
-    /// reduced by averaging. They are not read where this is 0: shadows need images for alpha tests
+    /// reduced by averaging. They are not decoded where this is 0: shadows need images for alpha tests
     /// and heights only, and these keep their sizes.
     fn color_side(&self) -> u32 {
         PICTURE_SIDE
@@ -67,7 +67,7 @@ impl Files for FilesOnDisk {
 }
 
 /// Files on disk, for images of a known size or for shadows alone.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct SizedFilesOnDisk {
     /// The value of [`Files::color_side`].
     pub color_side: u32,

@@ -4,7 +4,9 @@ use crate::{
     baseline::{Changes, Except, changes, check_not_overwritten, read, time_again},
     cli::{
         args::shared::{BackendName, Shard, parse_shard, parse_size},
-        cost, inputs, presets,
+        cost, inputs,
+        left_out_limits::{check_left_out, limit_of},
+        presets,
         program::Program,
         progress::Progress,
         summary, table,
@@ -90,8 +92,8 @@ pub(crate) struct CompareArguments {
     pub(crate) runs: Option<u32>,
     /// Fail if more than this share of pixels facing the light is left out as ambiguous, 0 to 1
     ///
-    /// Built-in scenes of leaves, wires or far coordinates have higher limits of their own. The report
-    /// is written all the same.
+    /// Some built-in scenes, such as those of leaves, have higher limits of their own, which this
+    /// option doesn't lower. The report is written all the same.
     #[arg(long, value_name = "SHARE", default_value = "0.05", value_parser = parse_share)]
     pub(crate) max_left_out: f64,
     /// Folder for the report. Default: target/compare in the repository
@@ -233,31 +235,6 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     let enough = check_left_out(&comparison, limit);
     // All are printed; the first error is returned.
     verdict(&comparison).and(enough).and(guarded)
-}
-
-/// Returns the greatest share of pixels that a scene may leave out as ambiguous: its own limit if it
-/// is built in and has one, or `most`. `of_files` are the names of scenes from files.
-fn limit_of(name: &str, of_files: &[&str], most: f64) -> f64 {
-    let built_in = umbrage_scenes::find(name).filter(|_| !of_files.contains(&name));
-    let own = built_in.and_then(|entry| entry.max_left_out);
-    own.map_or(most, |own| own.max(most))
-}
-
-/// Errors if a scene leaves out more pixels as ambiguous than the limit of its name.
-fn check_left_out(comparison: &Comparison, limit: impl Fn(&str) -> f64) -> Result<()> {
-    let scenes = comparison.scenes.iter();
-    let over: Vec<String> = scenes
-        .filter(|scene| scene.truth.share_left_out() > limit(&scene.name))
-        .filter_map(|scene| Some(format!("{}: {}", scene.name, scene.truth.left_out_words()?)))
-        .collect();
-    if over.is_empty() {
-        return Ok(());
-    }
-    bail!(
-        "errors don't count enough pixels; bring the light and the camera nearer, or allow more \
-         with --max-left-out:\n  {}",
-        over.join("\n  ")
-    );
 }
 
 /// Maximum number of scenes for which tables are printed.
@@ -534,8 +511,8 @@ fn color_side(options: &CompareOptions) -> u32 {
     /// Texels for each pixel, along a side. A frame may show a part of a texture: an atlas, or a
     /// wall that the camera is close to.
     const TEXELS_A_PIXEL: u32 = 4;
-    /// Width of the images of models. That of a scene file is known only after its textures are
-    /// read; up to four times this width has a texel for each pixel.
+    /// Width of the images of models. The width of a scene file's images is known only after its
+    /// textures are read: files up to 2560 pixels wide still have one texel per pixel.
     const USUAL_WIDTH: u32 = 640;
     if !options.color {
         return 0;
@@ -671,50 +648,7 @@ fn sort_sizes(sizes: &[u32]) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{check_left_out, limit_of, sort_sizes};
-    use crate::compare::{Comparison, SceneResult, TruthSummary};
-
-    #[test]
-    fn scenes_that_leave_out_too_much_are_listed() {
-        let scene = |name: &str, ambiguous| SceneResult {
-            name: name.to_owned(),
-            truth: TruthSummary {
-                counted: 100 - ambiguous,
-                ambiguous,
-                shadowed: 40,
-                shadowed_ambiguous: ambiguous.min(40),
-                ..TruthSummary::default()
-            },
-            ..SceneResult::default()
-        };
-        let comparison = Comparison {
-            scenes: vec![scene("a", 5), scene("b", 6), scene("c", 50), scene("d", 90)],
-            ..Comparison::default()
-        };
-        // The last scene has a limit of its own.
-        let limit = |name: &str| if name == "d" { 0.95 } else { 0.05 };
-        let message = check_left_out(&comparison, limit)
-            .expect_err("two")
-            .to_string();
-        let lines: Vec<&str> = message.lines().skip(1).map(str::trim).collect();
-        assert_eq!(
-            lines,
-            [
-                "b: left out as ambiguous: 6 pixels, 6.0 % of those facing the light, among them 15.0 % of the shadow",
-                "c: left out as ambiguous: 50 pixels, 50.0 % of those facing the light, all of the shadow among them",
-            ]
-        );
-        assert!(check_left_out(&comparison, |_| 0.9).is_ok());
-    }
-
-    #[test]
-    fn built_in_scenes_may_have_limits_of_their_own() {
-        assert_eq!(limit_of("foliage", &[], 0.05), 0.35);
-        assert_eq!(limit_of("foliage", &[], 0.5), 0.5);
-        assert_eq!(limit_of("cubes", &[], 0.05), 0.05);
-        // A file with the name of a built-in scene has the limit of files.
-        assert_eq!(limit_of("foliage", &["foliage"], 0.05), 0.05);
-    }
+    use super::sort_sizes;
 
     #[test]
     fn map_sizes_may_come_in_any_order() {

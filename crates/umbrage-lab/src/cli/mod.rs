@@ -22,6 +22,7 @@ mod cost;
 mod costs;
 mod figures_table;
 mod inputs;
+mod left_out_limits;
 mod list;
 mod merge;
 mod plan;

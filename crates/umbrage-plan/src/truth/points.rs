@@ -37,8 +37,8 @@ pub struct ReceiverPoint {
     /// proportional to it.
     pub reach: f32,
     /// Rounding error of the position, metres, if the triangle is so large that the offset doesn't
-    /// cover it; otherwise 0.
-    pub moved: f32,
+    /// cover it; otherwise 0. It is mostly along the ray of the camera.
+    pub position_error: Vec3,
     /// Scrambling seed of the samples: [`light_sample::seed`].
     pub seed: u32,
 }
@@ -57,7 +57,7 @@ impl ReceiverPoint {
             normal,
             triangle: NO_TRIANGLE,
             reach: if reach.is_finite() { reach } else { 0.0 },
-            moved: 0.0,
+            position_error: Vec3::ZERO,
             seed,
         }
     }
@@ -78,33 +78,35 @@ impl ReceiverPoint {
             .into_iter()
             .fold(0.0, f32::max);
         let is_giant = farthest > GIANT * to_eye.max(position.abs().max_element());
-        let [reach, moved] = if is_giant {
-            [to_eye, rounding_of(camera, [x, y], position, corners)]
+        let (reach, position_error) = if is_giant {
+            (to_eye, rounding_of(camera, [x, y], position, corners))
         } else {
-            [to_eye.max(farthest), 0.0]
+            (to_eye.max(farthest), Vec3::ZERO)
         };
         Self {
             position,
             normal: receivers.normal(i),
             triangle,
             reach,
-            moved,
+            position_error,
             seed: light_sample::seed(x, y),
         }
     }
 
-    /// Returns the offset of rays from the surface, metres.
+    /// Returns the offset of rays from the position along the normal, metres. It covers the
+    /// position's distance from the plane of its triangle.
     pub(super) fn offset(&self) -> f32 {
-        origin_offset(self.position, self.reach).max(self.moved)
+        let from_plane = self.position_error.dot(self.normal).abs();
+        origin_offset(self.position, self.reach) + from_plane
     }
 }
 
-/// Returns the distance from a position to the exact intersection of the pixel's ray with the plane
-/// of its triangle, computed in 64 bits; 0 if the ray is parallel to the plane.
-fn rounding_of(camera: &Camera, pixel: [u32; 2], position: Vec3, corners: [Vec3; 3]) -> f32 {
+/// Returns the vector from the exact intersection of the pixel's ray with the plane of its triangle,
+/// computed in 64 bits, to a position; 0 if the ray is parallel to the plane.
+fn rounding_of(camera: &Camera, pixel: [u32; 2], position: Vec3, corners: [Vec3; 3]) -> Vec3 {
     let ray = PixelRay::new(&camera.rays(), pixel, DVec2::ZERO);
     let exact = ray.on_plane(corners.map(Vec3::as_dvec3));
-    exact.map_or(0.0, |exact| exact.distance(position.as_dvec3()) as f32)
+    exact.map_or(Vec3::ZERO, |exact| (position.as_dvec3() - exact).as_vec3())
 }
 
 /// Truth at a point.

@@ -197,8 +197,10 @@ impl<'a> Vicinity<'a> {
         }
         let offset = f64::from(point.offset());
         let highest = 2.0 * offset;
+        // Origins may move as far along the surface.
+        let moved = offset + f64::from(point.position_error.length());
         let lowest = 2.0 * MIN_LIFT_SHARE * f64::from(origin_offset(point.position, point.reach));
-        let unclipped = self.unclipped_vicinity(&surface, pixel, offset);
+        let unclipped = self.unclipped_vicinity(&surface, pixel, moved);
         if let Some(unclipped) = &unclipped {
             // Return early for most points, which have no casters nearby: they need only this
             // polygon.

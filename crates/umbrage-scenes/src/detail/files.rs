@@ -12,7 +12,10 @@ use umbrage_core::Texture;
 pub(crate) struct TextureFiles<'a> {
     /// All files of the scene.
     pub(crate) files: &'a dyn Files,
-    known: HashMap<(PathBuf, Meaning), usize>,
+    /// `None` for images that are not needed.
+    known: HashMap<(PathBuf, Meaning), Option<usize>>,
+    /// Results of [`indices_of_colors`](Self::indices_of_colors).
+    colors: HashMap<PathBuf, [Option<usize>; 2]>,
     pending: PendingImages,
 }
 
@@ -21,6 +24,7 @@ impl<'a> TextureFiles<'a> {
         Self {
             files,
             known: HashMap::new(),
+            colors: HashMap::new(),
             pending: PendingImages::default(),
         }
     }
@@ -35,20 +39,33 @@ impl<'a> TextureFiles<'a> {
         textures: &mut Vec<Texture>,
     ) -> Result<Option<usize>, SceneError> {
         if let Some(&index) = self.known.get(&(path.to_path_buf(), meaning)) {
-            return Ok(Some(index));
+            return Ok(index);
         }
         let image = self.read(path, meaning)?;
-        if meaning.is_only_shown() && image.color_side == 0 {
-            return Ok(None);
-        }
-        let index = self.pending.add(image, textures);
+        let is_needed = !meaning.is_only_shown() || image.color_side > 0;
+        let index = is_needed.then(|| self.pending.add(image, textures));
         self.known.insert((path.to_path_buf(), meaning), index);
-        Ok(Some(index))
+        Ok(index)
     }
 
     /// Returns the textures of colours and of their alpha test, if the file has an alpha channel.
     /// They are one, unless the alpha test is larger than colours may be.
     pub(crate) fn indices_of_colors(
+        &mut self,
+        path: &Path,
+        textures: &mut Vec<Texture>,
+    ) -> Result<[Option<usize>; 2], SceneError> {
+        if let Some(&indices) = self.colors.get(path) {
+            return Ok(indices);
+        }
+        let indices = self.new_indices_of_colors(path, textures)?;
+        self.colors.insert(path.to_path_buf(), indices);
+        Ok(indices)
+    }
+
+    /// Returns the textures of a file that [`indices_of_colors`](Self::indices_of_colors) has not
+    /// seen.
+    fn new_indices_of_colors(
         &mut self,
         path: &Path,
         textures: &mut Vec<Texture>,
@@ -69,7 +86,7 @@ impl<'a> TextureFiles<'a> {
     /// Decodes the images of all textures so far.
     pub(crate) fn decode(&mut self, textures: &mut [Texture]) -> Result<(), SceneError> {
         self.pending.decode(textures).map_err(|(index, why)| {
-            let known = self.known.iter().find(|(_, known)| **known == index);
+            let known = self.known.iter().find(|(_, known)| **known == Some(index));
             let path = known.map_or(Path::new(""), |((path, _), _)| path);
             unreadable_image(path, &why)
         })

@@ -135,7 +135,8 @@ fn is_opaque(image: &DynamicImage) -> bool {
         _ => return !image.color().has_alpha(),
     };
     let alphas = image.as_bytes().iter().skip(channels - 1).step_by(channels);
-    alphas.into_iter().all(|&alpha| alpha == u8::MAX)
+    let mut alphas = alphas.copied();
+    alphas.all(|alpha| alpha == u8::MAX)
 }
 
 pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
@@ -212,7 +213,7 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
             opacity
         };
         let wide = image.to_rgba16();
-        return averages(wide.as_raw(), 4, [from, size], &value, &opacity);
+        return averages(wide.as_raw(), 4, from, size, &value, &opacity);
     }
     let opacity = |byte: u8| f32::from(byte) / 255.0;
     let value = if is_color { picture::decode } else { opacity };
@@ -220,7 +221,7 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
     let value = |byte: u8| table[usize::from(byte)];
     // Read the file's own channels: a copy with four of them takes as long as decoding.
-    averages(image.as_bytes(), channels, [from, size], &value, &opacity)
+    averages(image.as_bytes(), channels, from, size, &value, &opacity)
 }
 
 /// Returns the means of boxes of pixels, one for each texel of the size `to`. Means of colours are
@@ -228,7 +229,8 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
 fn averages<T: Copy + Sync>(
     samples: &[T],
     channels: usize,
-    [from, to]: [UVec2; 2],
+    from: UVec2,
+    to: UVec2,
     value: &(impl Fn(T) -> f32 + Sync),
     opacity: &(impl Fn(T) -> f32 + Sync),
 ) -> Vec<[f32; 4]> {

@@ -16,8 +16,8 @@ const MAX_BETWEEN: u32 = 1000;
 /// Reads cameras from a file. Each pose is a `[[camera]]` table with the keys of a scene file's
 /// `[camera]`. `between` is the number of cameras between neighbouring poses, by default 0.
 /// Positions are those of the scene's files, in 64 bits: they are made relative to `anchor`, which is
-/// [`Scene::anchor`](umbrage_core::Scene::anchor), unless the file has another `anchor`. Depth ranges
-/// that the file doesn't set are fitted to `geometry`.
+/// [`Scene::anchor`](umbrage_core::Scene::anchor). A key `anchor` in the file must have the same
+/// value. Depth ranges that the file doesn't set are fitted to `geometry`.
 ///
 /// ```toml
 /// between = 3   # a path: three more cameras between the two
@@ -55,7 +55,11 @@ fn parse(
     let document = DeTable::parse(text).map_err(|e| super::syntax(&source, &e))?;
     let root = Table::root(&source, &document);
     root.only(&["anchor", "camera", "between"])?;
-    let anchor = root.anchor()?.unwrap_or(anchor);
+    root.require(
+        root.anchor()?.is_none_or(|own| own == anchor),
+        "has another anchor than its scene",
+        "remove the key `anchor`: cameras share that of the scene",
+    )?;
     let between = match root.get("between") {
         Some(item) => item.whole(0..=MAX_BETWEEN)?,
         None => 0,
@@ -106,7 +110,7 @@ fn halfway(from: &Camera, to: &Camera, share: f32) -> Affine3A {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_core::glam::{Vec3, Vec3A};
+    use umbrage_core::glam::{DVec3, Vec3, Vec3A};
 
     fn read(text: &str) -> Result<Vec<Camera>, SceneError> {
         let scene = crate::by_argument("cubes").expect("built in");
@@ -138,7 +142,14 @@ mod tests {
         let near = read(TWO).expect("two poses");
         let text = "anchor = [1024000, 0, 0]\n".to_owned()
             + &TWO.replace("[0,", "[1024000,").replace("[8,", "[1024008,");
-        assert_eq!(read(&text).expect("two poses"), near);
+        let scene = crate::by_argument("cubes").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let anchor = Anchor::nearest_to(DVec3::X * 1_024_000.0).expect("in range");
+        let read_at = |anchor| parse(&text, Path::new("path.toml"), &geometry, anchor);
+        assert_eq!(read_at(anchor).expect("two poses"), near);
+        // The scene is relative to another anchor.
+        let error = read_at(Anchor::ORIGIN).unwrap_err().to_string();
+        assert!(error.contains("remove the key `anchor`"), "{error}");
     }
 
     /// A scene at coordinates of a map (UTM), whose camera file repeats the eye and has no anchor.

@@ -42,6 +42,13 @@ impl<'a> Pictures<'a> {
         if let Some(known) = self.known.get(&(index, meaning)) {
             return Ok(*known);
         }
+        // Colours of an alpha-tested image that was not too large are those of the whole image.
+        if meaning == Meaning::Color
+            && let Some(Some(known)) = self.known.get(&(index, Meaning::CutOut))
+            && textures[*known].size.max_element() <= data.files.color_side()
+        {
+            return Ok(Some(*known));
+        }
         let image = &self.document.as_json().images[index];
         let name = element_name("image", index, image.name.as_deref());
         let encoded = self

@@ -1,7 +1,7 @@
 //! Buildings around their own floor, seen from inside: from the position and in the direction with
 //! the greatest depth.
 //!
-//! A building encloses most of the candidate positions that are free of solids. The centre alone
+//! A building encloses at least half of the candidate positions that are free of solids. The centre alone
 //! would not do: it may be inside a table or a pillar.
 
 use super::{ground::Ground, sun::seen_points, twice_area};
@@ -72,14 +72,12 @@ pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<
             }
         }
     }
-    let enclosed = free
-        .iter()
-        .filter(|(eye, _)| is_enclosed(geometry, *eye))
-        .count();
-    if 2 * enclosed < free.len() {
+    let free_count = free.len();
+    free.retain(|(eye, _)| is_enclosed(geometry, *eye));
+    if 2 * free.len() < free_count {
         return None;
     }
-    // Choose the view with the greatest depth.
+    // Choose the view with the greatest depth from an enclosed eye.
     let mut best: Option<(f32, Shot)> = None;
     for (eye, along) in free {
         let shot = Shot {

@@ -165,8 +165,10 @@ impl Model {
         self
     }
 
-    /// Adds a table: a top on four legs.
-    fn table(self, [x, z]: [f32; 2], [length, height, width]: [f32; 3]) -> Self {
+    /// Adds a table, a top on four legs, at x and z: its length, height and width.
+    fn table(self, at: [f32; 2], sides: [f32; 3]) -> Self {
+        let [x, z] = at;
+        let [length, height, width] = sides;
         let [x_0, x_1, z_0, z_1] = [
             x - 0.5 * length,
             x + 0.5 * length,

@@ -39,21 +39,21 @@ pub(super) struct Entry {
 pub(super) type Losses = BTreeMap<&'static str, BTreeSet<String>>;
 
 /// Reasons of [`Losses`].
-pub(super) const UNDEFINED: &str = "materials are not defined";
-const OPAQUE: &str =
-    "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials";
-const KEYS: &str = "keys of materials are ignored";
-const UNMAPPED: &str = "textures are ignored where faces have no texture coordinates, of materials";
+pub(super) const UNDEFINED: &str = "undefined materials";
+const OPAQUE: &str = "transparency (`d`, `Tr`) is ignored; these materials cast full shadows";
+const KEYS: &str = "ignored keys of materials";
+const UNMAPPED: &str =
+    "textures of these materials are ignored, since their faces have no texture coordinates";
 const MISSING: &str = "textures are missing";
-const OTHER_KIND: &str = "textures are ignored, which are not PNG";
-const GREY: &str = "grey bump maps are ignored, whose heights have no scale";
+const OTHER_KIND: &str = "textures other than PNG are ignored";
+const GREY: &str = "grey bump maps are ignored (heights without a scale)";
 
 /// Keys of textures with an effect on colours that the reader ignores.
 const COLOR_KEYS: [&str; 9] = [
     "decal", "map_ke", "map_ks", "map_ns", "map_pm", "map_pr", "map_refl", "refl", "map_ps",
 ];
 /// Keys with an effect on shadows that the reader ignores.
-const SHADOW_KEYS: [&str; 2] = ["disp", "map_disp"];
+const SHADOW_KEYS: [&str; 3] = ["disp", "map_disp", "map_tr"];
 
 /// Returns the entries of a file. A missing file has none, since many models lack theirs.
 pub(super) fn load(path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneError> {

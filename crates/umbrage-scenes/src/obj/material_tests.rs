@@ -144,27 +144,30 @@ fn losses_of_materials_are_listed() {
                 disp -s 1 1 1 heights.png\nnewmtl unused\nd 0.1\nmap_Ks other.png\n";
     let [all, for_shadows] = notices(text, QUADS);
     let shadows = [
-        "keys of materials are ignored: disp, map_Kd -s, map_d -clamp",
-        "materials are not defined: unknown",
-        "textures are ignored, which are not PNG: holes.tga",
-        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+        "ignored keys of materials: disp, map_Kd -s, map_d -clamp",
+        "textures other than PNG are ignored: holes.tga",
+        "transparency (`d`, `Tr`) is ignored; these materials cast full shadows: brick",
+        "undefined materials: unknown",
     ];
     assert_eq!(for_shadows, shadows);
     let expected = [
-        "grey bump maps are ignored, whose heights have no scale: grey.png",
-        "keys of materials are ignored: disp, map_Kd -s, map_Ks, map_d -clamp",
-        "materials are not defined: unknown",
-        "textures are ignored, which are not PNG: brick.jpg, holes.tga",
+        "grey bump maps are ignored (heights without a scale): grey.png",
+        "ignored keys of materials: disp, map_Kd -s, map_Ks, map_d -clamp",
         "textures are missing: gone.png",
-        "transparency (`d`, `Tr`) is ignored, and surfaces cast whole shadows, of materials: brick",
+        "textures other than PNG are ignored: brick.jpg, holes.tga",
+        "transparency (`d`, `Tr`) is ignored; these materials cast full shadows: brick",
+        "undefined materials: unknown",
     ];
     assert_eq!(all, expected);
     // Faces without texture coordinates.
     let bare = QUADS.replace("/1", "").replace("/2", "").replace("/3", "");
     let text = "newmtl red\nmap_Kd grey.png\nnewmtl brick\nnewmtl unknown\n";
     let [bare, _] = notices(text, &bare);
-    let why = "textures are ignored where faces have no texture coordinates, of materials: red";
+    let why = "textures of these materials are ignored, since their faces have no texture coordinates: red";
     assert_eq!(bare, [why]);
+    // An empty library.
+    let [empty, _] = notices("", QUADS);
+    assert_eq!(empty, ["undefined materials: brick, red, unknown"]);
     // Keys without an effect are no loss.
     let usual = "newmtl red\nKa 0 0 0\nKd 1 0 0\nTf 1 1 1\nTr 0\nNi 1\nillum 7\nmap_Ka grey.png\n\
                  newmtl brick\nd 1.0\nmap_Kd -s 1 1 1 -t 0 0 0 -clamp off grey.png\nnewmtl unknown\n";

@@ -6,7 +6,7 @@ use crate::{
     detail::{TextureFiles, with_tangents},
     model_part::ModelPart,
 };
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::DVec3;
 use umbrage_core::{Mesh, Scene};
@@ -40,7 +40,17 @@ pub(super) fn add(
         Some(files) => entries(&model.looks, path, files.files, &mut scene.notices)?,
         None => Vec::new(),
     };
+    let mut losses = Losses::new();
+    let libraries = model.looks.libraries.iter();
+    if let Some(files) = &files
+        && libraries
+            .map(|library| library_path(library, path))
+            .all(|library| files.files.has(&library))
+    {
+        losses.extend(model.undefined(&entries));
+    }
     let (Some(files), false) = (files, entries.is_empty()) else {
+        list_losses(&losses, &name.to_string(), scene);
         scene.meshes.push(model.mesh);
         return Ok(vec![ModelPart::new(
             scene.meshes.len() - 1,
@@ -49,15 +59,6 @@ pub(super) fn add(
         )]);
     };
     // Read the textures of all materials.
-    let mut losses = Losses::new();
-    if model
-        .looks
-        .libraries
-        .iter()
-        .all(|library| files.files.has(&library_path(library, path)))
-    {
-        losses.extend(model.undefined(&entries));
-    }
     let mut split = Vec::new();
     for (entry, mesh) in model.split(&entries) {
         let is_mapped = !mesh.uvs.is_empty();
@@ -90,12 +91,16 @@ pub(super) fn add(
             model.offset,
         ));
     }
-    for (reason, items) in losses {
-        scene
-            .notices
-            .push(format!("{name}: {reason}: {}", list_of(&items)));
-    }
+    list_losses(&losses, &name.to_string(), scene);
     Ok(parts)
+}
+
+/// Appends a notice for each reason.
+fn list_losses(losses: &Losses, model: &str, scene: &mut Scene) {
+    for (reason, items) in losses {
+        let items = list_of(items);
+        scene.notices.push(format!("{model}: {reason}: {items}"));
+    }
 }
 
 /// Returns a list of at most [`MOST_ITEMS`] names.
@@ -151,8 +156,8 @@ pub(super) struct Model {
 impl Model {
     /// Returns the names of used materials that no entry defines.
     fn undefined(&self, entries: &[Entry]) -> Losses {
-        let is_undefined =
-            |name: &&String| !name.is_empty() && entries.iter().all(|entry| entry.name != **name);
+        let defined: HashSet<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+        let is_undefined = |name: &&String| !name.is_empty() && !defined.contains(name.as_str());
         let names = self.looks.runs.iter().map(|(_, name)| name);
         let names: BTreeSet<String> = names.filter(is_undefined).cloned().collect();
         let losses = [(UNDEFINED, names)].into_iter();
