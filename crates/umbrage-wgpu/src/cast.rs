@@ -148,19 +148,21 @@ pub(crate) struct CastBindings {
 }
 
 impl CastBindings {
+    /// Writes what the casts with these targets bind. Returns the number of written bytes.
     pub(crate) fn write<'t>(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         targets: impl Iterator<Item = &'t CastTarget> + Clone,
         holes: Option<&GpuCutOuts>,
-    ) {
+    ) -> u64 {
         let spaces = targets.clone().map(|target| target.clip_from_world);
-        self.spaces.write(factory, pipelines, spaces);
+        let mut written = self.spaces.write(factory, pipelines, spaces);
         if let Some(holes) = holes {
             let rays = targets.map(CastTarget::rays);
-            self.holes.write(factory, pipelines, holes, rays);
+            written += self.holes.write(factory, pipelines, holes, rays);
         }
+        written
     }
 
     /// Binds the resources of all draws of a cast.

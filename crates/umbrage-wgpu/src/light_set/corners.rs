@@ -71,7 +71,7 @@ impl CornerStage {
             row += CORNERS * triangles;
             Some(numbers)
         });
-        let Some(numbers) = self.numbers.write(factory, "umbrage corners", numbers) else {
+        let Some((numbers, _)) = self.numbers.write(factory, "umbrage corners", numbers) else {
             return;
         };
         // Create the pipeline on first use.

@@ -208,17 +208,17 @@ impl PassList {
         });
     }
 
-    /// Writes the inputs of the passes.
+    /// Writes the inputs of the passes. Returns the number of written bytes.
     pub(crate) fn upload(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         lights: &SlotMap<LightKey, HeldLight>,
         holes: Option<&GpuCutOuts>,
-    ) {
+    ) -> u64 {
         let passes = self.passes.iter();
         let targets = passes.map(|pass| &lights[pass.name.light].maps.casts[pass.name.cast].target);
-        self.bindings.write(factory, pipelines, targets, holes);
+        self.bindings.write(factory, pipelines, targets, holes)
     }
 
     /// Returns the number of passes.

@@ -344,7 +344,7 @@ impl LightSet {
         let mut uploaded = self.upload_passes();
         uploaded.add(self.write_shader(textures_changed)?);
         self.report.redrawn = self.passes.count() as u32;
-        self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
+        self.report.uploaded = uploaded.bytes;
         Ok(())
     }
 
@@ -420,10 +420,11 @@ impl LightSet {
     /// Writes placements, and the inputs of the passes.
     fn upload_passes(&mut self) -> Uploaded {
         let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
-        let uploaded = self.casters.upload(&mut factory);
+        let mut uploaded = self.casters.upload(&mut factory);
         let holes = self.cut_outs.as_ref().map(|held| &held.lists);
-        self.passes
-            .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
+        uploaded.bytes +=
+            self.passes
+                .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
         uploaded
     }
 

@@ -52,13 +52,14 @@ pub(crate) struct CutOutBinding {
 }
 
 impl CutOutBinding {
+    /// Writes the rays that can be bound. Returns the number of written bytes: 0 if none changed.
     pub(crate) fn write(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         holes: &GpuCutOuts,
         rays: impl Iterator<Item = CameraRays>,
-    ) {
+    ) -> u64 {
         let rows = rays.map(|rays| {
             let CameraRays {
                 origin,
@@ -70,8 +71,8 @@ impl CutOutBinding {
             } = rays;
             [origin, origin_dx, origin_dy, dir, dir_dx, dir_dy]
         });
-        let Some(buffer) = self.rays.write(factory, "umbrage texels' rays", rows) else {
-            return;
+        let Some((buffer, written)) = self.rays.write(factory, "umbrage texels' rays", rows) else {
+            return 0;
         };
         let mut entries = vec![(RAYS_SLOT, Bound::of_slot(RAYS_SLOT, buffer))];
         let tables = [&holes.positions, &holes.indices, &holes.rows];
@@ -82,6 +83,7 @@ impl CutOutBinding {
         let stages = ShaderStages::VERTEX_FRAGMENT;
         self.binding
             .bind(factory, layouts, stages, "umbrage cut-outs", entries);
+        written
     }
 
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, cast: usize) {

@@ -87,7 +87,8 @@ impl Peel {
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
-    casts: HashMap<CastKey, RenderPipeline>,
+    /// In a list, since there are few: comparing keys is faster than hashing one.
+    casts: Vec<(CastKey, RenderPipeline)>,
     /// Pipelines by shader text, which declares the bindings, and target format.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
     /// Shaders by the kind of alpha test, if any.
@@ -110,7 +111,7 @@ impl Pipelines {
             vertex,
             peel: Peel::of_target(target),
         };
-        if let Some(pipeline) = self.casts.get(&key) {
+        if let Some((_, pipeline)) = self.casts.iter().find(|(held, _)| *held == key) {
             return pipeline.clone();
         }
         let holes = match vertex {
@@ -123,7 +124,8 @@ impl Pipelines {
         let groups = groups.each_ref().map(Option::as_ref);
         factory.counters.pipelines += 1;
         let pipeline = cast_pipeline(factory.device, shader, key, &groups);
-        self.casts.entry(key).insert_entry(pipeline).get().clone()
+        self.casts.push((key, pipeline.clone()));
+        pipeline
     }
 
     /// Returns the sampler of kernels that compare.
