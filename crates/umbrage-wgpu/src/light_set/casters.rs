@@ -6,9 +6,9 @@
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
     light_set::{
-        buffers::Uploaded,
         culling::CullingBoxes,
         ids::{CasterKey, MeshKey},
+        instances::{Columns, Instances},
         own_casters::OwnCasters,
         unknown,
     },
@@ -19,15 +19,10 @@ use glam::{Affine3A, Vec3};
 use slotmap::SlotMap;
 use std::ops::Range;
 use umbrage_core::{Aabb, Invalid, Light, invalid};
-use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
+use wgpu::{Buffer, IndexFormat, Limits, RenderPass};
 
 /// Number of slots of a mesh with its first caster.
 const FIRST_SLOTS: u32 = 4;
-/// Greatest number of unchanged instances between changed ones that are written along: a separate
-/// write costs about as much as 12 kB.
-const GREATEST_GAP: u32 = 256;
-/// Casts read instances as vertices, and the passes that list casters read them as a table.
-const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
 /// More than the rounding of distances between points.
 const DISTANCE_SLACK: f32 = 0.999;
 /// Number of frames without a move after which a caster counts as still.
@@ -90,9 +85,6 @@ struct CasterPlace {
     moved_in: u64,
 }
 
-/// World from local as three columns and a translation: the data of an instance.
-type Columns = [f32; 12];
-
 /// All meshes and casters.
 #[derive(Debug, Default)]
 pub(crate) struct Casters {
@@ -105,7 +97,7 @@ pub(crate) struct Casters {
     /// Placement in each slot.
     columns: Vec<Columns>,
     /// The placements on the device.
-    instances: Option<Buffer>,
+    pub(super) instances: Instances,
     /// For each slot, whether the caster moved recently.
     moving: Vec<bool>,
     /// The casters that moved recently.
@@ -443,7 +435,6 @@ impl Casters {
     pub(crate) fn forget_changes(&mut self) {
         self.changed.clear();
         self.still_changed.clear();
-        self.written.clear();
         self.has_grown = false;
         self.is_rebased = false;
     }
@@ -458,48 +449,11 @@ impl Casters {
         self.has_grown
     }
 
-    /// Writes the placements that changed, or all of them into a larger buffer if they don't fit.
-    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
-        const STRIDE: u64 = size_of::<Columns>() as u64;
-        self.written.sort_unstable();
-        self.written.dedup();
-        let mut uploaded = Uploaded::default();
-        let size = self.columns.len() as u64 * STRIDE;
-        if size == 0 {
-            return uploaded;
-        }
-        let queue = factory.queue;
-        let held = self.instances.take().filter(|held| held.size() >= size);
-        if let Some(buffer) = &held {
-            let mut rest = &self.written[..];
-            while let Some(&first) = rest.first() {
-                let count = run_length(rest);
-                let run = first as usize..=rest[count - 1] as usize;
-                let bytes: &[u8] = bytemuck::cast_slice(&self.columns[run]);
-                queue.write_buffer(buffer, u64::from(first) * STRIDE, bytes);
-                uploaded.bytes += bytes.len() as u64;
-                rest = &rest[count..];
-            }
-        }
-        let buffer = held.unwrap_or_else(|| {
-            let capacity = size.next_power_of_two();
-            let buffer = factory.buffer("umbrage instances", INSTANCES, capacity);
-            queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&self.columns));
-            uploaded.bytes = size;
-            buffer
-        });
-        self.instances = Some(buffer);
-        uploaded
-    }
-
-    /// Returns the placements of all slots on the device.
-    pub(crate) fn instances(&self) -> Option<&Buffer> {
-        self.instances.as_ref()
-    }
-
-    /// Drops the buffer: the next upload creates and fills another.
-    pub(crate) fn lose_buffer(&mut self) {
-        self.instances = None;
+    /// Uploads the placements that changed. Returns the number of bytes.
+    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> u64 {
+        let bytes = self.instances.upload(factory, &self.columns, &self.written);
+        self.written.clear();
+        bytes
     }
 
     pub(crate) fn boxes(&self) -> &CullingBoxes {
@@ -583,16 +537,9 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
     Ok(bounds)
 }
 
-/// Returns the number of these rising slots to write together.
-fn run_length(slots: &[u32]) -> usize {
-    let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
-    let end = slots.windows(2).position(is_gap);
-    end.map_or(slots.len(), |i| i + 1)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{power_of_two_below, run_length};
+    use super::power_of_two_below;
 
     #[test]
     fn powers_of_two_are_below() {
@@ -600,12 +547,5 @@ mod tests {
             assert_eq!(power_of_two_below(x), expected, "{x}");
         }
         assert_eq!(power_of_two_below(f32::INFINITY), f32::INFINITY);
-    }
-
-    #[test]
-    fn near_slots_are_written_together() {
-        assert_eq!(run_length(&[3]), 1);
-        assert_eq!(run_length(&[3, 4, 9, 40, 400]), 4);
-        assert_eq!(run_length(&[3, 300, 301]), 1, "a gap of 297");
     }
 }

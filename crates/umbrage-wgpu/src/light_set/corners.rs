@@ -55,7 +55,7 @@ impl CornerStage {
         first_row: u32,
     ) {
         self.placed.clear();
-        let Some(instances) = casters.instances() else {
+        let Some(instances) = casters.instances.buffer() else {
             return;
         };
         // Write the uniforms of each mesh with casters.

@@ -82,6 +82,7 @@ impl LightSet {
             return Ok(());
         }
         self.unsubmitted_encoders.watch(encoder);
+        self.casters.instances.encode(encoder);
         let mut timer = timer;
         // Record the lists.
         self.lists

@@ -7,6 +7,7 @@ mod corners;
 mod culling;
 mod encode;
 mod ids;
+mod instances;
 mod masks;
 mod options;
 mod own_casters;

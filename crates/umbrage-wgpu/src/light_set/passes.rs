@@ -270,7 +270,7 @@ impl PassList {
             ..RenderPassDescriptor::default()
         });
         self.bindings.bind(&mut pass, pass_index, &cast.peeled);
-        if let Some(buffer) = casters.instances() {
+        if let Some(buffer) = casters.instances.buffer() {
             pass.set_vertex_buffer(1, buffer.slice(..));
         }
         // Draw the meshes.

@@ -341,10 +341,10 @@ impl LightSet {
         let textures_changed = self.make_textures();
         self.show_plans();
         self.list_passes();
-        let mut uploaded = self.upload_passes();
-        uploaded.add(self.write_shader(textures_changed)?);
+        let for_passes = self.upload_passes();
+        let for_shaders = self.write_shader(textures_changed)?;
         self.report.redrawn = self.passes.count() as u32;
-        self.report.uploaded = uploaded.bytes;
+        self.report.uploaded = for_passes + for_shaders.bytes;
         Ok(())
     }
 
@@ -417,15 +417,15 @@ impl LightSet {
         }
     }
 
-    /// Writes placements, and the inputs of the passes.
-    fn upload_passes(&mut self) -> Uploaded {
+    /// Uploads placements, and the inputs of the passes. Returns the number of bytes.
+    fn upload_passes(&mut self) -> u64 {
         let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
-        let mut uploaded = self.casters.upload(&mut factory);
+        let placements = self.casters.upload(&mut factory);
         let holes = self.cut_outs.as_ref().map(|held| &held.lists);
-        uploaded.bytes +=
-            self.passes
-                .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
-        uploaded
+        let inputs = self
+            .passes
+            .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
+        placements + inputs
     }
 
     /// Writes the shader data of the lights, and the inputs of caster lists.
@@ -460,6 +460,7 @@ impl LightSet {
 
     /// Marks everything to be redrawn.
     fn draw_all_again(&mut self) {
+        self.casters.instances.mark_outdated();
         self.lists.mark_stale();
         for light in self.lights.values_mut() {
             light.maps.mark_all_stale();
@@ -475,7 +476,7 @@ impl LightSet {
         self.lists = CasterLists::default();
         self.pool = LayerPool::default();
         self.passes = PassList::default();
-        self.casters.lose_buffer();
+        self.casters.instances.lose_buffer();
         self.shader.lose_buffers();
         for (id, light) in &mut self.lights {
             light.maps = LightMaps::default();
