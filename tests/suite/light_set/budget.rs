@@ -430,6 +430,30 @@ fn frames_that_are_not_submitted_are_drawn_again() {
     assert_eq!(stage.frame().redrawn, 0);
 }
 
+/// The placements of a frame that was dropped are those of the next one.
+#[test]
+fn moves_of_a_dropped_frame_are_not_lost() {
+    let mut stage = Stage::new(SetBudget::default(), &[8.0]);
+    let id = stage.light(0.0, 1.0);
+    stage.frame();
+    assert_eq!(stage.shadowed_pixels(id), 0);
+    let below = translation_along_x(0.0);
+    stage
+        .set
+        .move_caster(stage.casters[0], below)
+        .expect("is there");
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    stage.set.prepare(&frame).expect("prepares");
+    let mut dropped = stage.program.encoder();
+    stage.set.encode(&mut dropped).expect("was prepared");
+    drop(dropped);
+    assert_eq!(stage.frame().redrawn, 1);
+    assert!(stage.shadowed_pixels(id) > 0);
+}
+
 /// Before the first frame, and after one that failed, nothing waits for a budget.
 #[test]
 fn lights_of_a_frame_that_failed_are_not_prepared() {
