@@ -1,0 +1,488 @@
+//! The lit part of a facet: its triangle across the light, minus those of the facets above it.
+//!
+//! A caster darkens the intersection of up to four half-planes: its three sides, and the line at
+//! which it crosses the receiver's plane. The receiver is cut by one caster after another. The
+//! parts outside are kept, so that all pieces stay convex.
+//!
+//! A pair of facets uses the same bits in both roles where it matters: which of the two is above,
+//! and where they cross. Each point across the light is therefore lit on one facet only, and the
+//! lit areas add up to that of the silhouette.
+
+use crate::{frame::cross, tree::Projected};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
+
+/// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
+/// halved first, so that each half has fewer.
+const CASTERS_AT_ONCE: usize = 12;
+/// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
+const MAX_HALVINGS: u32 = 24;
+/// Casters from which the halves are computed on several threads.
+const CASTERS_FOR_THREADS: usize = 1024;
+
+/// Points on the inner side have positive values of `normal.dot(p) + offset`.
+#[derive(Clone, Copy, Debug, Default)]
+struct HalfPlane {
+    normal: DVec2,
+    offset: f64,
+    /// Values up to this size are roundings of 0.
+    slack: f64,
+}
+
+impl HalfPlane {
+    /// Returns the side to the left of `a` to `b`, for points within `reach` of the origin.
+    #[inline(always)]
+    fn left_of(a: DVec2, b: DVec2, reach: f64) -> Self {
+        let normal = DVec2::new(a.y - b.y, b.x - a.x);
+        Self {
+            normal,
+            offset: -normal.dot(a),
+            slack: slack(normal, reach),
+        }
+    }
+
+    #[inline(always)]
+    fn value(&self, p: DVec2) -> f64 {
+        self.normal.x * p.x + self.normal.y * p.y + self.offset
+    }
+
+    /// Returns the least and the greatest value at some points.
+    #[inline(always)]
+    fn range(&self, points: &[DVec2]) -> [f64; 2] {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for &p in points {
+            let value = self.value(p);
+            range = [range[0].min(value), range[1].max(value)];
+        }
+        range
+    }
+}
+
+/// Returns a bound of the rounding of a half-plane's value at points within `reach` of the origin:
+/// three roundings of products of that size.
+#[inline(always)]
+fn slack(normal: DVec2, reach: f64) -> f64 {
+    (normal.x.abs() + normal.y.abs()) * reach * (4.0 * f64::EPSILON)
+}
+
+/// The half-planes whose intersection a caster darkens, without those that contain the receiver.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Blocker {
+    planes: [HalfPlane; 4],
+    count: usize,
+}
+
+impl Blocker {
+    fn planes(&self) -> &[HalfPlane] {
+        &self.planes[..self.count]
+    }
+
+    /// Returns the part of the blocker within a convex polygon; `None` if they don't overlap.
+    fn within(&self, polygon: &[DVec2]) -> Option<Self> {
+        let mut part = Self::default();
+        for plane in self.planes() {
+            let [least, most] = plane.range(polygon);
+            if most <= plane.slack {
+                return None;
+            }
+            if least < -plane.slack {
+                part.push(*plane);
+            }
+        }
+        Some(part)
+    }
+
+    fn push(&mut self, plane: HalfPlane) {
+        self.planes[self.count] = plane;
+        self.count += 1;
+    }
+
+    /// Returns whether the whole receiver is dark.
+    pub(crate) fn covers_all(&self) -> bool {
+        self.count == 0
+    }
+}
+
+/// A facet whose lit part is computed.
+pub(crate) struct Receiver<'a> {
+    facet: &'a Projected,
+    row: u32,
+    twice_area: f64,
+    slope: DVec2,
+    /// The origin of all coordinates: a corner.
+    origin: DVec2,
+    corners: [DVec2; 3],
+    /// Sides of the receiver, inner to the left.
+    sides: [HalfPlane; 3],
+    size: f64,
+    margin: f64,
+    /// True if a facet was found that is in the same plane and overlaps.
+    pub(crate) has_coplanar: bool,
+}
+
+impl<'a> Receiver<'a> {
+    pub(crate) fn new(facet: &'a Projected, row: u32, margin: f64) -> Self {
+        let (twice_area, slope) = facet.area_and_slope();
+        let origin = facet.corners[0].xy();
+        let corners = facet.corners.map(|c| c.xy() - origin);
+        let [a, b, c] = corners;
+        let size = (b.abs().max(c.abs())).max_element();
+        Self {
+            facet,
+            row,
+            twice_area,
+            slope,
+            origin,
+            corners,
+            // The slack depends on the caster: see `meets`.
+            sides: [(a, b), (b, c), (c, a)].map(|(a, b)| HalfPlane::left_of(a, b, 1.0)),
+            size,
+            margin,
+            has_coplanar: false,
+        }
+    }
+
+    /// Returns twice the area across the light.
+    pub(crate) fn twice_area(&self) -> f64 {
+        self.twice_area
+    }
+
+    /// Returns what a caster darkens; `None` if that is nothing.
+    pub(crate) fn blocker(&mut self, caster: &Projected, row: u32) -> Option<Blocker> {
+        let corners = caster.corners.map(|c| c.xy() - self.origin);
+        let [a, b, c] = corners;
+        let far = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let reach = 2.0 * (far + self.size);
+        // Separating axes: sides of the receiver.
+        for side in &self.sides {
+            if side.range(&corners)[1] <= side.slack * reach {
+                return None;
+            }
+        }
+        // Sides of the caster. Those that contain the receiver cut nothing.
+        let mut blocker = Blocker::default();
+        for (a, b) in [(a, b), (b, c), (c, a)] {
+            let side = HalfPlane::left_of(a, b, reach);
+            let [least, most] = side.range(&self.corners);
+            if most <= side.slack {
+                return None;
+            }
+            if least < -side.slack {
+                blocker.push(side);
+            }
+        }
+        match self.order(caster, row) {
+            Order::Below => None,
+            Order::Above => Some(blocker),
+            Order::Coplanar => {
+                self.has_coplanar = true;
+                (row < self.row).then_some(blocker)
+            }
+            Order::Crossing { normal, offset } => {
+                let slack = slack(normal, reach);
+                let above = HalfPlane {
+                    normal,
+                    offset,
+                    slack,
+                };
+                let [least, most] = above.range(&self.corners);
+                if most <= slack {
+                    return None;
+                }
+                if least < -slack {
+                    blocker.push(above);
+                }
+                Some(blocker)
+            }
+        }
+    }
+
+    /// Returns where the caster is above the receiver.
+    #[inline(always)]
+    fn order(&self, caster: &Projected, row: u32) -> Order {
+        let (caster_area, caster_slope) = caster.area_and_slope();
+        // Compare the corners of the smaller facet with the plane of the larger one, so that the
+        // plane is not extrapolated.
+        let caster_is_small = (caster_area, self.row) < (self.twice_area, row);
+        let (small, large, slope) = if caster_is_small {
+            (caster, self.facet, self.slope)
+        } else {
+            (self.facet, caster, caster_slope)
+        };
+        // Distances within the margin of the plane are 0.
+        let slack = self.margin * (1.0 + slope.x.abs() + slope.y.abs());
+        let heights = small
+            .corners
+            .map(|corner| height_above(corner, large, slope, slack));
+        let least = heights[0].min(heights[1]).min(heights[2]);
+        let most = heights[0].max(heights[1]).max(heights[2]);
+        match (least < 0.0, most > 0.0) {
+            (false, false) => Order::Coplanar,
+            (true, false) if caster_is_small => Order::Below,
+            (false, true) if !caster_is_small => Order::Below,
+            (true, true) => {
+                // Both roles use the same corner and slopes, whose difference changes its sign.
+                let corner = small.corners[0];
+                let sign = if caster_is_small { 1.0 } else { -1.0 };
+                let normal = caster_slope - self.slope;
+                let offset = sign * heights[0] - normal.dot(corner.xy() - self.origin);
+                Order::Crossing { normal, offset }
+            }
+            _ => Order::Above,
+        }
+    }
+}
+
+/// Position of a caster relative to the receiver's plane, as the sun sees it.
+enum Order {
+    Below,
+    Above,
+    Coplanar,
+    /// Above where `normal.dot(p) + offset` is positive.
+    Crossing {
+        normal: DVec2,
+        offset: f64,
+    },
+}
+
+/// Returns the height of a point above the plane of a facet; 0 up to `slack`.
+#[inline(always)]
+fn height_above(p: DVec3, facet: &Projected, slope: DVec2, slack: f64) -> f64 {
+    let foot = facet.corners[0];
+    let height = (p.z - foot.z) - slope.x * (p.x - foot.x) - slope.y * (p.y - foot.y);
+    if height.abs() <= slack { 0.0 } else { height }
+}
+
+/// Convex polygons.
+#[derive(Debug, Default)]
+struct Pieces {
+    points: Vec<DVec2>,
+    /// End of each polygon in `points`.
+    ends: Vec<u32>,
+}
+
+impl Pieces {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.ends.clear();
+    }
+
+    fn push(&mut self, polygon: &[DVec2]) {
+        self.points.extend_from_slice(polygon);
+        self.ends.push(self.points.len() as u32);
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[DVec2]> {
+        let mut start = 0;
+        self.ends.iter().map(move |&end| {
+            let polygon = &self.points[start..end as usize];
+            start = end as usize;
+            polygon
+        })
+    }
+
+    /// Drops all polygons but the first `count`.
+    fn truncate(&mut self, count: usize) {
+        self.ends.truncate(count);
+        self.points
+            .truncate(self.ends.last().map_or(0, |&end| end as usize));
+    }
+}
+
+/// Area, and its moments along x and y, relative to the receiver's origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moments {
+    pub(crate) twice_area: f64,
+    /// Six times the integral of the position.
+    pub(crate) first: DVec2,
+}
+
+impl Moments {
+    pub(crate) fn of_polygon(polygon: &[DVec2]) -> Self {
+        let mut all = Self::default();
+        let [a, rest @ ..] = polygon else {
+            return all;
+        };
+        for pair in rest.windows(2) {
+            let twice_area = cross(pair[0] - *a, pair[1] - *a);
+            all = all.plus(Self {
+                twice_area,
+                first: (*a + pair[0] + pair[1]) * twice_area,
+            });
+        }
+        all
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            twice_area: self.twice_area + other.twice_area,
+            first: self.first + other.first,
+        }
+    }
+}
+
+/// Memory for cutting, reused from receiver to receiver.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    pieces: Pieces,
+    next: Pieces,
+    inner: Vec<DVec2>,
+    cut: Vec<DVec2>,
+}
+
+/// Returns the lit part of a receiver.
+pub(crate) fn lit_part(
+    receiver: &Receiver<'_>,
+    blockers: &[Blocker],
+    scratch: &mut Scratch,
+) -> Moments {
+    if blockers.iter().any(Blocker::covers_all) {
+        return Moments::default();
+    }
+    lit_part_of(&receiver.corners, blockers, MAX_HALVINGS, scratch)
+}
+
+fn lit_part_of(
+    polygon: &[DVec2],
+    blockers: &[Blocker],
+    halvings: u32,
+    scratch: &mut Scratch,
+) -> Moments {
+    if blockers.len() <= CASTERS_AT_ONCE || halvings == 0 {
+        return cut_all(polygon, blockers, scratch);
+    }
+    let halves = halve(polygon);
+    let part = |half: usize, scratch: &mut Scratch| {
+        let polygon = &halves[half];
+        let mut inside = Vec::new();
+        for blocker in blockers {
+            match blocker.within(polygon) {
+                Some(part) if part.covers_all() => return Moments::default(),
+                Some(part) => inside.push(part),
+                None => (),
+            }
+        }
+        lit_part_of(polygon, &inside, halvings - 1, scratch)
+    };
+    let [first, second] = if blockers.len() < CASTERS_FOR_THREADS {
+        [part(0, scratch), part(1, scratch)]
+    } else {
+        let (first, second) = rayon::join(
+            || part(0, &mut Scratch::default()),
+            || part(1, &mut Scratch::default()),
+        );
+        [first, second]
+    };
+    first.plus(second)
+}
+
+/// Returns the halves of a convex polygon, cut across the longer side of its box.
+fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+    let low = polygon.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
+    let high = polygon
+        .iter()
+        .fold(DVec2::NEG_INFINITY, |high, p| high.max(*p));
+    let size = high - low;
+    let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
+    let plane = HalfPlane {
+        normal,
+        offset: -normal.dot(low.midpoint(high)),
+        slack: 0.0,
+    };
+    let mut halves = [Vec::new(), Vec::new()];
+    let [inner, outer] = &mut halves;
+    split(polygon, &plane, inner, outer);
+    halves
+}
+
+/// Cuts one blocker after another.
+fn cut_all(polygon: &[DVec2], blockers: &[Blocker], scratch: &mut Scratch) -> Moments {
+    let Scratch {
+        pieces,
+        next,
+        inner,
+        cut,
+    } = scratch;
+    pieces.clear();
+    pieces.push(polygon);
+    for blocker in blockers {
+        next.clear();
+        for piece in pieces.iter() {
+            cut_piece(piece, blocker, next, inner, cut);
+        }
+        std::mem::swap(pieces, next);
+        if pieces.ends.is_empty() {
+            break;
+        }
+    }
+    pieces.iter().fold(Moments::default(), |all, piece| {
+        all.plus(Moments::of_polygon(piece))
+    })
+}
+
+/// Appends the parts of a piece that are outside a blocker.
+fn cut_piece(
+    piece: &[DVec2],
+    blocker: &Blocker,
+    out: &mut Pieces,
+    inner: &mut Vec<DVec2>,
+    cut: &mut Vec<DVec2>,
+) {
+    // Keep pieces whole that the blocker doesn't overlap.
+    let Some(part) = blocker.within(piece) else {
+        out.push(piece);
+        return;
+    };
+    let count = out.ends.len();
+    inner.clear();
+    inner.extend_from_slice(piece);
+    for plane in part.planes() {
+        let [least, most] = plane.range(inner);
+        if most <= plane.slack {
+            // The sides' outer parts cover the piece: nothing of it is dark.
+            out.truncate(count);
+            out.push(piece);
+            return;
+        }
+        if least >= -plane.slack {
+            continue;
+        }
+        cut.clear();
+        split(inner, plane, cut, &mut out.points);
+        out.ends.push(out.points.len() as u32);
+        std::mem::swap(inner, cut);
+    }
+}
+
+/// Appends the corners of a convex polygon's inner and outer part. Corners within the slack are of
+/// both.
+fn split(polygon: &[DVec2], plane: &HalfPlane, inner: &mut Vec<DVec2>, outer: &mut Vec<DVec2>) {
+    let value = |p: DVec2| {
+        let value = plane.value(p);
+        if value.abs() <= plane.slack {
+            0.0
+        } else {
+            value
+        }
+    };
+    let [.., last] = polygon else {
+        return;
+    };
+    let mut from = *last;
+    let mut from_value = value(from);
+    for &to in polygon {
+        let to_value = value(to);
+        if from_value * to_value < 0.0 {
+            let crossing = from + (to - from) * (from_value / (from_value - to_value));
+            inner.push(crossing);
+            outer.push(crossing);
+        }
+        if to_value >= 0.0 {
+            inner.push(to);
+        }
+        if to_value <= 0.0 {
+            outer.push(to);
+        }
+        from = to;
+        from_value = to_value;
+    }
+}

@@ -1,0 +1,282 @@
+//! The lit areas of facets.
+
+use crate::{
+    Facets, Sides, Stated, Suns,
+    clip::{self, Blocker, Moments, Receiver, Scratch},
+    frame::Frame,
+    outline,
+    stated::AnswerHash,
+    tree::{Bounds, Scene, bounds_across},
+};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use rayon::prelude::*;
+
+/// Facets per task.
+const TASK: usize = 256;
+/// Mark of rows that the sun doesn't see.
+const UNSEEN: u32 = u32::MAX;
+
+/// The lit part of a facet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LitArea {
+    /// Lit share of the facet's area, 0..=1. Always 0 for facets without an area.
+    pub fraction: f64,
+    /// Lit area, square metres.
+    pub area: f64,
+    /// Lit area as the sun sees it, square metres: the area times the cosine of the incidence.
+    pub projected: f64,
+    /// Centre of the lit part in the caller's axes, metres; the facet's centre if nothing is lit.
+    pub centroid: DVec3,
+}
+
+impl Facets {
+    /// Computes the lit area of each facet, and passes the areas (one per row) to `visit` with the
+    /// index of the sun, one sun after another.
+    ///
+    /// Areas are exact but for the rounding of 64-bit numbers. Facets may cross and touch. Of
+    /// facets in the same plane, the one with the lower row is lit. With [`Sides::Front`], facets
+    /// that face away from the sun have no lit area. With [`Sides::Both`], the lit area is that of
+    /// the side that faces the sun.
+    ///
+    /// Undecided are facets that are edge-on to the sun within the margin, and those that overlap
+    /// another one in the same plane.
+    pub fn lit_area(&self, suns: &Suns, mut visit: impl FnMut(usize, &[LitArea])) -> Stated {
+        let mut stated = Stated {
+            margin_m: self.margin_m(),
+            identity: self.options().certify.then_some(0.0),
+            ..Stated::default()
+        };
+        let mut hash = AnswerHash::new();
+        for (i, &sun) in suns.directions().iter().enumerate() {
+            let lit = self.lit_areas_towards(sun);
+            stated.add_undecided(i, lit.undecided);
+            stated.identity = stated
+                .identity
+                .zip(lit.identity)
+                .map(|(a, b)| f64::max(a, b));
+            add_areas(&mut hash, &lit.areas);
+            visit(i, &lit.areas);
+        }
+        stated.hash = hash.finish();
+        stated
+    }
+
+    /// Returns the area of the facets' silhouette towards a unit vector, square metres. It is
+    /// computed from the outlines, independently of lit areas.
+    pub fn silhouette_area(&self, sun: DVec3) -> f64 {
+        let frame = Frame::new(sun);
+        outline::union_area(&self.scene_towards(&frame))
+    }
+
+    pub(crate) fn lit_areas_towards(&self, sun: DVec3) -> LitAreas {
+        let frame = Frame::new(sun);
+        let scene = self.scene_towards(&frame);
+        let margin = self.margin_m();
+        let mut parts = vec![LitPart::default(); scene.facets.len()];
+        parts.par_chunks_mut(TASK).enumerate().for_each_init(
+            Search::default,
+            |search, (task, parts)| {
+                for (i, part) in parts.iter_mut().enumerate() {
+                    *part = search.lit_part(&scene, task * TASK + i, margin);
+                }
+            },
+        );
+        let mut place = vec![UNSEEN; self.len()];
+        for (i, &row) in scene.rows.iter().enumerate() {
+            place[row as usize] = i as u32;
+        }
+        let areas: Vec<LitArea> = place
+            .par_iter()
+            .enumerate()
+            .map(|(row, &i)| match parts.get(i as usize) {
+                Some(part) => {
+                    self.lit_area_of(row, &frame, &scene.facets[i as usize].corners, part)
+                }
+                None => LitArea {
+                    centroid: self.centre(row),
+                    ..LitArea::default()
+                },
+            })
+            .collect();
+        let is_undecided = |&row: &u32| match parts.get(place[row as usize] as usize) {
+            Some(part) => part.has_coplanar,
+            None => self.is_edge_on(row, &frame),
+        };
+        let undecided = (0..self.len() as u32)
+            .into_par_iter()
+            .filter(is_undecided)
+            .collect();
+        let identity = self.options().certify.then(|| {
+            let lit: f64 = areas.iter().map(|facet| facet.projected).sum();
+            let union = outline::union_area(&scene);
+            if union > 0.0 {
+                (lit / union - 1.0).abs()
+            } else {
+                lit
+            }
+        });
+        LitAreas {
+            areas,
+            undecided,
+            identity,
+        }
+    }
+
+    /// Returns the facets that the sun sees and that cast shadows.
+    fn scene_towards(&self, frame: &Frame) -> Scene {
+        let bounds = bounds_across(frame, self.bounds());
+        let corners = |row| self.corners_towards(row, frame);
+        Scene::new(self.len(), corners, bounds)
+    }
+
+    /// Returns the corners of a facet in a frame, counter-clockwise as the sun sees them; `None` if
+    /// the sun doesn't see it.
+    fn corners_towards(&self, row: u32, frame: &Frame) -> Option<[DVec3; 3]> {
+        let [a, b, c] = self.local_corners(row).map(|corner| frame.project(corner));
+        let twice_area = twice_area_across(a, b, c);
+        let is_seen = twice_area.abs() > self.least_twice_area(a, b, c);
+        match self.options().sides {
+            _ if !is_seen => None,
+            Sides::Front => (twice_area > 0.0).then_some([a, b, c]),
+            Sides::Both if twice_area > 0.0 => Some([a, b, c]),
+            Sides::Both => Some([a, c, b]),
+        }
+    }
+
+    /// Returns twice the area across the light below which a facet is edge-on: as wide as the
+    /// margin at most.
+    fn least_twice_area(&self, a: DVec3, b: DVec3, c: DVec3) -> f64 {
+        let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
+        self.margin_m() * longest.truncate().max_element()
+    }
+
+    /// Returns whether a facet has an area, but not as the sun sees it.
+    fn is_edge_on(&self, row: u32, frame: &Frame) -> bool {
+        let [a, b, c] = self.local_corners(row);
+        let twice_area = (b - a).cross(c - a).length();
+        let longest = (b - a)
+            .abs()
+            .max((c - a).abs())
+            .max((c - b).abs())
+            .max_element();
+        let [a, b, c] = [a, b, c].map(|corner| frame.project(corner));
+        twice_area > self.margin_m() * longest
+            && twice_area_across(a, b, c).abs() <= self.least_twice_area(a, b, c)
+    }
+
+    pub(crate) fn centre(&self, row: usize) -> DVec3 {
+        let [a, b, c] = self.local_corners(row as u32);
+        self.to_world((a + b + c) / 3.0)
+    }
+
+    /// Returns the lit area of a row, given its lit part across the light.
+    fn lit_area_of(
+        &self,
+        row: usize,
+        frame: &Frame,
+        corners: &[DVec3; 3],
+        part: &LitPart,
+    ) -> LitArea {
+        let [a, b, c] = *corners;
+        let twice_area = twice_area_across(a, b, c);
+        let lit = part.moments.twice_area.clamp(0.0, twice_area);
+        if lit == 0.0 {
+            let centroid = self.centre(row);
+            return LitArea {
+                centroid,
+                ..LitArea::default()
+            };
+        }
+        let fraction = lit / twice_area;
+        // Weights of the corners b and c at the centre across the light are the same in space.
+        let centre = part.moments.first / (3.0 * part.moments.twice_area);
+        let [p, q] = [b - a, c - a].map(|side| side.xy());
+        let weight_b = crate::frame::cross(centre, q) / twice_area;
+        let weight_c = crate::frame::cross(p, centre) / twice_area;
+        let local = frame.unproject(a + (b - a) * weight_b + (c - a) * weight_c);
+        LitArea {
+            fraction,
+            area: fraction * self.area_m2(row),
+            projected: 0.5 * lit,
+            centroid: self.to_world(local),
+        }
+    }
+}
+
+fn twice_area_across(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    crate::frame::cross((b - a).xy(), (c - a).xy())
+}
+
+/// Adds the numbers of lit areas to a hash.
+pub(crate) fn add_areas(hash: &mut AnswerHash, areas: &[LitArea]) {
+    for facet in areas {
+        hash.add(facet.fraction);
+        hash.add(facet.area);
+        hash.add(facet.projected);
+        for coordinate in facet.centroid.to_array() {
+            hash.add(coordinate);
+        }
+    }
+}
+
+/// The lit areas towards one sun.
+pub(crate) struct LitAreas {
+    pub(crate) areas: Vec<LitArea>,
+    pub(crate) undecided: Vec<u32>,
+    identity: Option<f64>,
+}
+
+/// The lit part of a facet across the light.
+#[derive(Clone, Copy, Debug, Default)]
+struct LitPart {
+    moments: Moments,
+    has_coplanar: bool,
+}
+
+/// Memory of a search, reused from facet to facet.
+#[derive(Debug, Default)]
+struct Search {
+    stack: Vec<(u32, u32)>,
+    candidates: Vec<u32>,
+    blockers: Vec<Blocker>,
+    scratch: Scratch,
+}
+
+impl Search {
+    fn lit_part(&mut self, scene: &Scene, index: usize, margin: f64) -> LitPart {
+        let facet = &scene.facets[index];
+        let mut receiver = Receiver::new(facet, scene.rows[index], margin);
+        self.candidates.clear();
+        self.blockers.clear();
+        let query = Bounds::query_above(&facet.corners, margin);
+        scene.overlapping(&query, &mut self.stack, &mut self.candidates);
+        for &candidate in self.candidates.iter().filter(|&&c| c as usize != index) {
+            let candidate = candidate as usize;
+            let caster = &scene.facets[candidate];
+            let blocker = receiver.blocker(caster, scene.rows[candidate]);
+            self.blockers.extend(blocker);
+            // The rest doesn't matter.
+            if blocker.is_some_and(|blocker| blocker.covers_all()) {
+                break;
+            }
+        }
+        let moments = if self.blockers.is_empty() {
+            Moments {
+                twice_area: receiver.twice_area(),
+                first: receiver_first(facet) * receiver.twice_area(),
+            }
+        } else {
+            clip::lit_part(&receiver, &self.blockers, &mut self.scratch)
+        };
+        LitPart {
+            moments,
+            has_coplanar: receiver.has_coplanar,
+        }
+    }
+}
+
+/// Returns the sum of the corners, relative to the first one.
+fn receiver_first(facet: &crate::tree::Projected) -> DVec2 {
+    let [a, b, c] = facet.corners;
+    (b - a).xy() + (c - a).xy()
+}

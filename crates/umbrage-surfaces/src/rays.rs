@@ -1,0 +1,216 @@
+//! Rays to the sun: 64-bit tests of the casters that the library's hierarchy preselects.
+
+use crate::{
+    Facets,
+    facets::reach_of,
+    frame::{Frame, cross},
+};
+use glam::{DVec3, Vec3, Vec4};
+use umbrage_core::{
+    Aabb,
+    bvh::{Shaft, ShaftSearch},
+};
+
+/// Mark for no blocker.
+pub(crate) const NO_BLOCKER: u32 = u32::MAX;
+
+/// Whether a point is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Answer {
+    pub(crate) is_lit: bool,
+    /// True if a shift of coordinates by the margin may change the answer.
+    pub(crate) is_undecided: bool,
+    /// A facet that certainly shades the point, or [`NO_BLOCKER`].
+    pub(crate) blocker: u32,
+}
+
+/// Facets prepared for rays from points.
+pub(crate) struct Rays<'a> {
+    facets: &'a Facets,
+    margin: f64,
+    /// Greatest distance between a point and the far end of a facet along an axis, metres.
+    length: f64,
+    /// Rounding of points and facets to 32 bits, metres.
+    rounding: f64,
+}
+
+impl<'a> Rays<'a> {
+    /// Prepares the facets for rays from points with these positions.
+    pub(crate) fn new(facets: &'a Facets, points: &[DVec3]) -> Self {
+        let reach = reach_of(points).max(reach_of(&facets.bounds()));
+        Self {
+            facets,
+            margin: facets.margin_within(reach),
+            // The diagonal of the box of both, in all directions.
+            length: 4.0 * reach,
+            rounding: 2.0 * f64::from(f32::EPSILON) * reach,
+        }
+    }
+
+    /// Returns the margin, metres.
+    pub(crate) fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Returns whether a point with a unit normal (or zero for both sides) sees the centre of the
+    /// sun. `guess` is a facet that is tested first, or [`NO_BLOCKER`].
+    #[inline]
+    pub(crate) fn answer(&self, p: DVec3, normal: DVec3, frame: &Frame, guess: u32) -> Answer {
+        let incidence = normal.dot(frame.sun);
+        if normal != DVec3::ZERO && incidence <= 0.0 {
+            return Answer {
+                is_lit: false,
+                // Normals have some roundings.
+                is_undecided: incidence > -1e-12,
+                blocker: NO_BLOCKER,
+            };
+        }
+        let mut search = RaySearch {
+            rays: self,
+            p,
+            frame,
+            is_hit: false,
+            is_near: normal != DVec3::ZERO && incidence < 1e-12,
+            blocker: NO_BLOCKER,
+        };
+        if guess == NO_BLOCKER || !search.test(guess) {
+            let direction = frame.sun.as_vec3() * self.length as f32;
+            let shaft = self.shaft(p, direction, direction);
+            self.facets.geometry().bvh().in_shaft(&shaft, &mut search);
+        }
+        let is_certain = search.blocker != NO_BLOCKER;
+        Answer {
+            is_lit: !is_certain && !search.is_hit,
+            is_undecided: !is_certain && (search.is_hit || search.is_near),
+            blocker: search.blocker,
+        }
+    }
+
+    /// Returns the shaft of segments from around a point along the vectors between two.
+    fn shaft(&self, p: DVec3, low: Vec3, high: Vec3) -> Shaft {
+        let start = Aabb {
+            min: (p - self.rounding).as_vec3(),
+            max: (p + self.rounding).as_vec3(),
+        };
+        Shaft::along_direction(&start, low, high)
+    }
+
+    /// Passes the facets (corners relative to the point) that may hide a part of a cone around the
+    /// sun to `visit`. `slope` is the tangent of the cone's angle.
+    pub(crate) fn visit_in_cone(
+        &self,
+        p: DVec3,
+        frame: &Frame,
+        slope: f64,
+        visit: impl FnMut([DVec3; 3]),
+    ) {
+        let sun = frame.sun.as_vec3() * self.length as f32;
+        let spread = Vec3::splat((slope * self.length) as f32);
+        let shaft = self.shaft(p, sun - spread, sun + spread);
+        let mut search = ConeSearch {
+            facets: self.facets,
+            p,
+            margin: self.margin,
+            visit,
+        };
+        self.facets.geometry().bvh().in_shaft(&shaft, &mut search);
+    }
+}
+
+struct RaySearch<'a> {
+    rays: &'a Rays<'a>,
+    p: DVec3,
+    frame: &'a Frame,
+    is_hit: bool,
+    is_near: bool,
+    blocker: u32,
+}
+
+impl RaySearch<'_> {
+    /// Tests a facet. Returns whether it certainly shades the point.
+    #[inline(always)]
+    fn test(&mut self, id: u32) -> bool {
+        let margin = self.rays.margin;
+        let corners = self
+            .rays
+            .facets
+            .local_corners(id)
+            .map(|corner| corner - self.p);
+        let [a, b, c] = corners.map(|corner| self.frame.across(corner));
+        // Twice the areas between the ray, seen as a point, and the sides. Facets that share a side
+        // get the same bits with opposite signs, so there are no cracks.
+        let areas = [cross(b, c), cross(c, a), cross(a, b)];
+        let sign = f64::signum(areas[0] + areas[1] + areas[2]);
+        let sides = [c - b, a - c, b - a];
+        let mut is_inside = true;
+        let mut is_certain = true;
+        for (area, side) in areas.iter().zip(sides) {
+            let area = area * sign;
+            // The margin around the side. The sum of its coordinates is at least its length.
+            let slack = margin * (side.x.abs() + side.y.abs());
+            if area < -slack {
+                return false;
+            }
+            is_inside &= area >= 0.0;
+            is_certain &= area > slack;
+        }
+        if !shades(&corners, self.frame.sun, margin) {
+            return false;
+        }
+        self.is_hit |= is_inside;
+        self.is_near = true;
+        if is_certain {
+            self.blocker = id;
+        }
+        is_certain
+    }
+}
+
+/// Returns whether a facet's plane is between the origin and the sun, farther from the origin than
+/// the margin. Nearer facets are those that the point is on.
+#[inline(always)]
+fn shades(corners: &[DVec3; 3], sun: DVec3, margin: f64) -> bool {
+    let [a, b, c] = *corners;
+    let normal = (b - a).cross(c - a);
+    let distance = normal.dot(a) * normal.dot(sun).signum();
+    // False for facets without an area.
+    distance > margin * normal.length()
+}
+
+impl ShaftSearch for RaySearch<'_> {
+    #[inline(always)]
+    fn keep(&mut self, entered: u32, _: [Vec4; 3], _: [Vec4; 3]) -> u32 {
+        entered
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, id: u32, _: [Vec3; 3]) -> bool {
+        self.test(id)
+    }
+}
+
+struct ConeSearch<'a, F> {
+    facets: &'a Facets,
+    p: DVec3,
+    margin: f64,
+    visit: F,
+}
+
+impl<F: FnMut([DVec3; 3])> ShaftSearch for ConeSearch<'_, F> {
+    #[inline(always)]
+    fn keep(&mut self, entered: u32, _: [Vec4; 3], _: [Vec4; 3]) -> u32 {
+        entered
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, id: u32, _: [Vec3; 3]) -> bool {
+        let corners = self.facets.local_corners(id).map(|corner| corner - self.p);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a);
+        // The point is not on the facet.
+        if normal.dot(a).abs() > self.margin * normal.length() {
+            (self.visit)(corners);
+        }
+        false
+    }
+}

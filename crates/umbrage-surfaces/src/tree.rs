@@ -1,0 +1,250 @@
+//! A tree of boxes over facets in a frame along the light: an implicit eight-way tree over facets
+//! in Morton order, large ones first.
+
+use crate::{frame::Frame, morton};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Children of a node, and lanes of its tests.
+const CHILDREN: usize = 8;
+
+/// A facet in a frame: corners as (x, y, height), counter-clockwise as the sun sees them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Projected {
+    pub(crate) corners: [DVec3; 3],
+}
+
+impl Projected {
+    /// Returns twice the area across the light, and the slope of the height along x and y.
+    ///
+    /// Both depend on this facet alone, so that each pair of facets uses the same bits in both
+    /// roles.
+    #[inline(always)]
+    pub(crate) fn area_and_slope(&self) -> (f64, DVec2) {
+        let [a, b, c] = self.corners;
+        let p = b - a;
+        let q = c - a;
+        let twice_area = p.x * q.y - p.y * q.x;
+        let slope_x = (p.z * q.y - p.y * q.z) / twice_area;
+        let slope_y = (p.x * q.z - p.z * q.x) / twice_area;
+        (twice_area, DVec2::new(slope_x, slope_y))
+    }
+}
+
+/// A box across the light, and the greatest height inside. Rounded outwards.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    low: [f32; 2],
+    high: [f32; 2],
+    max_height: f32,
+}
+
+impl Bounds {
+    fn of(corners: &[DVec3; 3]) -> Self {
+        let [a, b, c] = *corners;
+        let low = a.min(b).min(c);
+        let high = a.max(b).max(c);
+        Self {
+            low: [round_down(low.x), round_down(low.y)],
+            high: [round_up(high.x), round_up(high.y)],
+            max_height: round_up(high.z),
+        }
+    }
+
+    /// Returns a query for facets that overlap these corners and reach above the least height, less
+    /// the margin.
+    pub(crate) fn query_above(corners: &[DVec3; 3], margin: f64) -> Self {
+        let least = corners[0].z.min(corners[1].z).min(corners[2].z);
+        Self {
+            max_height: round_down(least - margin),
+            ..Self::of(corners)
+        }
+    }
+
+    /// Returns a query for facets that overlap these corners, at any height.
+    pub(crate) fn query_all(corners: &[DVec3; 3]) -> Self {
+        Self {
+            max_height: f32::NEG_INFINITY,
+            ..Self::of(corners)
+        }
+    }
+}
+
+fn round_down(x: f64) -> f32 {
+    let rounded = x as f32;
+    if f64::from(rounded) > x {
+        rounded.next_down()
+    } else {
+        rounded
+    }
+}
+
+fn round_up(x: f64) -> f32 {
+    let rounded = x as f32;
+    if f64::from(rounded) < x {
+        rounded.next_up()
+    } else {
+        rounded
+    }
+}
+
+/// Boxes of the children of a node.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    low_x: [f32; CHILDREN],
+    low_y: [f32; CHILDREN],
+    high_x: [f32; CHILDREN],
+    high_y: [f32; CHILDREN],
+    max_height: [f32; CHILDREN],
+}
+
+impl Node {
+    fn new(children: impl Iterator<Item = Bounds>) -> Self {
+        let mut node = Self {
+            low_x: [f32::INFINITY; CHILDREN],
+            low_y: [f32::INFINITY; CHILDREN],
+            high_x: [f32::NEG_INFINITY; CHILDREN],
+            high_y: [f32::NEG_INFINITY; CHILDREN],
+            max_height: [f32::NEG_INFINITY; CHILDREN],
+        };
+        for (i, child) in children.enumerate() {
+            [node.low_x[i], node.low_y[i]] = child.low;
+            [node.high_x[i], node.high_y[i]] = child.high;
+            node.max_height[i] = child.max_height;
+        }
+        node
+    }
+
+    fn bounds(&self) -> Bounds {
+        let least = |all: &[f32; CHILDREN]| all.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = |all: &[f32; CHILDREN]| all.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        Bounds {
+            low: [least(&self.low_x), least(&self.low_y)],
+            high: [most(&self.high_x), most(&self.high_y)],
+            max_height: most(&self.max_height),
+        }
+    }
+
+    /// Returns a bit for each child that overlaps the query. Unused children overlap nothing.
+    #[inline(always)]
+    fn overlapping(&self, query: &Bounds) -> u32 {
+        let mut bits = 0;
+        for i in 0..CHILDREN {
+            let overlaps = (self.low_x[i] <= query.high[0])
+                & (self.high_x[i] >= query.low[0])
+                & (self.low_y[i] <= query.high[1])
+                & (self.high_y[i] >= query.low[1])
+                & (self.max_height[i] >= query.max_height);
+            bits |= u32::from(overlaps) << i;
+        }
+        bits
+    }
+}
+
+/// Facets in a frame along the light, in the order of the tree.
+pub(crate) struct Scene {
+    pub(crate) facets: Vec<Projected>,
+    /// The caller's row of each facet.
+    pub(crate) rows: Vec<u32>,
+    /// Nodes of each level, from the leaves' parents to the root.
+    levels: Vec<Vec<Node>>,
+}
+
+impl Scene {
+    /// Builds the tree over the facets (row, corners in the frame) that are seen by the sun.
+    /// `corners` returns the corners of a row if it is seen; `rows` is the number of rows.
+    pub(crate) fn new(
+        rows: usize,
+        corners: impl Fn(u32) -> Option<[DVec3; 3]> + Sync,
+        bounds: [DVec2; 2],
+    ) -> Self {
+        let [low, high] = bounds;
+        let extent = (high - low).max_element().max(f64::MIN_POSITIVE);
+        let scale = morton::STEPS / extent;
+        let key = |[a, b, c]: [DVec3; 3]| {
+            let least = a.min(b).min(c).truncate();
+            let most = a.max(b).max(c).truncate();
+            let size = (most - least).max_element().max(f64::MIN_POSITIVE);
+            // Nodes are tight if their facets are of similar size: within a factor of four.
+            let class = ((extent / size).log2() / 2.0).clamp(0.0, 31.0) as u64;
+            let centre = (least.midpoint(most) - low) * scale;
+            class << 42 | morton::code_2d(centre.clamp(DVec2::ZERO, DVec2::splat(morton::STEPS)))
+        };
+        let mut keys: Vec<(u64, u32)> = (0..rows as u32)
+            .into_par_iter()
+            .filter_map(|row| corners(row).map(|corners| (key(corners), row)))
+            .collect();
+        keys.par_sort_unstable();
+        let facets: Vec<Projected> = keys
+            .par_iter()
+            .map(|&(_, row)| Projected {
+                corners: corners(row).unwrap_or_default(),
+            })
+            .collect();
+        let leaves: Vec<Node> = facets
+            .par_chunks(CHILDREN)
+            .map(|group| Node::new(group.iter().map(|facet| Bounds::of(&facet.corners))))
+            .collect();
+        let mut levels = vec![leaves];
+        while let Some(below) = levels.last().filter(|level| level.len() > 1) {
+            let level = below
+                .par_chunks(CHILDREN)
+                .map(|group| Node::new(group.iter().map(Node::bounds)))
+                .collect();
+            levels.push(level);
+        }
+        Self {
+            facets,
+            rows: keys.into_iter().map(|(_, row)| row).collect(),
+            levels,
+        }
+    }
+
+    /// Appends the indices of the facets that overlap a query, large ones first.
+    pub(crate) fn overlapping(
+        &self,
+        query: &Bounds,
+        stack: &mut Vec<(u32, u32)>,
+        out: &mut Vec<u32>,
+    ) {
+        stack.clear();
+        if !self.facets.is_empty() {
+            stack.push((self.levels.len() as u32 - 1, 0));
+        }
+        while let Some((level, node)) = stack.pop() {
+            let mut bits = self.levels[level as usize][node as usize].overlapping(query);
+            let first = node * CHILDREN as u32;
+            if level == 0 {
+                while bits != 0 {
+                    out.push(first + bits.trailing_zeros());
+                    bits &= bits - 1;
+                }
+                continue;
+            }
+            // Push in reverse, as the last one is visited first.
+            while bits != 0 {
+                let child = 31 - bits.leading_zeros();
+                stack.push((level - 1, first + child));
+                bits ^= 1 << child;
+            }
+        }
+    }
+}
+
+/// Returns a box across the light around a box in space.
+pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> [DVec2; 2] {
+    let [low, high] = bounds;
+    let corners = (0..8).map(|i| {
+        let pick = |bit: u32, axis: usize| {
+            if i >> bit & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
+        frame.across(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+    });
+    corners.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
+        [low.min(p), high.max(p)]
+    })
+}
