@@ -107,7 +107,6 @@ pub(crate) struct Receiver<'a> {
     facet: &'a Projected,
     row: u32,
     twice_area: f64,
-    slope: DVec2,
     /// The origin of all coordinates: a corner.
     origin: DVec2,
     corners: [DVec2; 3],
@@ -121,7 +120,6 @@ pub(crate) struct Receiver<'a> {
 
 impl<'a> Receiver<'a> {
     pub(crate) fn new(facet: &'a Projected, row: u32, margin: f64) -> Self {
-        let (twice_area, slope) = facet.area_and_slope();
         let origin = facet.corners[0].xy();
         let corners = facet.corners.map(|c| c.xy() - origin);
         let [a, b, c] = corners;
@@ -129,8 +127,7 @@ impl<'a> Receiver<'a> {
         Self {
             facet,
             row,
-            twice_area,
-            slope,
+            twice_area: facet.twice_area(),
             origin,
             corners,
             // The slack depends on the caster: see `meets`.
@@ -177,18 +174,13 @@ impl<'a> Receiver<'a> {
                 self.has_coplanar = true;
                 (row < self.row).then_some(blocker)
             }
-            Order::Crossing { normal, offset } => {
-                let slack = slack(normal, reach);
-                let above = HalfPlane {
-                    normal,
-                    offset,
-                    slack,
-                };
+            Order::Crossing { from, to } => {
+                let above = HalfPlane::left_of(from - self.origin, to - self.origin, reach);
                 let [least, most] = above.range(&self.corners);
-                if most <= slack {
+                if most <= above.slack {
                     return None;
                 }
-                if least < -slack {
+                if least < -above.slack {
                     blocker.push(above);
                 }
                 Some(blocker)
@@ -199,20 +191,16 @@ impl<'a> Receiver<'a> {
     /// Returns where the caster is above the receiver.
     #[inline(always)]
     fn order(&self, caster: &Projected, row: u32) -> Order {
-        let (caster_area, caster_slope) = caster.area_and_slope();
+        let caster_area = caster.twice_area();
         // Compare the corners of the smaller facet with the plane of the larger one, so that the
-        // plane is not extrapolated.
+        // plane is extrapolated as little as possible. Both roles compute the same bits.
         let caster_is_small = (caster_area, self.row) < (self.twice_area, row);
-        let (small, large, slope) = if caster_is_small {
-            (caster, self.facet, self.slope)
+        let (small, large) = if caster_is_small {
+            (caster, self.facet)
         } else {
-            (self.facet, caster, caster_slope)
+            (self.facet, caster)
         };
-        // Distances within the margin of the plane are 0.
-        let slack = self.margin * (1.0 + slope.x.abs() + slope.y.abs());
-        let heights = small
-            .corners
-            .map(|corner| height_above(corner, large, slope, slack));
+        let heights = heights_above(small, large, self.margin);
         let least = heights[0].min(heights[1]).min(heights[2]);
         let most = heights[0].max(heights[1]).max(heights[2]);
         match (least < 0.0, most > 0.0) {
@@ -220,12 +208,12 @@ impl<'a> Receiver<'a> {
             (true, false) if caster_is_small => Order::Below,
             (false, true) if !caster_is_small => Order::Below,
             (true, true) => {
-                // Both roles use the same corner and slopes, whose difference changes its sign.
-                let corner = small.corners[0];
-                let sign = if caster_is_small { 1.0 } else { -1.0 };
-                let normal = caster_slope - self.slope;
-                let offset = sign * heights[0] - normal.dot(corner.xy() - self.origin);
-                Order::Crossing { normal, offset }
+                let [from, to] = crossing_line(small, heights);
+                if caster_is_small {
+                    Order::Crossing { from, to }
+                } else {
+                    Order::Crossing { from: to, to: from }
+                }
             }
             _ => Order::Above,
         }
@@ -237,19 +225,58 @@ enum Order {
     Below,
     Above,
     Coplanar,
-    /// Above where `normal.dot(p) + offset` is positive.
+    /// Above to the left of a line.
     Crossing {
-        normal: DVec2,
-        offset: f64,
+        from: DVec2,
+        to: DVec2,
     },
 }
 
-/// Returns the height of a point above the plane of a facet; 0 up to `slack`.
+/// Returns the points at which a facet crosses a plane, given the heights of its corners above the
+/// plane, of both signs. Its part above is to the left of the line from the first to the second.
+fn crossing_line(facet: &Projected, heights: [f64; 3]) -> [DVec2; 2] {
+    let corners = facet.corners.map(|corner| corner.xy());
+    let mut line = [DVec2::ZERO; 2];
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        let before = heights[(i + 2) % 3];
+        // Corners are counter-clockwise: the outline goes below at the first point.
+        let [start, end] = [heights[i], heights[j]];
+        if start == 0.0 {
+            line[usize::from(before < 0.0)] = corners[i];
+        } else if start * end < 0.0 {
+            let fraction = start / (start - end);
+            line[usize::from(start < 0.0)] = corners[i] + (corners[j] - corners[i]) * fraction;
+        }
+    }
+    line
+}
+
+/// Returns the heights of a facet's corners above the plane of another one; 0 within the margin of
+/// the plane.
 #[inline(always)]
-fn height_above(p: DVec3, facet: &Projected, slope: DVec2, slack: f64) -> f64 {
-    let foot = facet.corners[0];
-    let height = (p.z - foot.z) - slope.x * (p.x - foot.x) - slope.y * (p.y - foot.y);
-    if height.abs() <= slack { 0.0 } else { height }
+fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] {
+    let [a, b, c] = plane.corners;
+    let p = b - a;
+    let q = c - a;
+    let inverse = 1.0 / cross(p.xy(), q.xy());
+    let slope_x = (p.z * q.y - p.y * q.z) * inverse;
+    let slope_y = (p.x * q.z - p.z * q.x) * inverse;
+    // Height of the margin, which is a distance from the plane.
+    let slack = margin * (1.0 + slope_x.abs() + slope_y.abs());
+    facet.corners.map(|corner| {
+        let step = corner - a;
+        // Weights of the plane's corners: beyond the facet, they multiply its rounding.
+        let weight_b = cross(step.xy(), q.xy()) * inverse;
+        let weight_c = cross(p.xy(), step.xy()) * inverse;
+        let sum = weight_b.abs() + weight_c.abs() + (1.0 - weight_b - weight_c).abs();
+        let height = step.z - weight_b * p.z - weight_c * q.z;
+        if height.abs() <= slack * sum {
+            0.0
+        } else {
+            height
+        }
+    })
 }
 
 /// Convex polygons.

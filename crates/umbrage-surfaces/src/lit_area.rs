@@ -65,7 +65,7 @@ impl Facets {
     /// computed from the outlines, independently of lit areas.
     pub fn silhouette_area(&self, sun: DVec3) -> f64 {
         let frame = Frame::new(sun);
-        outline::union_area(&self.scene_towards(&frame))
+        outline::union_area(&self.scene_towards(&frame), self.margin_m())
     }
 
     pub(crate) fn lit_areas_towards(&self, sun: DVec3) -> LitAreas {
@@ -108,7 +108,7 @@ impl Facets {
             .collect();
         let identity = self.options().certify.then(|| {
             let lit: f64 = areas.iter().map(|facet| facet.projected).sum();
-            let union = outline::union_area(&scene);
+            let union = outline::union_area(&scene, margin);
             if union > 0.0 {
                 (lit / union - 1.0).abs()
             } else {

@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 const TASK: usize = 256;
 
 /// Returns the area of the union of all facets across the light, square metres.
-pub(crate) fn union_area(scene: &Scene) -> f64 {
+pub(crate) fn union_area(scene: &Scene, margin: f64) -> f64 {
     let tasks: Vec<f64> = (0..scene.facets.len())
         .into_par_iter()
         .step_by(TASK)
@@ -24,7 +24,7 @@ pub(crate) fn union_area(scene: &Scene) -> f64 {
             let mut search = OutlineSearch::default();
             let end = (first + TASK).min(scene.facets.len());
             (first..end)
-                .map(|i| search.outline_integral(scene, i))
+                .map(|i| search.outline_integral(scene, i, margin))
                 .sum()
         })
         .collect();
@@ -41,7 +41,7 @@ struct OutlineSearch {
 
 impl OutlineSearch {
     /// Returns the integral over the uncovered parts of a facet's sides.
-    fn outline_integral(&mut self, scene: &Scene, index: usize) -> f64 {
+    fn outline_integral(&mut self, scene: &Scene, index: usize, margin: f64) -> f64 {
         let facet = &scene.facets[index];
         self.candidates.clear();
         let query = Bounds::query_all(&facet.corners);
@@ -60,7 +60,7 @@ impl OutlineSearch {
                     .corners
                     .map(|c| c.xy() - origin);
                 let precedes = (other as usize) < index;
-                let part = covered_part(side, &polygon, precedes);
+                let part = covered_part(side, &polygon, precedes, margin);
                 self.covered.extend(part);
                 if part == Some([0.0, 1.0]) {
                     break;
@@ -74,31 +74,34 @@ impl OutlineSearch {
 
 /// Returns the fractions of a side between which a convex polygon covers the points just to the
 /// right of it. Of equal sides of two polygons, one is covered: that of the other polygon, if this
-/// one `precedes`.
-fn covered_part(side: [DVec2; 2], polygon: &[DVec2], precedes: bool) -> Option<[f64; 2]> {
+/// one `precedes`. Sides within the margin are equal: at crossings of nearly parallel ones, two
+/// roundings of the crossing would leave a gap in the outline.
+fn covered_part(
+    side: [DVec2; 2],
+    polygon: &[DVec2],
+    precedes: bool,
+    margin: f64,
+) -> Option<[f64; 2]> {
     let [from, to] = side;
     let mut part = [0.0_f64, 1.0_f64];
+    let side_length_squared = (to - from).length_squared();
     let [.., last] = polygon else {
         return None;
     };
     let mut a = *last;
     for &b in polygon {
         let edge = b - a;
-        let reach = a
-            .abs()
-            .max(b.abs())
-            .max(from.abs())
-            .max(to.abs())
-            .max_element();
-        let slack = (edge.x.abs() + edge.y.abs()) * reach * (8.0 * f64::EPSILON);
-        let snapped = |p: DVec2| {
-            let value = cross(edge, p - a);
-            if value.abs() <= slack { 0.0 } else { value }
+        let values = [cross(edge, from - a), cross(edge, to - a)];
+        // Compare the shorter side with the line of the longer one, which is not extrapolated.
+        let is_on_line = if edge.length_squared() >= side_length_squared {
+            is_within(values, edge, margin)
+        } else {
+            let step = to - from;
+            is_within([cross(step, a - from), cross(step, b - from)], step, margin)
         };
-        let values = [snapped(from), snapped(to)];
         match values {
-            // On one line: the polygon is to the right if its edge has the other direction.
-            [0.0, 0.0] => {
+            // The polygon is to the right of the side if its edge has the other direction.
+            _ if is_on_line => {
                 if edge.dot(to - from) > 0.0 && !precedes {
                     return None;
                 }
@@ -111,6 +114,14 @@ fn covered_part(side: [DVec2; 2], polygon: &[DVec2], precedes: bool) -> Option<[
         a = b;
     }
     (part[0] < part[1]).then_some(part)
+}
+
+/// Returns whether points are within the margin of a line, given the cross products of the line's
+/// step and their positions.
+fn is_within(products: [f64; 2], step: DVec2, margin: f64) -> bool {
+    // The sum of a vector's coordinates is at least its length.
+    let slack = (step.x.abs() + step.y.abs()) * margin;
+    products.iter().all(|product| product.abs() <= slack)
 }
 
 /// Returns the integral over a part of a side without its covered parts.
@@ -140,6 +151,7 @@ fn side_integral(side: [DVec2; 2], within: [f64; 2], covered: &mut [[f64; 2]]) -
 pub(crate) fn covered_share(radius: f64, polygons: &[Vec<DVec2>]) -> f64 {
     let mut area = covered_arcs(radius, polygons) * 0.5 * radius * radius;
     let mut covered = Vec::new();
+    let margin = radius * 1e-13;
     for (i, polygon) in polygons.iter().enumerate() {
         let [.., last] = &polygon[..] else {
             continue;
@@ -149,7 +161,7 @@ pub(crate) fn covered_share(radius: f64, polygons: &[Vec<DVec2>]) -> f64 {
             if let Some(within) = inside_disc([from, to], radius) {
                 covered.clear();
                 let others = polygons.iter().enumerate().filter(|&(j, _)| j != i);
-                covered.extend(others.filter_map(|(j, o)| covered_part([from, to], o, j < i)));
+                covered.extend(others.filter_map(|(j, o)| covered_part([from, to], o, j < i, margin)));
                 area += side_integral([from, to], within, &mut covered);
             }
             from = to;

@@ -1,8 +1,11 @@
 //! A tree of boxes over facets in a frame along the light: an implicit eight-way tree over facets
 //! in Morton order, large ones first.
 
-use crate::{frame::Frame, morton};
-use glam::{DVec2, DVec3};
+use crate::{
+    frame::{Frame, cross},
+    morton,
+};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Children of a node, and lanes of its tests.
@@ -15,19 +18,11 @@ pub(crate) struct Projected {
 }
 
 impl Projected {
-    /// Returns twice the area across the light, and the slope of the height along x and y.
-    ///
-    /// Both depend on this facet alone, so that each pair of facets uses the same bits in both
-    /// roles.
+    /// Returns twice the area across the light.
     #[inline(always)]
-    pub(crate) fn area_and_slope(&self) -> (f64, DVec2) {
+    pub(crate) fn twice_area(&self) -> f64 {
         let [a, b, c] = self.corners;
-        let p = b - a;
-        let q = c - a;
-        let twice_area = p.x * q.y - p.y * q.x;
-        let slope_x = (p.z * q.y - p.y * q.z) / twice_area;
-        let slope_y = (p.x * q.z - p.z * q.x) / twice_area;
-        (twice_area, DVec2::new(slope_x, slope_y))
+        cross((b - a).xy(), (c - a).xy())
     }
 }
 
