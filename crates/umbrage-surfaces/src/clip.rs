@@ -9,7 +9,7 @@
 //! lit areas add up to that of the silhouette.
 
 use crate::{frame::cross, tree::Projected};
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use glam::{DVec2, Vec3Swizzles as _};
 
 /// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
 /// halved first, so that each half has fewer.

@@ -161,7 +161,8 @@ pub(crate) fn covered_share(radius: f64, polygons: &[Vec<DVec2>]) -> f64 {
             if let Some(within) = inside_disc([from, to], radius) {
                 covered.clear();
                 let others = polygons.iter().enumerate().filter(|&(j, _)| j != i);
-                covered.extend(others.filter_map(|(j, o)| covered_part([from, to], o, j < i, margin)));
+                covered
+                    .extend(others.filter_map(|(j, o)| covered_part([from, to], o, j < i, margin)));
                 area += side_integral([from, to], within, &mut covered);
             }
             from = to;

@@ -17,7 +17,8 @@ const IDENTITY: f64 = 1e-9;
 fn areas(mesh: &Mesh, sides: Sides, sun: DVec3) -> Vec<LitArea> {
     let mut out = Vec::new();
     let suns = Suns::new(&[sun]).expect("a direction");
-    mesh.facets(sides).lit_area(&suns, |_, areas| out = areas.to_vec());
+    mesh.facets(sides)
+        .lit_area(&suns, |_, areas| out = areas.to_vec());
     out
 }
 
@@ -47,7 +48,12 @@ fn scenes() -> Vec<(&'static str, Mesh, Sides)> {
     }
     let mut touching = floor(6.0, 3);
     // Boxes side by side, on top of each other, and one through another.
-    for [x, y, z] in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.4, 0.4, 0.3]] {
+    for [x, y, z] in [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.4, 0.4, 0.3],
+    ] {
         touching.append(&block(1.0, 1.0, 1.0).moved(|v| v + dvec3(x, y, z)));
     }
     vec![
@@ -73,7 +79,10 @@ fn lit_areas_add_up_to_the_silhouette() {
             // The library's own check of it is independent, too.
             let union = oracle::union_area((0..mesh.triangles.len()).map(|i| mesh.corners(i)), sun);
             let outline = mesh.facets(sides).silhouette_area(sun);
-            assert!((outline / union - 1.0).abs() < IDENTITY, "{name}: {outline} for {union}");
+            assert!(
+                (outline / union - 1.0).abs() < IDENTITY,
+                "{name}: {outline} for {union}"
+            );
         }
     }
 }
@@ -98,7 +107,10 @@ fn a_spoilt_clipper_fails_the_identity() {
             }
             assert_eq!(caster.len(), 3);
         }
-        assert!(relevant > 1 && noticed == relevant, "{name}: {noticed} of {relevant}");
+        assert!(
+            relevant > 1 && noticed == relevant,
+            "{name}: {noticed} of {relevant}"
+        );
     }
 }
 
@@ -115,7 +127,10 @@ fn each_facet_agrees_with_another_programs_polygons() {
                 let difference = facet.projected - oracle::lit_area(&mesh, row, sun);
                 // Facets seen edge-on are small across the light, not to begin with.
                 let size = (b - a).length_squared().max((c - a).length_squared());
-                assert!(difference.abs() < IDENTITY * size, "{name} {row}: {difference:.1e}");
+                assert!(
+                    difference.abs() < IDENTITY * size,
+                    "{name} {row}: {difference:.1e}"
+                );
             }
         }
     }
@@ -137,7 +152,8 @@ fn each_facet_agrees_with_its_rays() {
             let [a, b, c] = mesh.corners(row);
             let mut lit = 0;
             for i in 0..GRID * GRID {
-                let [mut u, mut v] = [i % GRID, i / GRID].map(|x| (f64::from(x) + 0.5) / f64::from(GRID));
+                let [mut u, mut v] =
+                    [i % GRID, i / GRID].map(|x| (f64::from(x) + 0.5) / f64::from(GRID));
                 if u + v > 1.0 {
                     [u, v] = [1.0 - u, 1.0 - v];
                 }
@@ -145,7 +161,12 @@ fn each_facet_agrees_with_its_rays() {
                 let others = (0..mesh.triangles.len()).filter(|&other| other != row);
                 let precedes = |other| other < row;
                 lit += u32::from(!others.into_iter().any(|o| {
-                    crate::points::hits(p, sun, mesh.corners(o), if precedes(o) { -1e-9 } else { 1e-9 })
+                    crate::points::hits(
+                        p,
+                        sun,
+                        mesh.corners(o),
+                        if precedes(o) { -1e-9 } else { 1e-9 },
+                    )
                 }));
             }
             let sampled = f64::from(lit) / f64::from(GRID * GRID);
@@ -175,12 +196,18 @@ fn a_box_on_a_floor_has_its_closed_form() {
             let dark = width * depth + shadow.x.abs() * depth + shadow.y.abs() * width;
             let lit: f64 = areas[..count].iter().map(|facet| facet.area).sum();
             let error = (lit - (SIDE * SIDE - dark)) / (SIDE * SIDE);
-            assert!(error.abs() < 1e-12, "grid {grid}: {error:.1e} towards {sun}");
+            assert!(
+                error.abs() < 1e-12,
+                "grid {grid}: {error:.1e} towards {sun}"
+            );
             // The image is symmetric around its middle, which is half way along the shadow.
             let moment: DVec3 = areas[..count].iter().map(|f| f.centroid * f.area).sum();
             let expected = dvec3(shadow.x, shadow.y, 0.0) * (0.5 * dark);
             let error = (moment - expected) / SIDE.powi(3);
-            assert!(error.length() < 1e-12, "grid {grid}: {moment} for {expected}");
+            assert!(
+                error.length() < 1e-12,
+                "grid {grid}: {moment} for {expected}"
+            );
         }
     }
 }
@@ -197,7 +224,11 @@ fn walls_in_an_l_have_their_closed_form() {
     for corners in [wall(DVec3::Y * length), wall(DVec3::X * width)].concat() {
         mesh.push(corners);
     }
-    for sun in [dvec3(1.0, -1.0, 0.5), dvec3(1.0, -0.4, 0.9), dvec3(0.2, -2.0, 0.1)] {
+    for sun in [
+        dvec3(1.0, -1.0, 0.5),
+        dvec3(1.0, -0.4, 0.9),
+        dvec3(0.2, -2.0, 0.1),
+    ] {
         let sun = sun.normalize();
         let areas = areas(&mesh, Sides::Both, sun);
         // A point of the first wall at y is shaded up to this height less y times the slope.
@@ -217,9 +248,8 @@ fn a_slit_lights_its_own_area() {
     let mut mesh = floor(100.0, 20);
     let count = mesh.triangles.len();
     for side in [-1.0, 1.0] {
-        let plate = floor(1.0, 3).moved(|v| {
-            dvec3(v.x * 10.0 + side * (5.0 + slit / 2.0), v.y * length, height)
-        });
+        let plate = floor(1.0, 3)
+            .moved(|v| dvec3(v.x * 10.0 + side * (5.0 + slit / 2.0), v.y * length, height));
         mesh.append(&plate);
     }
     for &sun in suns(&[70.0, 50.0]).directions() {
@@ -233,7 +263,9 @@ fn a_slit_lights_its_own_area() {
 
 fn regular_polygon(n: u32, radius: f64) -> Vec<[f64; 2]> {
     let angle = |i: u32| TAU * f64::from(i) / f64::from(n);
-    (0..n).map(|i| [radius * angle(i).cos(), radius * angle(i).sin()]).collect()
+    (0..n)
+        .map(|i| [radius * angle(i).cos(), radius * angle(i).sin()])
+        .collect()
 }
 
 /// A prism over a regular polygon, by the polygon's own formula; with more and more corners, the
@@ -273,14 +305,21 @@ fn prisms_have_their_closed_form_and_converge_to_the_cylinder() {
 #[test]
 fn answers_have_the_same_bits_on_any_number_of_threads() {
     for (name, mesh, sides) in scenes() {
-        let facets = Facets::new(&mesh.vertices, &mesh.triangles, &Options {
-            certify: true,
-            ..options(sides)
-        })
+        let facets = Facets::new(
+            &mesh.vertices,
+            &mesh.triangles,
+            &Options {
+                certify: true,
+                ..options(sides)
+            },
+        )
         .expect("a good mesh");
         let suns = suns(&[45.0, 4.0]);
         let on_threads = |threads| {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let pool = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .expect("threads");
             pool.install(|| {
                 let mut all = Vec::new();
                 let stated = facets.lit_area(&suns, |_, areas| all.extend_from_slice(areas));
@@ -288,7 +327,11 @@ fn answers_have_the_same_bits_on_any_number_of_threads() {
             })
         };
         let one = on_threads(1);
-        assert!(one.1.identity.is_some_and(|error| error < IDENTITY), "{name}: {}", one.1);
+        assert!(
+            one.1.identity.is_some_and(|error| error < IDENTITY),
+            "{name}: {}",
+            one.1
+        );
         for threads in [2, 16] {
             assert!(on_threads(threads) == one, "{name} on {threads} threads");
         }
@@ -321,12 +364,20 @@ fn random_meshes_have_sound_answers() {
         for _ in 0..1 + random.below(30) {
             let corner = |random: &mut Random| {
                 let [x, y, z] = [0; 3].map(|_| random.below(positions) as f64);
-                let lift = if case % 3 == 0 { 1e-3 * random.unit() } else { 0.0 };
+                let lift = if case % 3 == 0 {
+                    1e-3 * random.unit()
+                } else {
+                    0.0
+                };
                 dvec3(x, y, z + lift)
             };
             mesh.push([0; 3].map(|_| corner(&mut random)));
         }
-        let sun = if case % 2 == 0 { DVec3::Z } else { random.vector() };
+        let sun = if case % 2 == 0 {
+            DVec3::Z
+        } else {
+            random.vector()
+        };
         let options = options(Sides::Both);
         let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options).expect("a good mesh");
         let suns = Suns::new(&[sun]).expect("a direction");
@@ -345,17 +396,27 @@ fn random_meshes_have_sound_answers() {
         let error = (projected(&areas) - union).abs();
         let outline = facets.silhouette_area(sun);
         let sum = projected(&areas);
-        assert!(error < 1e-9 * union.max(1.0), "{case}: {sum} for {union}, {outline}");
+        assert!(
+            error < 1e-9 * union.max(1.0),
+            "{case}: {sum} for {union}, {outline}"
+        );
         worst = worst.max(error);
         // With one side only, such meshes are refused, unless they are closed by chance.
-        let front = Facets::new(&mesh.vertices, &mesh.triangles, &Options {
-            sides: Sides::Front,
-            ..options
-        });
+        let front = Facets::new(
+            &mesh.vertices,
+            &mesh.triangles,
+            &Options {
+                sides: Sides::Front,
+                ..options
+            },
+        );
         match front {
             Ok(facets) => closed += usize::from(facets.lit_area(&suns, |_, _| ()).hash != 0),
             Err(FacetsError::Open { rows, .. } | FacetsError::Inverted { rows, .. }) => {
-                assert!(rows.iter().all(|&row| (row as usize) < mesh.triangles.len()));
+                assert!(
+                    rows.iter()
+                        .all(|&row| (row as usize) < mesh.triangles.len())
+                );
             }
             Err(error) => panic!("{case}: {error}"),
         }

@@ -32,7 +32,8 @@ impl Mesh {
     pub(crate) fn append(&mut self, other: &Self) {
         let first = self.vertices.len() as u32;
         self.vertices.extend(&other.vertices);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+        self.triangles
+            .extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
     }
 
     pub(crate) fn moved(mut self, by: impl Fn(DVec3) -> DVec3) -> Self {
@@ -103,14 +104,16 @@ pub(crate) fn prism(base: &[[f64; 2]], height: f64) -> Mesh {
     let mut mesh = Mesh::default();
     let n = base.len() as u32;
     for z in [0.0, height] {
-        mesh.vertices.extend(base.iter().map(|p| dvec3(p[0], p[1], z)));
+        mesh.vertices
+            .extend(base.iter().map(|p| dvec3(p[0], p[1], z)));
     }
     for i in 0..n {
         let j = (i + 1) % n;
         mesh.triangles.extend([[i, j, n + j], [i, n + j, n + i]]);
     }
     for i in 1..n - 1 {
-        mesh.triangles.extend([[0, i + 1, i], [n, n + i, n + i + 1]]);
+        mesh.triangles
+            .extend([[0, i + 1, i], [n, n + i, n + i + 1]]);
     }
     mesh
 }
@@ -146,7 +149,11 @@ pub(crate) fn city(blocks: usize, random: &mut Random) -> Mesh {
         let up = if i % 5 == 0 { 0.5 } else { 0.0 };
         mesh.append(&block.moved(|v| {
             let [sin, cos] = [turn.sin(), turn.cos()];
-            dvec3(cos * v.x - sin * v.y + place.x, sin * v.x + cos * v.y + place.y, v.z + up)
+            dvec3(
+                cos * v.x - sin * v.y + place.x,
+                sin * v.x + cos * v.y + place.y,
+                v.z + up,
+            )
         }));
     }
     mesh
@@ -169,7 +176,8 @@ pub(crate) fn lumpy_ball(grid: u32) -> Mesh {
         }
         let is_mirrored = sign.x * sign.y * sign.z < 0.0;
         let mut push = |[a, b, c]: [u32; 3]| {
-            mesh.triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+            mesh.triangles
+                .push(if is_mirrored { [a, c, b] } else { [a, b, c] });
         };
         for j in 0..grid {
             for i in 0..grid - j {

@@ -30,12 +30,18 @@ fn contour(corners: &[DVec3], axes: [DVec3; 2]) -> Contour {
 fn twice_area(contour: &Contour) -> f64 {
     let origin = contour[0];
     let vector = |p: [f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
-    let pairs = contour.windows(2).map(|pair| [vector(pair[0]), vector(pair[1])]);
+    let pairs = contour
+        .windows(2)
+        .map(|pair| [vector(pair[0]), vector(pair[1])]);
     pairs.map(|[a, b]| a[0] * b[1] - a[1] * b[0]).sum()
 }
 
 fn area(shapes: &[Vec<Contour>]) -> f64 {
-    shapes.iter().flatten().map(|contour| 0.5 * twice_area(contour)).sum()
+    shapes
+        .iter()
+        .flatten()
+        .map(|contour| 0.5 * twice_area(contour))
+        .sum()
 }
 
 /// Returns the area of the silhouette of some triangles.
@@ -50,7 +56,9 @@ pub(crate) fn union_area(triangles: impl Iterator<Item = [DVec3; 3]>, sun: DVec3
 pub(crate) fn lit_area(mesh: &Mesh, row: usize, sun: DVec3) -> f64 {
     let axes = axes(sun);
     let corners = mesh.corners(row);
-    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+    let normal = (corners[1] - corners[0])
+        .cross(corners[2] - corners[0])
+        .normalize();
     let normal = normal * normal.dot(sun).signum();
     let mut above = Vec::new();
     for other in (0..mesh.triangles.len()).filter(|&other| other != row) {
