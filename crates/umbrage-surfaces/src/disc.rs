@@ -243,6 +243,9 @@ pub(crate) fn disc_seen(
 
 /// Returns the part of the disc's square below a point's horizon; `None` if there is none.
 fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+    if normal == DVec3::ZERO {
+        return None;
+    }
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square: Vec<DVec2> = square
         .map(|corner| DVec2::from(corner) * (2.0 * radius))

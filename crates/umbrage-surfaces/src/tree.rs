@@ -190,7 +190,7 @@ impl Scene {
         }
         Self {
             facets,
-            rows: keys.into_iter().map(|(_, row)| row).collect(),
+            rows: keys.par_iter().map(|&(_, row)| row).collect(),
             levels,
         }
     }

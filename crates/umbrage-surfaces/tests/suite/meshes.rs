@@ -196,7 +196,7 @@ pub(crate) fn suns(heights: &[f64]) -> Suns {
     let angles: Vec<_> = heights
         .iter()
         .enumerate()
-        .map(|(i, &height)| [17.0 + 73.0 * i as f64, height])
+        .map(|(i, &height)| [17.0 + 71.0 * i as f64, height])
         .collect();
     Suns::from_azimuth_height(&angles, umbrage_surfaces::Up::Z).expect("good angles")
 }
