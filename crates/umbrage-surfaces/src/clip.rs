@@ -9,13 +9,13 @@
 //! lit areas add up to that of the silhouette.
 
 use crate::{frame::cross, tree::Projected};
-use glam::{DVec2, Vec3Swizzles as _};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 
 /// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
 /// halved first, so that each half has fewer.
 const CASTERS_AT_ONCE: usize = 12;
 /// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
-const MAX_HALVINGS: u32 = 24;
+pub(crate) const MAX_HALVINGS: u32 = 24;
 /// Casters from which the halves are computed on several threads.
 const CASTERS_FOR_THREADS: usize = 1024;
 
@@ -109,7 +109,7 @@ pub(crate) struct Receiver<'a> {
     twice_area: f64,
     /// The origin of all coordinates: a corner.
     origin: DVec2,
-    corners: [DVec2; 3],
+    pub(crate) corners: [DVec2; 3],
     /// Sides of the receiver, inner to the left.
     sides: [HalfPlane; 3],
     size: f64,
@@ -136,11 +136,6 @@ impl<'a> Receiver<'a> {
             margin,
             has_coplanar: false,
         }
-    }
-
-    /// Returns twice the area across the light.
-    pub(crate) fn twice_area(&self) -> f64 {
-        self.twice_area
     }
 
     /// Returns what a caster darkens; `None` if that is nothing.
@@ -279,135 +274,47 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
     })
 }
 
-/// Convex polygons.
-#[derive(Debug, Default)]
-struct Pieces {
-    points: Vec<DVec2>,
-    /// End of each polygon in `points`.
-    ends: Vec<u32>,
+/// Returns the moments of a convex polygon: six times the integrals of x and of y, and twice the
+/// area.
+pub(crate) fn moments(polygon: &[DVec2]) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for pair in polygon.windows(2) {
+        let twice_area = cross(pair[0] - polygon[0], pair[1] - polygon[0]);
+        sum += (polygon[0] + pair[0] + pair[1]).extend(1.0) * twice_area;
+    }
+    sum
 }
 
-impl Pieces {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.ends.clear();
-    }
-
-    fn push(&mut self, polygon: &[DVec2]) {
-        self.points.extend_from_slice(polygon);
-        self.ends.push(self.points.len() as u32);
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &[DVec2]> {
-        let mut start = 0;
-        self.ends.iter().map(move |&end| {
-            let polygon = &self.points[start..end as usize];
-            start = end as usize;
-            polygon
-        })
-    }
-
-    /// Drops all polygons but the first `count`.
-    fn truncate(&mut self, count: usize) {
-        self.ends.truncate(count);
-        self.points
-            .truncate(self.ends.last().map_or(0, |&end| end as usize));
-    }
-}
-
-/// Area, and its moments along x and y, relative to the receiver's origin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Moments {
-    pub(crate) twice_area: f64,
-    /// Six times the integral of the position.
-    pub(crate) first: DVec2,
-}
-
-impl Moments {
-    pub(crate) fn of_polygon(polygon: &[DVec2]) -> Self {
-        let mut all = Self::default();
-        let [a, rest @ ..] = polygon else {
-            return all;
-        };
-        for pair in rest.windows(2) {
-            let twice_area = cross(pair[0] - *a, pair[1] - *a);
-            all = all.plus(Self {
-                twice_area,
-                first: (*a + pair[0] + pair[1]) * twice_area,
-            });
-        }
-        all
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            twice_area: self.twice_area + other.twice_area,
-            first: self.first + other.first,
-        }
-    }
-}
-
-/// Memory for cutting, reused from receiver to receiver.
-#[derive(Debug, Default)]
-pub(crate) struct Scratch {
-    pieces: Pieces,
-    next: Pieces,
-    inner: Vec<DVec2>,
-    cut: Vec<DVec2>,
-}
-
-/// Returns the lit part of a receiver.
-pub(crate) fn lit_part(
-    receiver: &Receiver<'_>,
-    blockers: &[Blocker],
-    scratch: &mut Scratch,
-) -> Moments {
-    if blockers.iter().any(Blocker::covers_all) {
-        return Moments::default();
-    }
-    lit_part_of(&receiver.corners, blockers, MAX_HALVINGS, scratch)
-}
-
-fn lit_part_of(
-    polygon: &[DVec2],
-    blockers: &[Blocker],
-    halvings: u32,
-    scratch: &mut Scratch,
-) -> Moments {
+/// Returns the moments of the part of a convex polygon that no blocker darkens. It is halved up to
+/// `halvings` times while there are many blockers.
+pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32) -> DVec3 {
     if blockers.len() <= CASTERS_AT_ONCE || halvings == 0 {
-        return cut_all(polygon, blockers, scratch);
+        return cut_all(polygon, blockers);
     }
     let halves = halve(polygon);
-    let part = |half: usize, scratch: &mut Scratch| {
-        let polygon = &halves[half];
+    let lit_half = |half: usize| {
         let mut inside = Vec::new();
         for blocker in blockers {
-            match blocker.within(polygon) {
-                Some(part) if part.covers_all() => return Moments::default(),
+            match blocker.within(&halves[half]) {
+                Some(part) if part.covers_all() => return DVec3::ZERO,
                 Some(part) => inside.push(part),
                 None => (),
             }
         }
-        lit_part_of(polygon, &inside, halvings - 1, scratch)
+        lit_moments(&halves[half], &inside, halvings - 1)
     };
-    let [first, second] = if blockers.len() < CASTERS_FOR_THREADS {
-        [part(0, scratch), part(1, scratch)]
-    } else {
-        let (first, second) = rayon::join(
-            || part(0, &mut Scratch::default()),
-            || part(1, &mut Scratch::default()),
-        );
-        [first, second]
-    };
-    first.plus(second)
+    if blockers.len() < CASTERS_FOR_THREADS {
+        return lit_half(0) + lit_half(1);
+    }
+    let (first, second) = rayon::join(|| lit_half(0), || lit_half(1));
+    first + second
 }
 
 /// Returns the halves of a convex polygon, cut across the longer side of its box.
 fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
-    let low = polygon.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
-    let high = polygon
-        .iter()
-        .fold(DVec2::NEG_INFINITY, |high, p| high.max(*p));
+    let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
+        [low.min(*p), high.max(*p)]
+    });
     let size = high - low;
     let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
     let plane = HalfPlane {
@@ -415,74 +322,37 @@ fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
         offset: -normal.dot(low.midpoint(high)),
         slack: 0.0,
     };
-    let mut halves = [Vec::new(), Vec::new()];
-    let [inner, outer] = &mut halves;
-    split(polygon, &plane, inner, outer);
-    halves
+    split(polygon, &plane)
 }
 
-/// Cuts one blocker after another.
-fn cut_all(polygon: &[DVec2], blockers: &[Blocker], scratch: &mut Scratch) -> Moments {
-    let Scratch {
-        pieces,
-        next,
-        inner,
-        cut,
-    } = scratch;
-    pieces.clear();
-    pieces.push(polygon);
-    for blocker in blockers {
-        next.clear();
-        for piece in pieces.iter() {
-            cut_piece(piece, blocker, next, inner, cut);
-        }
-        std::mem::swap(pieces, next);
-        if pieces.ends.is_empty() {
-            break;
-        }
-    }
-    pieces.iter().fold(Moments::default(), |all, piece| {
-        all.plus(Moments::of_polygon(piece))
-    })
-}
-
-/// Appends the parts of a piece that are outside a blocker.
-fn cut_piece(
-    piece: &[DVec2],
-    blocker: &Blocker,
-    out: &mut Pieces,
-    inner: &mut Vec<DVec2>,
-    cut: &mut Vec<DVec2>,
-) {
-    // Keep pieces whole that the blocker doesn't overlap.
-    let Some(part) = blocker.within(piece) else {
-        out.push(piece);
-        return;
-    };
-    let count = out.ends.len();
-    inner.clear();
-    inner.extend_from_slice(piece);
-    for plane in part.planes() {
-        let [least, most] = plane.range(inner);
-        if most <= plane.slack {
-            // The sides' outer parts cover the piece: nothing of it is dark.
-            out.truncate(count);
-            out.push(piece);
-            return;
-        }
-        if least >= -plane.slack {
+/// Returns the moments of what is left of a polygon, cut by one blocker after another.
+fn cut_all(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
+    let mut lit = DVec3::ZERO;
+    // Pieces, each with the first blocker that it has not been cut by.
+    let mut pieces = vec![(polygon.to_vec(), 0)];
+    while let Some((piece, first)) = pieces.pop() {
+        let mut next = first..blockers.len();
+        let overlapping = next.find_map(|i| Some((i, blockers[i].within(&piece)?)));
+        let Some((i, part)) = overlapping else {
+            lit += moments(&piece);
             continue;
+        };
+        let mut inner = piece;
+        for plane in part.planes() {
+            let [inside, outside] = split(&inner, plane);
+            if outside.len() > 2 {
+                pieces.push((outside, i + 1));
+            }
+            inner = inside;
         }
-        cut.clear();
-        split(inner, plane, cut, &mut out.points);
-        out.ends.push(out.points.len() as u32);
-        std::mem::swap(inner, cut);
     }
+    lit
 }
 
-/// Appends the corners of a convex polygon's inner and outer part. Corners within the slack are of
-/// both.
-fn split(polygon: &[DVec2], plane: &HalfPlane, inner: &mut Vec<DVec2>, outer: &mut Vec<DVec2>) {
+/// Returns the inner and the outer part of a convex polygon. Corners within the slack are of both.
+fn split(polygon: &[DVec2], plane: &HalfPlane) -> [Vec<DVec2>; 2] {
+    let mut inner = Vec::with_capacity(polygon.len() + 1);
+    let mut outer = Vec::with_capacity(polygon.len() + 1);
     let value = |p: DVec2| {
         let value = plane.value(p);
         if value.abs() <= plane.slack {
@@ -491,10 +361,7 @@ fn split(polygon: &[DVec2], plane: &HalfPlane, inner: &mut Vec<DVec2>, outer: &m
             value
         }
     };
-    let [.., last] = polygon else {
-        return;
-    };
-    let mut from = *last;
+    let mut from = polygon.last().copied().unwrap_or_default();
     let mut from_value = value(from);
     for &to in polygon {
         let to_value = value(to);
@@ -512,4 +379,5 @@ fn split(polygon: &[DVec2], plane: &HalfPlane, inner: &mut Vec<DVec2>, outer: &m
         from = to;
         from_value = to_value;
     }
+    [inner, outer]
 }

@@ -209,7 +209,7 @@ pub(crate) fn disc_seen(
     let radius = disc.slope();
     let mut casters = Vec::new();
     casters.extend(horizon(points.normal(row), frame, radius));
-    rays.visit_in_cone(points.positions[row], frame, radius, |corners| {
+    rays.visit_in_cone(points.positions[row], frame.sun, radius, |corners| {
         casters.extend(image_of(corners, frame, radius));
     });
     if casters.is_empty() {

@@ -2,13 +2,13 @@
 
 use crate::{
     Facets, Sides, Stated, Suns,
-    clip::{self, Blocker, Moments, Receiver, Scratch},
+    clip::{self, Blocker, Receiver},
     frame::Frame,
     outline,
     stated::AnswerHash,
-    tree::{Bounds, Scene, bounds_across},
+    tree::{self, Scene, bounds_across},
 };
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use glam::{DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Facets per task.
@@ -179,7 +179,7 @@ impl Facets {
     ) -> LitArea {
         let [a, b, c] = *corners;
         let twice_area = twice_area_across(a, b, c);
-        let lit = part.moments.twice_area.clamp(0.0, twice_area);
+        let lit = part.moments.z.clamp(0.0, twice_area);
         if lit == 0.0 {
             let centroid = self.centre(row);
             return LitArea {
@@ -189,7 +189,7 @@ impl Facets {
         }
         let fraction = lit / twice_area;
         // Weights of the corners b and c at the centre across the light are the same in space.
-        let centre = part.moments.first / (3.0 * part.moments.twice_area);
+        let centre = part.moments.xy() / (3.0 * part.moments.z);
         let [p, q] = [b - a, c - a].map(|side| side.xy());
         let weight_b = crate::frame::cross(centre, q) / twice_area;
         let weight_c = crate::frame::cross(p, centre) / twice_area;
@@ -229,7 +229,8 @@ pub(crate) struct LitAreas {
 /// The lit part of a facet across the light.
 #[derive(Clone, Copy, Debug, Default)]
 struct LitPart {
-    moments: Moments,
+    /// As of [`clip::moments`].
+    moments: DVec3,
     has_coplanar: bool,
 }
 
@@ -239,7 +240,6 @@ struct Search {
     stack: Vec<(u32, u32)>,
     candidates: Vec<u32>,
     blockers: Vec<Blocker>,
-    scratch: Scratch,
 }
 
 impl Search {
@@ -248,7 +248,7 @@ impl Search {
         let mut receiver = Receiver::new(facet, scene.rows[index], margin);
         self.candidates.clear();
         self.blockers.clear();
-        let query = Bounds::query_above(&facet.corners, margin);
+        let query = tree::query_above(&facet.corners, margin);
         scene.overlapping(&query, &mut self.stack, &mut self.candidates);
         for &candidate in self.candidates.iter().filter(|&&c| c as usize != index) {
             let candidate = candidate as usize;
@@ -256,27 +256,18 @@ impl Search {
             let blocker = receiver.blocker(caster, scene.rows[candidate]);
             self.blockers.extend(blocker);
             // The rest doesn't matter.
-            if blocker.is_some_and(|blocker| blocker.covers_all()) {
+            if blocker.as_ref().is_some_and(Blocker::covers_all) {
                 break;
             }
         }
-        let moments = if self.blockers.is_empty() {
-            Moments {
-                twice_area: receiver.twice_area(),
-                first: receiver_first(facet) * receiver.twice_area(),
-            }
-        } else {
-            clip::lit_part(&receiver, &self.blockers, &mut self.scratch)
+        let is_dark = self.blockers.last().is_some_and(Blocker::covers_all);
+        let moments = match is_dark {
+            true => DVec3::ZERO,
+            false => clip::lit_moments(&receiver.corners, &self.blockers, clip::MAX_HALVINGS),
         };
         LitPart {
             moments,
             has_coplanar: receiver.has_coplanar,
         }
     }
-}
-
-/// Returns the sum of the corners, relative to the first one.
-fn receiver_first(facet: &crate::tree::Projected) -> DVec2 {
-    let [a, b, c] = facet.corners;
-    (b - a).xy() + (c - a).xy()
 }

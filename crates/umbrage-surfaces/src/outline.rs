@@ -6,7 +6,7 @@
 
 use crate::{
     frame::cross,
-    tree::{Bounds, Scene},
+    tree::{self, Scene},
 };
 use glam::{DVec2, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ impl OutlineSearch {
     fn outline_integral(&mut self, scene: &Scene, index: usize, margin: f64) -> f64 {
         let facet = &scene.facets[index];
         self.candidates.clear();
-        let query = Bounds::query_all(&facet.corners);
+        let query = tree::query_all(&facet.corners);
         scene.overlapping(&query, &mut self.stack, &mut self.candidates);
         let origin = facet.corners[0].xy();
         let [a, b, c] = facet.corners.map(|c| c.xy() - origin);

@@ -74,9 +74,7 @@ impl<'a> Rays<'a> {
             blocker: NO_BLOCKER,
         };
         if guess == NO_BLOCKER || !search.test(guess) {
-            let direction = frame.sun.as_vec3() * self.length as f32;
-            let shaft = self.shaft(p, direction, direction);
-            self.facets.geometry().bvh().in_shaft(&shaft, &mut search);
+            self.visit_casters(p, frame.sun, 0.0, |id| search.test(id));
         }
         let is_certain = search.blocker != NO_BLOCKER;
         Answer {
@@ -86,34 +84,53 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Returns the shaft of segments from around a point along the vectors between two.
-    fn shaft(&self, p: DVec3, low: Vec3, high: Vec3) -> Shaft {
+    /// Passes the facets that may hide a part of a cone around the sun to `visit`, until it returns
+    /// true. `slope` is the tangent of the cone's angle.
+    fn visit_casters(&self, p: DVec3, sun: DVec3, slope: f64, visit: impl FnMut(u32) -> bool) {
         let start = Aabb {
             min: (p - self.rounding).as_vec3(),
             max: (p + self.rounding).as_vec3(),
         };
-        Shaft::along_direction(&start, low, high)
+        let step = sun.as_vec3() * self.length as f32;
+        let spread = Vec3::splat((slope * self.length) as f32);
+        let shaft = Shaft::along_direction(&start, step - spread, step + spread);
+        let bvh = self.facets.geometry().bvh();
+        bvh.in_shaft(&shaft, &mut CasterSearch(visit));
     }
 
-    /// Passes the facets (corners relative to the point) that may hide a part of a cone around the
-    /// sun to `visit`. `slope` is the tangent of the cone's angle.
+    /// Passes the corners, relative to a point, of facets that may hide a part of a cone around the
+    /// sun to `visit`. Facets that the point is on hide nothing.
     pub(crate) fn visit_in_cone(
         &self,
         p: DVec3,
-        frame: &Frame,
+        sun: DVec3,
         slope: f64,
-        visit: impl FnMut([DVec3; 3]),
+        mut visit: impl FnMut([DVec3; 3]),
     ) {
-        let sun = frame.sun.as_vec3() * self.length as f32;
-        let spread = Vec3::splat((slope * self.length) as f32);
-        let shaft = self.shaft(p, sun - spread, sun + spread);
-        let mut search = ConeSearch {
-            facets: self.facets,
-            p,
-            margin: self.margin,
-            visit,
-        };
-        self.facets.geometry().bvh().in_shaft(&shaft, &mut search);
+        self.visit_casters(p, sun, slope, |id| {
+            let corners = self.facets.local_corners(id).map(|corner| corner - p);
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a);
+            if normal.dot(a).abs() > self.margin * normal.length() {
+                visit(corners);
+            }
+            false
+        });
+    }
+}
+
+/// A search for casters that passes their ids on until the function returns true.
+struct CasterSearch<F>(F);
+
+impl<F: FnMut(u32) -> bool> ShaftSearch for CasterSearch<F> {
+    #[inline(always)]
+    fn keep(&mut self, entered: u32, _: [Vec4; 3], _: [Vec4; 3]) -> u32 {
+        entered
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, id: u32, _: [Vec3; 3]) -> bool {
+        (self.0)(id)
     }
 }
 
@@ -175,42 +192,4 @@ fn shades(corners: &[DVec3; 3], sun: DVec3, margin: f64) -> bool {
     let distance = normal.dot(a) * normal.dot(sun).signum();
     // False for facets without an area.
     distance > margin * normal.length()
-}
-
-impl ShaftSearch for RaySearch<'_> {
-    #[inline(always)]
-    fn keep(&mut self, entered: u32, _: [Vec4; 3], _: [Vec4; 3]) -> u32 {
-        entered
-    }
-
-    #[inline(always)]
-    fn visit(&mut self, id: u32, _: [Vec3; 3]) -> bool {
-        self.test(id)
-    }
-}
-
-struct ConeSearch<'a, F> {
-    facets: &'a Facets,
-    p: DVec3,
-    margin: f64,
-    visit: F,
-}
-
-impl<F: FnMut([DVec3; 3])> ShaftSearch for ConeSearch<'_, F> {
-    #[inline(always)]
-    fn keep(&mut self, entered: u32, _: [Vec4; 3], _: [Vec4; 3]) -> u32 {
-        entered
-    }
-
-    #[inline(always)]
-    fn visit(&mut self, id: u32, _: [Vec3; 3]) -> bool {
-        let corners = self.facets.local_corners(id).map(|corner| corner - self.p);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a);
-        // The point is not on the facet.
-        if normal.dot(a).abs() > self.margin * normal.length() {
-            (self.visit)(corners);
-        }
-        false
-    }
 }

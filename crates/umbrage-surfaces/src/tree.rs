@@ -26,43 +26,28 @@ impl Projected {
     }
 }
 
-/// A box across the light, and the greatest height inside. Rounded outwards.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    low: [f32; 2],
-    high: [f32; 2],
-    max_height: f32,
+/// A box across the light and the greatest height inside, all as lower limits: least x and y, and
+/// the negative greatest x, y and height.
+type Limits = [f32; 5];
+
+fn limits_of(corners: &[DVec3; 3]) -> Limits {
+    let [a, b, c] = *corners;
+    let low = a.min(b).min(c);
+    let high = a.max(b).max(c);
+    [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
 }
 
-impl Bounds {
-    fn of(corners: &[DVec3; 3]) -> Self {
-        let [a, b, c] = *corners;
-        let low = a.min(b).min(c);
-        let high = a.max(b).max(c);
-        Self {
-            low: [round_down(low.x), round_down(low.y)],
-            high: [round_up(high.x), round_up(high.y)],
-            max_height: round_up(high.z),
-        }
-    }
+/// Returns a query for facets that overlap these corners and reach above the least height, less the
+/// margin.
+pub(crate) fn query_above(corners: &[DVec3; 3], margin: f64) -> Limits {
+    let [x, y, end_x, end_y, _] = limits_of(corners);
+    let least = corners[0].z.min(corners[1].z).min(corners[2].z);
+    [-end_x, -end_y, -x, -y, -round_down(least - margin)]
+}
 
-    /// Returns a query for facets that overlap these corners and reach above the least height, less
-    /// the margin.
-    pub(crate) fn query_above(corners: &[DVec3; 3], margin: f64) -> Self {
-        let least = corners[0].z.min(corners[1].z).min(corners[2].z);
-        Self {
-            max_height: round_down(least - margin),
-            ..Self::of(corners)
-        }
-    }
-
-    /// Returns a query for facets that overlap these corners, at any height.
-    pub(crate) fn query_all(corners: &[DVec3; 3]) -> Self {
-        Self {
-            max_height: f32::NEG_INFINITY,
-            ..Self::of(corners)
-        }
-    }
+/// Returns a query for facets that overlap these corners, at any height.
+pub(crate) fn query_all(corners: &[DVec3; 3]) -> Limits {
+    query_above(corners, f64::INFINITY)
 }
 
 fn round_down(x: f64) -> f32 {
@@ -74,62 +59,35 @@ fn round_down(x: f64) -> f32 {
     }
 }
 
-fn round_up(x: f64) -> f32 {
-    let rounded = x as f32;
-    if f64::from(rounded) < x {
-        rounded.next_up()
-    } else {
-        rounded
-    }
-}
-
-/// Boxes of the children of a node.
+/// Limits of the children of a node; infinity for unused ones, which overlap nothing.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    low_x: [f32; CHILDREN],
-    low_y: [f32; CHILDREN],
-    high_x: [f32; CHILDREN],
-    high_y: [f32; CHILDREN],
-    max_height: [f32; CHILDREN],
-}
+struct Node([[f32; CHILDREN]; 5]);
 
 impl Node {
-    fn new(children: impl Iterator<Item = Bounds>) -> Self {
-        let mut node = Self {
-            low_x: [f32::INFINITY; CHILDREN],
-            low_y: [f32::INFINITY; CHILDREN],
-            high_x: [f32::NEG_INFINITY; CHILDREN],
-            high_y: [f32::NEG_INFINITY; CHILDREN],
-            max_height: [f32::NEG_INFINITY; CHILDREN],
-        };
+    fn new(children: impl Iterator<Item = Limits>) -> Self {
+        let mut node = Self([[f32::INFINITY; CHILDREN]; 5]);
         for (i, child) in children.enumerate() {
-            [node.low_x[i], node.low_y[i]] = child.low;
-            [node.high_x[i], node.high_y[i]] = child.high;
-            node.max_height[i] = child.max_height;
+            for (all, limit) in node.0.iter_mut().zip(child) {
+                all[i] = limit;
+            }
         }
         node
     }
 
-    fn bounds(&self) -> Bounds {
-        let least = |all: &[f32; CHILDREN]| all.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = |all: &[f32; CHILDREN]| all.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        Bounds {
-            low: [least(&self.low_x), least(&self.low_y)],
-            high: [most(&self.high_x), most(&self.high_y)],
-            max_height: most(&self.max_height),
-        }
+    fn limits(&self) -> Limits {
+        self.0
+            .map(|all| all.into_iter().fold(f32::INFINITY, f32::min))
     }
 
-    /// Returns a bit for each child that overlaps the query. Unused children overlap nothing.
+    /// Returns a bit for each child that overlaps the query: all limits are below its numbers.
     #[inline(always)]
-    fn overlapping(&self, query: &Bounds) -> u32 {
+    fn overlapping(&self, query: &Limits) -> u32 {
         let mut bits = 0;
         for i in 0..CHILDREN {
-            let overlaps = (self.low_x[i] <= query.high[0])
-                & (self.high_x[i] >= query.low[0])
-                & (self.low_y[i] <= query.high[1])
-                & (self.high_y[i] >= query.low[1])
-                & (self.max_height[i] >= query.max_height);
+            let mut overlaps = true;
+            for (all, end) in self.0.iter().zip(query) {
+                overlaps &= all[i] <= *end;
+            }
             bits |= u32::from(overlaps) << i;
         }
         bits
@@ -178,13 +136,13 @@ impl Scene {
             .collect();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| Node::new(group.iter().map(|facet| Bounds::of(&facet.corners))))
+            .map(|group| Node::new(group.iter().map(|facet| limits_of(&facet.corners))))
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
             let level = below
                 .par_chunks(CHILDREN)
-                .map(|group| Node::new(group.iter().map(Node::bounds)))
+                .map(|group| Node::new(group.iter().map(Node::limits)))
                 .collect();
             levels.push(level);
         }
@@ -198,7 +156,7 @@ impl Scene {
     /// Appends the indices of the facets that overlap a query, large ones first.
     pub(crate) fn overlapping(
         &self,
-        query: &Bounds,
+        query: &Limits,
         stack: &mut Vec<(u32, u32)>,
         out: &mut Vec<u32>,
     ) {
