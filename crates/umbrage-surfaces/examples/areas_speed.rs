@@ -1,7 +1,8 @@
 //! Times and memory of lit areas: `cargo run --release --example areas_speed -- ball 3000000`.
 //!
 //! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), and `both` (the city
-//! from both sides). Each line has the wall time of a sun, and user and system time over the number
+//! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
+//! slab: the difference is the time of the slab's twelve facets). Each line has the wall time of a sun, and user and system time over the number
 //! of threads, which other programs on the machine disturb less.
 
 use std::{fs, time::Instant};
@@ -13,18 +14,20 @@ use umbrage_surfaces::{
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, kind, count] = &arguments[..] else {
-        eprintln!("usage: areas_speed ball|city|both FACETS");
+        eprintln!("usage: areas_speed ball|city|both|plain|houses FACETS");
         std::process::exit(2);
     };
     let count: f64 = count.parse().unwrap_or(1e5);
     let mut mesh = Mesh::default();
     match kind.as_str() {
         "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
-        _ => mesh.add_city(count),
+        "plain" => mesh.add_city(count, 1),
+        "houses" => mesh.add_city(count, 0),
+        _ => mesh.add_city(count, 20),
     }
     let options = Options {
         unit: Unit::Metres(1.0),
-        sides: if kind == "both" {
+        sides: if kind == "both" || kind == "plain" || kind == "houses" {
             Sides::Both
         } else {
             Sides::Front
@@ -140,14 +143,17 @@ impl Mesh {
         });
     }
 
-    /// Adds houses on a slab: half of the facets are ground.
-    fn add_city(&mut self, count: f64) {
+    /// Adds houses on a slab, whose top has this number of squares along 20 m; 0 for no slab.
+    fn add_city(&mut self, count: f64, squares: u32) {
         // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
         let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
         let side = f64::from(houses) * 20.0;
-        self.add_box([houses * 20, houses * 20, 1], |p| {
-            p * dvec3(side, side, 1.0) - DVec3::Z
-        });
+        let slab = match squares {
+            0 => [0; 3],
+            1 => [1; 3],
+            _ => [houses * squares, houses * squares, 1],
+        };
+        self.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
         for y in 0..houses {
             for x in 0..houses {
                 let mix = (x * 7919 + y * 104_729) % 1000;

@@ -46,8 +46,12 @@ impl Disc {
         if value > 0.0 && value < 45.0 {
             return Ok(());
         }
-        let what = "radius of the disc (degrees, below 45)";
-        Err(FacetsError::Setting { what, value })
+        let why = format!("has a radius of {value} degrees");
+        Err(FacetsError::new(
+            "disc",
+            why,
+            "use more than 0 and less than 45",
+        ))
     }
 }
 

@@ -47,11 +47,8 @@ impl Facets {
     ) -> Result<Self, FacetsError> {
         check_lists(vertices, triangles)?;
         let unit = options.unit.metres();
-        for (what, value) in [("unit", unit), ("max_error_m", options.max_error_m)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(FacetsError::Setting { what, value });
-            }
-        }
+        check_positive("unit, metres", unit)?;
+        check_positive("max_error_m", options.max_error_m)?;
         let used = || {
             triangles
                 .par_iter()
@@ -75,7 +72,7 @@ impl Facets {
             bounds,
             geometry: OnceLock::new(),
         };
-        facets.check_reach(&Vec::new())?;
+        facets.check_reach(&[])?;
         check_unit(options.unit, (high - low).max_element())?;
         facets.vertices = vertices.par_iter().map(|&v| facets.to_local(v)).collect();
         if options.sides == Sides::Front {
@@ -142,16 +139,16 @@ impl Facets {
     }
 
     /// Returns an error if the facets or these points exceed the greatest accepted margin.
-    pub(crate) fn check_reach(&self, points: &Vec<DVec3>) -> Result<(), FacetsError> {
+    pub(crate) fn check_reach(&self, points: &[DVec3]) -> Result<(), FacetsError> {
         let reach = reach_of(points).max(self.local_reach);
         let loses_m = self.margin_within(reach);
         if loses_m <= self.options.max_error_m {
             return Ok(());
         }
-        Err(FacetsError::TooFar {
-            reach_m: reach.max(self.world_reach),
-            loses_m,
-        })
+        let reach_m = reach.max(self.world_reach);
+        let why = format!("reach {reach_m:.3e} m, where answers are uncertain by {loses_m:.1e} m");
+        let help = "move the origin nearer, check the unit, or raise `max_error_m`";
+        Err(FacetsError::new("coordinates", why, help))
     }
 
     /// Returns a position of the caller's relative to the anchor, metres.
@@ -228,10 +225,16 @@ impl Facets {
             }
         }
         if !open.is_empty() {
-            return Err(FacetsError::Open {
-                edges: open.len(),
-                rows: open.into_iter().take(NAMED).collect(),
-            });
+            let rows = &open[..open.len().min(NAMED)];
+            let why = format!(
+                "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
+                open.len()
+            );
+            return Err(FacetsError::new(
+                "front sides",
+                why,
+                "close the mesh, or use both sides",
+            ));
         }
         drop(edges);
         self.check_outward(&welded)
@@ -272,8 +275,10 @@ impl Facets {
         if facets == 0 {
             return Ok(());
         }
-        let rows = inverted().take(NAMED).map(|row| row as u32).collect();
-        Err(FacetsError::Inverted { facets, rows })
+        let rows: Vec<usize> = inverted().take(NAMED).collect();
+        let why = format!("{facets} facets, such as {rows:?}, are of bodies that face inwards");
+        let help = "swap two corners of each of these facets, or use both sides";
+        Err(FacetsError::new("front sides", why, help))
     }
 
     /// Returns, for each vertex, the first one at the same position.
@@ -296,32 +301,53 @@ pub(crate) fn reach_of(points: &[DVec3]) -> f64 {
         .fold(0.0, |reach, p| p.abs().max_element().max(reach))
 }
 
+/// Returns an error unless a setting is finite and greater than zero.
+pub(crate) fn check_positive(what: &str, value: f64) -> Result<(), FacetsError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let help = "use a finite number greater than zero";
+    Err(FacetsError::new(what, format!("is {value}"), help))
+}
+
+/// Returns an error with the first vector that is not finite.
+pub(crate) fn check_finite(what: &str, vectors: &[DVec3]) -> Result<(), FacetsError> {
+    match vectors.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(row) => {
+            let why = format!("is {}", vectors[row]);
+            Err(FacetsError::new(
+                format!("{what} {row}"),
+                why,
+                "use finite numbers",
+            ))
+        }
+    }
+}
+
 fn check_lists(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), FacetsError> {
-    if triangles.is_empty() {
-        return Err(FacetsError::Empty);
+    let most = i32::MAX as usize;
+    if triangles.is_empty() || triangles.len() > most || vertices.len() > most {
+        let why = format!(
+            "are {} triangles of {} vertices",
+            triangles.len(),
+            vertices.len()
+        );
+        return Err(FacetsError::new(
+            "facets",
+            why,
+            "use at least one and at most 2^31 - 1",
+        ));
     }
-    for (what, rows) in [("vertices", vertices.len()), ("facets", triangles.len())] {
-        if rows > i32::MAX as usize {
-            return Err(FacetsError::TooMany { what, rows });
-        }
-    }
-    if let Some(row) = vertices.iter().position(|v| !v.is_finite()) {
-        return Err(FacetsError::NotFinite {
-            what: "vertex",
-            row,
-        });
-    }
-    let vertices = vertices.len();
-    for (row, triangle) in triangles.iter().enumerate() {
-        if let Some(&index) = triangle.iter().find(|&&v| v as usize >= vertices) {
-            return Err(FacetsError::Index {
-                row,
-                index,
-                vertices,
-            });
-        }
-    }
-    Ok(())
+    check_finite("vertex", vertices)?;
+    let count = vertices.len();
+    let is_faulty = |triangle: &[u32; 3]| triangle.iter().any(|&v| v as usize >= count);
+    let Some(row) = triangles.iter().position(is_faulty) else {
+        return Ok(());
+    };
+    let why = format!("has the corners {:?} of {count} vertices", triangles[row]);
+    let help = format!("use indices from 0 to {}", count.saturating_sub(1));
+    Err(FacetsError::new(format!("facet {row}"), why, help))
 }
 
 /// Returns an error that names a suspect if the unit was not stated and the length of the facets is
@@ -334,5 +360,10 @@ fn check_unit(unit: Unit, extent_m: f64) -> Result<(), FacetsError> {
         2e3..2e4 => "centimetres",
         _ => "millimetres",
     };
-    Err(FacetsError::Unit { extent_m, suspect })
+    let why = format!("are {extent_m} m long: {suspect}?");
+    Err(FacetsError::new(
+        "facets",
+        why,
+        "state the unit, also if it is metres",
+    ))
 }

@@ -37,7 +37,6 @@
 
 mod clip;
 mod disc;
-mod error;
 mod facets;
 mod frame;
 mod lit;
@@ -53,7 +52,6 @@ mod suns;
 mod tree;
 
 pub use disc::{Disc, DiscShares};
-pub use error::FacetsError;
 pub use facets::Facets;
 pub use glam;
 pub use lit::Lit;
@@ -63,3 +61,6 @@ pub use points::Points;
 pub use stated::Stated;
 pub use sun_hours::{Day, SunHours, SunPath, SunSpan};
 pub use suns::{Suns, direction_at};
+/// Error of facets, points, suns or days: what is wrong, why, and what to do. It names rows, which
+/// count from 0.
+pub use umbrage_core::Invalid as FacetsError;

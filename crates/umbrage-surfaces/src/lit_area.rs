@@ -3,7 +3,7 @@
 use crate::{
     Facets, Sides, Stated, Suns,
     clip::{self, Blocker, Receiver},
-    frame::Frame,
+    frame::{Frame, cross},
     outline,
     stated::AnswerHash,
     tree::{self, Scene, bounds_across},
@@ -81,44 +81,29 @@ impl Facets {
                 }
             },
         );
+        let certify = self.options().certify;
+        let silhouette = certify.then(|| outline::union_area(&scene, margin));
         let mut place = vec![UNSEEN; self.len()];
         for (i, &row) in scene.rows.iter().enumerate() {
             place[row as usize] = i as u32;
         }
-        let areas: Vec<LitArea> = place
-            .par_iter()
-            .enumerate()
-            .map(|(row, &i)| match parts.get(i as usize) {
-                Some(part) => {
-                    self.lit_area_of(row, &frame, &scene.facets[i as usize].corners, part)
-                }
-                None => LitArea {
-                    centroid: self.centre(row),
-                    ..LitArea::default()
-                },
-            })
-            .collect();
-        let is_undecided = |&row: &u32| match parts.get(place[row as usize] as usize) {
+        // Free the largest memory before the answer needs its own.
+        drop(scene);
+        let part_of = |row: u32| parts.get(place[row as usize] as usize);
+        let rows = (0..self.len() as u32).into_par_iter();
+        let area_of = |row| self.lit_area_of(row, &frame, part_of(row));
+        let areas: Vec<LitArea> = rows.clone().map(area_of).collect();
+        let is_undecided = |&row: &u32| match part_of(row) {
             Some(part) => part.has_coplanar,
             None => self.is_edge_on(row, &frame),
         };
-        let undecided = (0..self.len() as u32)
-            .into_par_iter()
-            .filter(is_undecided)
-            .collect();
-        let identity = self.options().certify.then(|| {
-            let lit: f64 = areas.iter().map(|facet| facet.projected).sum();
-            let union = outline::union_area(&scene, margin);
-            if union > 0.0 {
-                (lit / union - 1.0).abs()
-            } else {
-                lit
-            }
-        });
         LitAreas {
+            undecided: rows.filter(is_undecided).collect(),
+            identity: silhouette.map(|silhouette| {
+                let lit: f64 = areas.iter().map(|facet| facet.projected).sum();
+                (lit - silhouette).abs() / silhouette.max(f64::MIN_POSITIVE)
+            }),
             areas,
-            undecided,
-            identity,
         }
     }
 
@@ -133,7 +118,7 @@ impl Facets {
     /// the sun doesn't see it.
     fn corners_towards(&self, row: u32, frame: &Frame) -> Option<[DVec3; 3]> {
         let [a, b, c] = self.local_corners(row).map(|corner| frame.project(corner));
-        let twice_area = twice_area_across(a, b, c);
+        let twice_area = cross((b - a).xy(), (c - a).xy());
         let is_seen = twice_area.abs() > self.least_twice_area(a, b, c);
         match self.options().sides {
             _ if !is_seen => None,
@@ -161,7 +146,7 @@ impl Facets {
             .max_element();
         let [a, b, c] = [a, b, c].map(|corner| frame.project(corner));
         twice_area > self.margin_m() * longest
-            && twice_area_across(a, b, c).abs() <= self.least_twice_area(a, b, c)
+            && cross((b - a).xy(), (c - a).xy()).abs() <= self.least_twice_area(a, b, c)
     }
 
     pub(crate) fn centre(&self, row: usize) -> DVec3 {
@@ -170,41 +155,33 @@ impl Facets {
     }
 
     /// Returns the lit area of a row, given its lit part across the light.
-    fn lit_area_of(
-        &self,
-        row: usize,
-        frame: &Frame,
-        corners: &[DVec3; 3],
-        part: &LitPart,
-    ) -> LitArea {
-        let [a, b, c] = *corners;
-        let twice_area = twice_area_across(a, b, c);
-        let lit = part.moments.z.clamp(0.0, twice_area);
+    fn lit_area_of(&self, row: u32, frame: &Frame, part: Option<&LitPart>) -> LitArea {
+        let unlit = LitArea {
+            centroid: self.centre(row as usize),
+            ..LitArea::default()
+        };
+        let Some([a, b, c]) = self.corners_towards(row, frame) else {
+            return unlit;
+        };
+        let [p, q] = [b - a, c - a];
+        let twice_area = cross(p.xy(), q.xy());
+        let moments = part.map_or(DVec3::ZERO, |part| part.moments);
+        let lit = moments.z.clamp(0.0, twice_area);
         if lit == 0.0 {
-            let centroid = self.centre(row);
-            return LitArea {
-                centroid,
-                ..LitArea::default()
-            };
+            return unlit;
         }
         let fraction = lit / twice_area;
         // Weights of the corners b and c at the centre across the light are the same in space.
-        let centre = part.moments.xy() / (3.0 * part.moments.z);
-        let [p, q] = [b - a, c - a].map(|side| side.xy());
-        let weight_b = crate::frame::cross(centre, q) / twice_area;
-        let weight_c = crate::frame::cross(p, centre) / twice_area;
-        let local = frame.unproject(a + (b - a) * weight_b + (c - a) * weight_c);
+        let centre = moments.xy() / (3.0 * moments.z);
+        let weight_b = cross(centre, q.xy()) / twice_area;
+        let weight_c = cross(p.xy(), centre) / twice_area;
         LitArea {
             fraction,
-            area: fraction * self.area_m2(row),
+            area: fraction * self.area_m2(row as usize),
             projected: 0.5 * lit,
-            centroid: self.to_world(local),
+            centroid: self.to_world(frame.unproject(a + p * weight_b + q * weight_c)),
         }
     }
-}
-
-fn twice_area_across(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    crate::frame::cross((b - a).xy(), (c - a).xy())
 }
 
 /// Adds the numbers of lit areas to a hash.
@@ -261,9 +238,10 @@ impl Search {
             }
         }
         let is_dark = self.blockers.last().is_some_and(Blocker::covers_all);
-        let moments = match is_dark {
-            true => DVec3::ZERO,
-            false => clip::lit_moments(&receiver.corners, &self.blockers, clip::MAX_HALVINGS),
+        let moments = if is_dark {
+            DVec3::ZERO
+        } else {
+            clip::lit_moments(&receiver.corners, &self.blockers, clip::MAX_HALVINGS)
         };
         LitPart {
             moments,

@@ -101,11 +101,8 @@ fn covered_part(
         };
         match values {
             // The polygon is to the right of the side if its edge has the other direction.
-            _ if is_on_line => {
-                if edge.dot(to - from) > 0.0 && !precedes {
-                    return None;
-                }
-            }
+            _ if is_on_line && (edge.dot(to - from) <= 0.0 || precedes) => (),
+            _ if is_on_line => return None,
             [v, w] if v <= 0.0 && w <= 0.0 => return None,
             [v, w] if v < 0.0 => part[0] = part[0].max(v / (v - w)),
             [v, w] if w < 0.0 => part[1] = part[1].min(v / (v - w)),

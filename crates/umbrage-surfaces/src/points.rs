@@ -1,6 +1,6 @@
 //! Points that are lit or not.
 
-use crate::{Facets, FacetsError, Sides, morton};
+use crate::{Facets, FacetsError, Sides, facets::check_finite, morton, suns::unit};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -29,31 +29,23 @@ impl Points {
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
     ) -> Result<Self, FacetsError> {
-        if let Some(normals) = normals.filter(|normals| normals.len() != positions.len()) {
-            return Err(FacetsError::Counts {
-                what: "normals",
-                has: normals.len(),
-                wants: positions.len(),
-            });
+        let normals = normals.unwrap_or(&[]);
+        if !normals.is_empty() && normals.len() != positions.len() {
+            let why = format!("are {} for {} points", normals.len(), positions.len());
+            return Err(FacetsError::new(
+                "normals",
+                why,
+                "use one for each point, or none",
+            ));
         }
-        if let Some(row) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(FacetsError::NotFinite { what: "point", row });
+        check_finite("point", positions)?;
+        check_finite("normal", normals)?;
+        let units: Vec<DVec3> = normals.iter().map(|&normal| unit(normal)).collect();
+        if let Some(row) = units.iter().position(|&normal| normal == DVec3::ZERO) {
+            let help = "pass a direction, or no normals for both sides";
+            return Err(FacetsError::new(format!("normal {row}"), "is zero", help));
         }
-        let mut units = Vec::new();
-        for (row, normal) in normals.unwrap_or(&[]).iter().enumerate() {
-            if !normal.is_finite() {
-                return Err(FacetsError::NotFinite {
-                    what: "normal",
-                    row,
-                });
-            }
-            let scaled = *normal / normal.abs().max_element();
-            if !scaled.is_finite() {
-                return Err(FacetsError::NoNormal { row });
-            }
-            units.push(scaled.normalize());
-        }
-        let positions = positions.iter().map(|&p| facets.to_local(p)).collect();
+        let positions: Vec<DVec3> = positions.iter().map(|&p| facets.to_local(p)).collect();
         facets.check_reach(&positions)?;
         Ok(Self::sorted(positions, units))
     }

@@ -3,6 +3,7 @@
 use crate::{
     Disc, Facets, FacetsError, Points, Stated, Up,
     disc::disc_seen,
+    facets::check_positive,
     frame::Frame,
     rays::{NO_BLOCKER, Rays},
     stated::AnswerHash,
@@ -62,22 +63,11 @@ impl Default for Day {
 impl Day {
     fn check(&self) -> Result<(), FacetsError> {
         let length = self.end_s - self.start_s;
-        let settings = [
-            ("step (seconds)", self.step_s),
-            ("bisection (seconds)", self.bisect_s),
-            ("length of the day (seconds)", length),
-            // Memory is one frame per sample.
-            (
-                "samples below 1e8: its distance",
-                1e8 - length / self.step_s,
-            ),
-        ];
-        for (what, value) in settings {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(FacetsError::Setting { what, value });
-            }
-        }
-        Ok(())
+        check_positive("step, seconds", self.step_s)?;
+        check_positive("bisection, seconds", self.bisect_s)?;
+        check_positive("length of the day, seconds", length)?;
+        // Each sample takes memory.
+        check_positive("number of samples below 1e8", 1e8 - length / self.step_s)
     }
 }
 
@@ -175,12 +165,13 @@ impl Facets {
             let second = day.start_s + step * i as f64;
             let direction = path.direction(second);
             if !direction.is_finite() || direction == DVec3::ZERO {
-                let weight = 1.0;
-                return Err(FacetsError::BadSun {
-                    row: i,
-                    direction,
-                    weight,
-                });
+                let what = format!("sun's path at {second} s");
+                let why = format!("is {direction}");
+                return Err(FacetsError::new(
+                    what,
+                    why,
+                    "return finite vectors, not zero",
+                ));
             }
             samples.push(Sample {
                 second,

@@ -28,24 +28,21 @@ impl Suns {
     /// finite, or if there are more or fewer weights than directions.
     pub fn with_weights(directions: &[DVec3], weights: &[f64]) -> Result<Self, FacetsError> {
         if directions.len() != weights.len() {
-            return Err(FacetsError::Counts {
-                what: "weights",
-                has: weights.len(),
-                wants: directions.len(),
-            });
+            let why = format!("are {} for {} suns", weights.len(), directions.len());
+            return Err(FacetsError::new("weights", why, "use one for each sun"));
         }
-        let mut units = Vec::with_capacity(directions.len());
-        for (row, (direction, weight)) in directions.iter().zip(weights).enumerate() {
-            // Scale first, so that squares neither overflow nor vanish.
-            let scaled = *direction / direction.abs().max_element();
-            if !scaled.is_finite() || !direction.is_finite() || !weight.is_finite() {
-                return Err(FacetsError::BadSun {
-                    row,
-                    direction: *direction,
-                    weight: *weight,
-                });
-            }
-            units.push(scaled.normalize());
+        let units: Vec<DVec3> = directions
+            .iter()
+            .map(|&direction| unit(direction))
+            .collect();
+        let is_faulty = |&row: &usize| units[row] == DVec3::ZERO || !weights[row].is_finite();
+        if let Some(row) = (0..units.len()).find(is_faulty) {
+            let why = format!("is {} with the weight {}", directions[row], weights[row]);
+            return Err(FacetsError::new(
+                format!("sun {row}"),
+                why,
+                "use finite vectors, not zero",
+            ));
         }
         Ok(Self {
             directions: units,
@@ -85,6 +82,13 @@ impl Suns {
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
+}
+
+/// Returns the unit vector along a vector of any length; zero if it is zero or not finite.
+pub(crate) fn unit(vector: DVec3) -> DVec3 {
+    // Scale first, so that squares neither overflow nor vanish.
+    let scaled = vector / vector.abs().max_element();
+    scaled.normalize_or_zero()
 }
 
 /// Returns the unit vector to the sun at an azimuth (degrees, clockwise from north) and a height

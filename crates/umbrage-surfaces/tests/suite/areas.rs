@@ -7,7 +7,7 @@ use crate::{
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::{PI, TAU};
 use umbrage_surfaces::{
-    Facets, FacetsError, LitArea, Options, Sides, Suns, Up, direction_at,
+    Facets, LitArea, Options, Sides, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -412,13 +412,7 @@ fn random_meshes_have_sound_answers() {
         );
         match front {
             Ok(facets) => closed += usize::from(facets.lit_area(&suns, |_, _| ()).hash != 0),
-            Err(FacetsError::Open { rows, .. } | FacetsError::Inverted { rows, .. }) => {
-                assert!(
-                    rows.iter()
-                        .all(|&row| (row as usize) < mesh.triangles.len())
-                );
-            }
-            Err(error) => panic!("{case}: {error}"),
+            Err(error) => assert!(error.to_string().starts_with("front sides: "), "{error}"),
         }
     }
     assert!(closed < 100, "{closed} are closed");
