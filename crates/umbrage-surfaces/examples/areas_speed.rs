@@ -149,11 +149,13 @@ impl Mesh {
         let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
         let side = f64::from(houses) * 20.0;
         let slab = match squares {
-            0 => [0; 3],
-            1 => [1; 3],
+            0 | 1 => [1; 3],
             _ => [houses * squares, houses * squares, 1],
         };
         self.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
+        if squares == 0 {
+            self.triangles.clear();
+        }
         for y in 0..houses {
             for x in 0..houses {
                 let mix = (x * 7919 + y * 104_729) % 1000;

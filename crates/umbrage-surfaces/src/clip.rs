@@ -10,14 +10,13 @@
 
 use crate::{frame::cross, tree::Projected};
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
 /// halved first, so that each half has fewer.
 const CASTERS_AT_ONCE: usize = 12;
 /// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
 pub(crate) const MAX_HALVINGS: u32 = 24;
-/// Casters from which the halves are computed on several threads.
-const CASTERS_FOR_THREADS: usize = 1024;
 
 /// Points on the inner side have positive values of `normal.dot(p) + offset`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,7 +76,7 @@ impl Blocker {
     }
 
     /// Returns the part of the blocker within a convex polygon; `None` if they don't overlap.
-    fn within(&self, polygon: &[DVec2]) -> Option<Self> {
+    pub(crate) fn within(&self, polygon: &[DVec2]) -> Option<Self> {
         let mut part = Self::default();
         for plane in self.planes() {
             let [least, most] = plane.range(polygon);
@@ -115,7 +114,7 @@ pub(crate) struct Receiver<'a> {
     size: f64,
     margin: f64,
     /// True if a facet was found that is in the same plane and overlaps.
-    pub(crate) has_coplanar: bool,
+    pub(crate) has_coplanar: AtomicBool,
 }
 
 impl<'a> Receiver<'a> {
@@ -130,16 +129,30 @@ impl<'a> Receiver<'a> {
             twice_area: facet.twice_area(),
             origin,
             corners,
-            // The slack depends on the caster: see `meets`.
+            // The slack depends on the caster: see `blocker`.
             sides: [(a, b), (b, c), (c, a)].map(|(a, b)| HalfPlane::left_of(a, b, 1.0)),
             size,
             margin,
-            has_coplanar: false,
+            has_coplanar: AtomicBool::new(false),
         }
     }
 
+    /// Returns points relative to the origin, on the receiver, in the frame.
+    pub(crate) fn in_frame(&self, polygon: &[DVec2]) -> Vec<DVec3> {
+        let [a, b, c] = self.facet.corners;
+        let [_, p, q] = self.corners;
+        let height = |point: &DVec2| {
+            let weights = [cross(*point, q), cross(p, *point)].map(|area| area / self.twice_area);
+            a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1]
+        };
+        let points = polygon.iter();
+        points
+            .map(|p| (*p + self.origin).extend(height(p)))
+            .collect()
+    }
+
     /// Returns what a caster darkens; `None` if that is nothing.
-    pub(crate) fn blocker(&mut self, caster: &Projected, row: u32) -> Option<Blocker> {
+    pub(crate) fn blocker(&self, caster: &Projected, row: u32) -> Option<Blocker> {
         let corners = caster.corners.map(|c| c.xy() - self.origin);
         let [a, b, c] = corners;
         let far = a.abs().max(b.abs()).max(c.abs()).max_element();
@@ -166,7 +179,7 @@ impl<'a> Receiver<'a> {
             Order::Below => None,
             Order::Above => Some(blocker),
             Order::Coplanar => {
-                self.has_coplanar = true;
+                self.has_coplanar.store(true, Ordering::Relaxed);
                 (row < self.row).then_some(blocker)
             }
             Order::Crossing { from, to } => {
@@ -303,15 +316,11 @@ pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32
         }
         lit_moments(&halves[half], &inside, halvings - 1)
     };
-    if blockers.len() < CASTERS_FOR_THREADS {
-        return lit_half(0) + lit_half(1);
-    }
-    let (first, second) = rayon::join(|| lit_half(0), || lit_half(1));
-    first + second
+    lit_half(0) + lit_half(1)
 }
 
 /// Returns the halves of a convex polygon, cut across the longer side of its box.
-fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
     let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
         [low.min(*p), high.max(*p)]
     });

@@ -2,17 +2,23 @@
 
 use crate::{
     Facets, Sides, Stated, Suns,
-    clip::{self, Blocker, Receiver},
+    clip::{self, Receiver},
     frame::{Frame, cross},
     outline,
     stated::AnswerHash,
     tree::{self, Scene, bounds_across},
 };
-use glam::{DVec3, Vec3Swizzles as _};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Facets per task.
 const TASK: usize = 256;
+/// Candidates above which a receiver is halved.
+const TILED: usize = 256;
+/// The largest candidates, which may darken all of a tile.
+const LARGEST: usize = 4;
+/// Candidates from which halves are computed on several threads.
+const CASTERS_FOR_THREADS: usize = 1024;
 /// Mark of rows that the sun doesn't see.
 const UNSEEN: u32 = u32::MAX;
 
@@ -216,36 +222,79 @@ struct LitPart {
 struct Search {
     stack: Vec<(u32, u32)>,
     candidates: Vec<u32>,
-    blockers: Vec<Blocker>,
 }
 
 impl Search {
     fn lit_part(&mut self, scene: &Scene, index: usize, margin: f64) -> LitPart {
         let facet = &scene.facets[index];
-        let mut receiver = Receiver::new(facet, scene.rows[index], margin);
+        let receiver = Receiver::new(facet, scene.rows[index], margin);
         self.candidates.clear();
-        self.blockers.clear();
         let query = tree::query_above(&facet.corners, margin);
         scene.overlapping(&query, &mut self.stack, &mut self.candidates);
-        for &candidate in self.candidates.iter().filter(|&&c| c as usize != index) {
-            let candidate = candidate as usize;
-            let caster = &scene.facets[candidate];
-            let blocker = receiver.blocker(caster, scene.rows[candidate]);
-            self.blockers.extend(blocker);
-            // The rest doesn't matter.
-            if blocker.as_ref().is_some_and(Blocker::covers_all) {
-                break;
-            }
-        }
-        let is_dark = self.blockers.last().is_some_and(Blocker::covers_all);
-        let moments = if is_dark {
-            DVec3::ZERO
-        } else {
-            clip::lit_moments(&receiver.corners, &self.blockers, clip::MAX_HALVINGS)
+        self.candidates
+            .retain(|&candidate| candidate as usize != index);
+        let tile = Tile {
+            scene,
+            receiver: &receiver,
+            margin,
         };
         LitPart {
-            moments,
-            has_coplanar: receiver.has_coplanar,
+            moments: tile.lit_moments(&receiver.corners, &self.candidates),
+            has_coplanar: receiver.has_coplanar.into_inner(),
         }
+    }
+}
+
+/// A receiver and its casters, of which large receivers are cut into tiles.
+struct Tile<'a> {
+    scene: &'a Scene,
+    receiver: &'a Receiver<'a>,
+    margin: f64,
+}
+
+impl Tile<'_> {
+    /// Returns the moments of the lit part of a convex part of the receiver. Candidates are casters
+    /// that may darken it, large ones first.
+    fn lit_moments(&self, polygon: &[DVec2], candidates: &[u32]) -> DVec3 {
+        let blocker = |&candidate: &u32| {
+            let caster = &self.scene.facets[candidate as usize];
+            let row = self.scene.rows[candidate as usize];
+            self.receiver.blocker(caster, row)?.within(polygon)
+        };
+        if candidates.len() > TILED {
+            let largest = candidates[..LARGEST].iter();
+            if largest
+                .filter_map(blocker)
+                .any(|blocker| blocker.covers_all())
+            {
+                return DVec3::ZERO;
+            }
+            let halves = clip::halve(polygon);
+            let lists = [0, 1].map(|half| {
+                let corners = self.receiver.in_frame(&halves[half]);
+                let query = tree::query_above(&corners, self.margin);
+                let inside = candidates.iter().copied();
+                inside
+                    .filter(|&c| self.scene.overlaps(c, &query))
+                    .collect::<Vec<u32>>()
+            });
+            // Halving is of no use if most casters are in both halves.
+            if lists[0].len() + lists[1].len() < candidates.len() / 2 * 3 {
+                let half = |i: usize| self.lit_moments(&halves[i], &lists[i]);
+                if candidates.len() < CASTERS_FOR_THREADS {
+                    return half(0) + half(1);
+                }
+                let (first, second) = rayon::join(|| half(0), || half(1));
+                return first + second;
+            }
+        }
+        let mut blockers = Vec::new();
+        for blocker in candidates.iter().filter_map(blocker) {
+            if blocker.covers_all() {
+                return DVec3::ZERO;
+            }
+            blockers.push(blocker);
+        }
+        clip::lit_moments(polygon, &blockers, clip::MAX_HALVINGS)
     }
 }

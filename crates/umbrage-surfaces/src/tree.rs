@@ -28,25 +28,28 @@ impl Projected {
 
 /// A box across the light and the greatest height inside, all as lower limits: least x and y, and
 /// the negative greatest x, y and height.
-type Limits = [f32; 5];
+pub(crate) type Limits = [f32; 5];
 
-fn limits_of(corners: &[DVec3; 3]) -> Limits {
-    let [a, b, c] = *corners;
-    let low = a.min(b).min(c);
-    let high = a.max(b).max(c);
+fn limits_of(corners: &[DVec3]) -> Limits {
+    let low = corners.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = corners
+        .iter()
+        .fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
 }
 
 /// Returns a query for facets that overlap these corners and reach above the least height, less the
 /// margin.
-pub(crate) fn query_above(corners: &[DVec3; 3], margin: f64) -> Limits {
+pub(crate) fn query_above(corners: &[DVec3], margin: f64) -> Limits {
     let [x, y, end_x, end_y, _] = limits_of(corners);
-    let least = corners[0].z.min(corners[1].z).min(corners[2].z);
+    let least = corners
+        .iter()
+        .fold(f64::INFINITY, |least, p| least.min(p.z));
     [-end_x, -end_y, -x, -y, -round_down(least - margin)]
 }
 
 /// Returns a query for facets that overlap these corners, at any height.
-pub(crate) fn query_all(corners: &[DVec3; 3]) -> Limits {
+pub(crate) fn query_all(corners: &[DVec3]) -> Limits {
     query_above(corners, f64::INFINITY)
 }
 
@@ -151,6 +154,17 @@ impl Scene {
             rows: keys.par_iter().map(|&(_, row)| row).collect(),
             levels,
         }
+    }
+
+    /// Returns whether a facet overlaps a query.
+    #[inline(always)]
+    pub(crate) fn overlaps(&self, index: u32, query: &Limits) -> bool {
+        let [node, child] = [index as usize / CHILDREN, index as usize % CHILDREN];
+        let limits = &self.levels[0][node].0;
+        limits
+            .iter()
+            .zip(query)
+            .all(|(all, end)| all[child] <= *end)
     }
 
     /// Appends the indices of the facets that overlap a query, large ones first.
