@@ -299,24 +299,34 @@ pub(crate) fn moments(polygon: &[DVec2]) -> DVec3 {
 }
 
 /// Returns the moments of the part of a convex polygon that no blocker darkens. It is halved up to
-/// `halvings` times while there are many blockers.
+/// `halvings` times while that separates many blockers.
 pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32) -> DVec3 {
     if blockers.len() <= CASTERS_AT_ONCE || halvings == 0 {
         return cut_all(polygon, blockers);
     }
     let halves = halve(polygon);
+    let lists = [0, 1].map(|half| -> Vec<Blocker> {
+        let inside = blockers.iter();
+        inside
+            .filter_map(|blocker| blocker.within(&halves[half]))
+            .collect()
+    });
+    if !separates(&lists, blockers.len()) {
+        return cut_all(polygon, blockers);
+    }
     let lit_half = |half: usize| {
-        let mut inside = Vec::new();
-        for blocker in blockers {
-            match blocker.within(&halves[half]) {
-                Some(part) if part.covers_all() => return DVec3::ZERO,
-                Some(part) => inside.push(part),
-                None => (),
-            }
+        if lists[half].iter().any(Blocker::covers_all) {
+            return DVec3::ZERO;
         }
-        lit_moments(&halves[half], &inside, halvings - 1)
+        lit_moments(&halves[half], &lists[half], halvings - 1)
     };
     lit_half(0) + lit_half(1)
+}
+
+/// Returns whether halves have so few casters that halving is worth it: not if most casters meet in
+/// a point or along a line.
+pub(crate) fn separates<T>(halves: &[Vec<T>; 2], whole: usize) -> bool {
+    2 * (halves[0].len() + halves[1].len()) < 3 * whole
 }
 
 /// Returns the halves of a convex polygon, cut across the longer side of its box.

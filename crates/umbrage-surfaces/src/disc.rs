@@ -41,7 +41,7 @@ impl Disc {
     }
 
     /// Returns an error unless the radius is usable.
-    fn check(&self) -> Result<(), FacetsError> {
+    pub(crate) fn check(&self) -> Result<(), FacetsError> {
         let value = self.radius_degrees;
         if value > 0.0 && value < 45.0 {
             return Ok(());

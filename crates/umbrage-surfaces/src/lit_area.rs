@@ -239,7 +239,7 @@ impl Search {
             margin,
         };
         LitPart {
-            moments: tile.lit_moments(&receiver.corners, &self.candidates),
+            moments: tile.lit_moments(&receiver.corners, &self.candidates, clip::MAX_HALVINGS),
             has_coplanar: receiver.has_coplanar.into_inner(),
         }
     }
@@ -254,14 +254,14 @@ struct Tile<'a> {
 
 impl Tile<'_> {
     /// Returns the moments of the lit part of a convex part of the receiver. Candidates are casters
-    /// that may darken it, large ones first.
-    fn lit_moments(&self, polygon: &[DVec2], candidates: &[u32]) -> DVec3 {
+    /// that may darken it, large ones first. It is halved up to `halvings` times.
+    fn lit_moments(&self, polygon: &[DVec2], candidates: &[u32], halvings: u32) -> DVec3 {
         let blocker = |&candidate: &u32| {
             let caster = &self.scene.facets[candidate as usize];
             let row = self.scene.rows[candidate as usize];
             self.receiver.blocker(caster, row)?.within(polygon)
         };
-        if candidates.len() > TILED {
+        if candidates.len() > TILED && halvings > 0 {
             let largest = candidates[..LARGEST].iter();
             if largest
                 .filter_map(blocker)
@@ -278,9 +278,8 @@ impl Tile<'_> {
                     .filter(|&c| self.scene.overlaps(c, &query))
                     .collect::<Vec<u32>>()
             });
-            // Halving is of no use if most casters are in both halves.
-            if lists[0].len() + lists[1].len() < candidates.len() / 2 * 3 {
-                let half = |i: usize| self.lit_moments(&halves[i], &lists[i]);
+            if clip::separates(&lists, candidates.len()) {
+                let half = |i: usize| self.lit_moments(&halves[i], &lists[i], halvings - 1);
                 if candidates.len() < CASTERS_FOR_THREADS {
                     return half(0) + half(1);
                 }

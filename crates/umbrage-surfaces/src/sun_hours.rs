@@ -11,7 +11,7 @@ use crate::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Points per task.
+/// Points per task, at least.
 const TASK: usize = 64;
 
 /// The Sun's way across the sky. Closures from seconds to vectors are paths.
@@ -67,7 +67,20 @@ impl Day {
         check_positive("bisection, seconds", self.bisect_s)?;
         check_positive("length of the day, seconds", length)?;
         // Each sample takes memory.
-        check_positive("number of samples below 1e8", 1e8 - length / self.step_s)
+        check_positive("number of samples below 2e6", 2e6 - length / self.step_s)?;
+        let mut end = f64::NEG_INFINITY;
+        for window in &self.windows {
+            if !(window[0] >= end && window[1] > window[0]) {
+                let help = "use rising windows that don't overlap";
+                return Err(FacetsError::new(
+                    "windows",
+                    format!("have {window:?}"),
+                    help,
+                ));
+            }
+            end = window[1];
+        }
+        self.half_of.as_ref().map_or(Ok(()), Disc::check)
     }
 }
 
@@ -111,15 +124,18 @@ impl SunHours {
         &self.spans[start..self.ends[row]]
     }
 
+    /// Returns the lengths of the spans of a point, minutes.
+    fn lengths(&self, row: usize) -> impl Iterator<Item = f64> {
+        let spans = self.spans(row).iter();
+        spans.map(|span| (span.end_s - span.start_s) / 60.0)
+    }
+
     /// Returns the time for which a point is lit, minutes.
     ///
     /// # Panics
     /// Panics if there is no such row.
     pub fn minutes(&self, row: usize) -> f64 {
-        self.spans(row)
-            .iter()
-            .map(|span| (span.end_s - span.start_s) / 60.0)
-            .sum()
+        self.lengths(row).sum()
     }
 
     /// Returns the length of the longest span of a point, minutes.
@@ -127,11 +143,7 @@ impl SunHours {
     /// # Panics
     /// Panics if there is no such row.
     pub fn longest_minutes(&self, row: usize) -> f64 {
-        let lengths = self
-            .spans(row)
-            .iter()
-            .map(|span| (span.end_s - span.start_s) / 60.0);
-        lengths.fold(0.0, f64::max)
+        self.lengths(row).fold(0.0, f64::max)
     }
 }
 
@@ -165,13 +177,9 @@ impl Facets {
             let second = day.start_s + step * i as f64;
             let direction = path.direction(second);
             if !direction.is_finite() || direction == DVec3::ZERO {
-                let what = format!("sun's path at {second} s");
-                let why = format!("is {direction}");
-                return Err(FacetsError::new(
-                    what,
-                    why,
-                    "return finite vectors, not zero",
-                ));
+                let why = format!("is {direction} at {second} s");
+                let help = "return finite vectors, not zero";
+                return Err(FacetsError::new("sun's path", why, help));
             }
             samples.push(Sample {
                 second,
@@ -186,17 +194,12 @@ impl Facets {
             day,
             rays,
         };
-        let tasks: Vec<Vec<PointSpans>> = points
-            .order
-            .par_chunks(TASK)
-            .map(|rows| {
-                rows.iter()
-                    .map(|&row| watch.spans_of(row as usize, &samples))
-                    .collect()
-            })
+        let rows = points.order.par_iter().with_min_len(TASK);
+        let sorted: Vec<PointSpans> = rows
+            .map(|&row| watch.spans_of(row as usize, &samples))
             .collect();
         let mut by_row = vec![PointSpans::default(); points.len()];
-        for (&row, spans) in points.order.iter().zip(tasks.into_iter().flatten()) {
+        for (&row, spans) in points.order.iter().zip(sorted) {
             by_row[row as usize] = spans;
         }
         let mut hours = SunHours {
@@ -210,13 +213,9 @@ impl Facets {
             },
             ..SunHours::default()
         };
-        let undecided = by_row
-            .iter()
-            .enumerate()
-            .filter(|(_, spans)| spans.is_undecided);
-        hours
-            .stated
-            .add_undecided(0, undecided.map(|(row, _)| row as u32));
+        let undecided = |row: &u32| by_row[*row as usize].is_undecided;
+        let rows = 0..points.len() as u32;
+        hours.stated.add_undecided(0, rows.filter(undecided));
         let mut hash = AnswerHash::new();
         for point in by_row {
             hash.add_bits(point.spans.len() as u64);
@@ -261,30 +260,24 @@ impl<P: SunPath> Watch<'_, P> {
     fn spans_of(&self, row: usize, samples: &[Sample]) -> PointSpans {
         let mut out = PointSpans::default();
         let mut blocker = NO_BLOCKER;
-        let mut start = None;
-        let mut before: Option<(f64, bool)> = None;
+        // Times at which the point gets lit and dark in turn.
+        let mut changes = Vec::new();
+        let mut was_lit = false;
+        let mut before = self.day.start_s;
         for sample in samples {
             let (is_lit, is_undecided) = self.is_lit(row, sample.frame.as_ref(), &mut blocker);
             out.is_undecided |= is_undecided;
-            let change = match before {
-                Some((second, was_lit)) if was_lit != is_lit => {
-                    Some(self.bisect(row, [second, sample.second], was_lit, &mut blocker))
-                }
-                Some(_) => None,
-                None => is_lit.then_some(sample.second),
-            };
-            match (change, start) {
-                (Some(second), Some(first)) => {
-                    self.add_span(&mut out.spans, first, second);
-                    start = None;
-                }
-                (Some(second), None) => start = Some(second),
-                (None, _) => (),
+            if is_lit != was_lit {
+                changes.push(self.bisect(row, [before, sample.second], was_lit, &mut blocker));
             }
-            before = Some((sample.second, is_lit));
+            was_lit = is_lit;
+            before = sample.second;
         }
-        if let (Some(first), Some((last, _))) = (start, before) {
-            self.add_span(&mut out.spans, first, last);
+        if was_lit {
+            changes.push(before);
+        }
+        for span in changes.chunks_exact(2) {
+            self.add_span(&mut out.spans, span[0], span[1]);
         }
         out
     }

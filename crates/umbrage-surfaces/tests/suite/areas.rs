@@ -338,16 +338,32 @@ fn answers_have_the_same_bits_on_any_number_of_threads() {
     }
 }
 
-/// Large facets below many small ones: pieces and lists stay short.
+/// A floor below many small casters, casters that meet in a point, and casters with one outline:
+/// pieces and lists stay short where halving separates them, and halving ends where it doesn't.
 #[test]
-fn a_floor_below_many_casters_is_split() {
+fn many_casters_above_one_facet_are_cut_in_time() {
     let mut random = Random(3);
-    let mut mesh = Mesh::default();
-    mesh.append(&floor(4.0, 1));
-    mesh.append(&heap(6000, 0.02, &mut random).moved(|v| v + dvec3(0.0, 0.0, 3.0)));
-    for &sun in suns(&[90.0, 30.0]).directions() {
-        let error = identity_error(&mesh, &areas(&mesh, Sides::Both, sun), sun);
-        assert!(error < IDENTITY, "{error:.1e} towards {sun}");
+    let small = heap(6000, 0.02, &mut random).moved(|v| v + dvec3(0.0, 0.0, 3.0));
+    let mut cone = Mesh::default();
+    let ring = regular_polygon(1500, 1.0);
+    for (from, to) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+        cone.push([
+            DVec3::Z * 2.0,
+            dvec3(from[0], from[1], 1.0),
+            dvec3(to[0], to[1], 1.0),
+        ]);
+    }
+    let mut stack = Mesh::default();
+    for i in 0..200 {
+        stack.append(&floor(1.7, 1).moved(|v| v + dvec3(0.1, 0.2, 0.5 + 0.01 * f64::from(i))));
+    }
+    for casters in [small, cone, stack] {
+        let mut mesh = floor(4.0, 1);
+        mesh.append(&casters);
+        for &sun in suns(&[90.0, 30.0]).directions() {
+            let error = identity_error(&mesh, &areas(&mesh, Sides::Both, sun), sun);
+            assert!(error < IDENTITY, "{error:.1e} towards {sun}");
+        }
     }
 }
 

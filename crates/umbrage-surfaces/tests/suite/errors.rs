@@ -160,6 +160,15 @@ fn unusable_points_suns_and_days_are_named() {
             .sun_hours(&at, &|_: f64| DVec3::Z, &backwards)
             .is_err()
     );
+    let overlapping = Day {
+        windows: vec![[0.0, 9.0], [8.0, 10.0]],
+        ..Day::default()
+    };
+    assert!(
+        facets
+            .sun_hours(&at, &|_: f64| DVec3::Z, &overlapping)
+            .is_err()
+    );
     let wide = Disc {
         radius_degrees: 90.0,
         ..Disc::default()
