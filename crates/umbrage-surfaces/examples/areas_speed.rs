@@ -1,9 +1,11 @@
 //! Times and memory of lit areas: `cargo run --release --example areas_speed -- ball 3000000`.
 //!
-//! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), and `both` (the city
+//! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), `both` (the city
 //! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
-//! slab: the difference is the time of the slab's twelve facets). Each line has the wall time of a sun, and user and system time over the number
-//! of threads, which other programs on the machine disturb less.
+//! slab: the difference is the time of the slab's twelve facets).
+//!
+//! Each line has the wall time of a sun, and user and system time over the number of threads, which
+//! other programs on the machine disturb less.
 
 use std::{fs, time::Instant};
 use umbrage_surfaces::{
@@ -60,11 +62,14 @@ fn main() {
         let wall = start.elapsed().as_secs_f64();
         let threads = std::thread::available_parallelism().map_or(1, usize::from) as f64;
         let used = (seconds_used() - used) / threads;
+        let start = seconds_used();
         let silhouette = facets.silhouette_area(sun.directions()[0]);
+        let checked = (seconds_used() - start) / threads;
         let identity = lit / silhouette - 1.0;
         println!(
             "{height:4} degrees: {wall:6.2} s wall, {used:6.2} s user + system / threads, \
-             {:.2} us a facet, identity {identity:.1e}, at most {:.0} bytes a facet",
+             {:.2} us a facet, identity {identity:.1e} \
+             in {checked:.2} s, at most {:.0} bytes a facet",
             used / count as f64 * 1e6,
             peak_bytes() / count as f64,
         );
