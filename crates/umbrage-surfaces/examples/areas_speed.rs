@@ -48,21 +48,6 @@ fn main() {
     let count = facets.len();
     println!("{kind}: {count} facets, prepared in {prepared:.2} s");
     drop(mesh);
-    let start = Instant::now();
-    let used = seconds_used();
-    let points = Points::centres_of(&facets);
-    let angles: Vec<[f64; 2]> = (1..=10)
-        .map(|i| [30.0 * f64::from(i), 6.0 * f64::from(i)])
-        .collect();
-    if let Ok(suns) = Suns::from_azimuth_height(&angles, Up::Z) {
-        let lit = facets.lit(&points, &suns);
-        println!(
-            "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
-            start.elapsed().as_secs_f64(),
-            (seconds_used() - used) / threads(),
-            lit.stated,
-        );
-    }
     for height in [90.0, 60.0, 30.0, 15.0, 5.0] {
         let sun = match Suns::from_azimuth_height(&[[33.0, height]], Up::Z) {
             Ok(sun) => sun,
@@ -86,6 +71,22 @@ fn main() {
              in {checked:.2} s, at most {:.0} bytes a facet",
             used / count as f64 * 1e6,
             peak_bytes() / count as f64,
+        );
+    }
+    // Last, as rays need more memory.
+    let start = Instant::now();
+    let used = seconds_used();
+    let points = Points::centres_of(&facets);
+    let angles: Vec<[f64; 2]> = (1..=10)
+        .map(|i| [30.0 * f64::from(i), 6.0 * f64::from(i)])
+        .collect();
+    if let Ok(suns) = Suns::from_azimuth_height(&angles, Up::Z) {
+        let lit = facets.lit(&points, &suns);
+        println!(
+            "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
+            start.elapsed().as_secs_f64(),
+            (seconds_used() - used) / threads(),
+            lit.stated,
         );
     }
 }
