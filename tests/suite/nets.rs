@@ -27,6 +27,7 @@ mod penumbra;
 mod pictures;
 mod planning;
 mod plugin;
+mod point_receivers;
 mod projections;
 mod rasterisers;
 mod soft;

@@ -29,6 +29,7 @@ pub use backend::{Backend, BackendError, Shadows, Timings};
 pub use encase;
 pub use fusing::Fusing;
 pub use gbuffer::{
+    points::PointReceivers,
     receivers::{NO_TRIANGLE, Receivers, Span},
     resolve,
 };

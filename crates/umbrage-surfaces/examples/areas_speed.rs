@@ -1,0 +1,197 @@
+//! Times and memory of lit areas: `cargo run --release --example areas_speed -- ball 3000000`.
+//!
+//! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), `both` (the city
+//! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
+//! slab: the difference is the time of the slab's twelve facets).
+//!
+//! Each line has the wall time of a sun, and user and system time over the number of threads, which
+//! other programs on the machine disturb less.
+
+use std::{fs, time::Instant};
+use umbrage_surfaces::{
+    Facets, Options, Points, Sides, Suns, Unit, Up,
+    glam::{DVec2, DVec3, dvec3},
+};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, kind, count] = &arguments[..] else {
+        eprintln!("usage: areas_speed ball|city|both|plain|houses FACETS");
+        std::process::exit(2);
+    };
+    let count: f64 = count.parse().unwrap_or(1e5);
+    let mut mesh = Mesh::default();
+    match kind.as_str() {
+        "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
+        "plain" => mesh.add_city(count, 1),
+        "houses" => mesh.add_city(count, 0),
+        _ => mesh.add_city(count, 20),
+    }
+    let options = Options {
+        unit: Unit::Metres(1.0),
+        sides: if kind == "both" || kind == "plain" || kind == "houses" {
+            Sides::Both
+        } else {
+            Sides::Front
+        },
+        ..Options::default()
+    };
+    let start = Instant::now();
+    let facets = match Facets::new(&mesh.vertices, &mesh.triangles, &options) {
+        Ok(facets) => facets,
+        Err(error) => {
+            eprintln!("{error}");
+            std::process::exit(1);
+        }
+    };
+    let prepared = start.elapsed().as_secs_f64();
+    let count = facets.len();
+    println!("{kind}: {count} facets, prepared in {prepared:.2} s");
+    drop(mesh);
+    for height in [90.0, 60.0, 30.0, 15.0, 5.0] {
+        let sun = match Suns::from_azimuth_height(&[[33.0, height]], Up::Z) {
+            Ok(sun) => sun,
+            Err(error) => panic!("{error}"),
+        };
+        let start = Instant::now();
+        let used = seconds_used();
+        let mut lit = 0.0;
+        facets.lit_area(&sun, |_, areas| {
+            lit = areas.iter().map(|facet| facet.projected).sum()
+        });
+        let wall = start.elapsed().as_secs_f64();
+        let used = (seconds_used() - used) / threads();
+        let start = seconds_used();
+        let silhouette = facets.silhouette_areas(&sun)[0];
+        let checked = (seconds_used() - start) / threads();
+        let identity = lit / silhouette - 1.0;
+        println!(
+            "{height:4} degrees: {wall:6.2} s wall, {used:6.2} s user + system / threads, \
+             {:.2} us a facet, identity {identity:.1e} \
+             in {checked:.2} s, at most {:.0} bytes a facet",
+            used / count as f64 * 1e6,
+            peak_bytes() / count as f64,
+        );
+    }
+    // Last, as rays need more memory.
+    let start = Instant::now();
+    let used = seconds_used();
+    let points = Points::centres_of(&facets);
+    let angles: Vec<[f64; 2]> = (1..=10)
+        .map(|i| [30.0 * f64::from(i), 6.0 * f64::from(i)])
+        .collect();
+    if let Ok(suns) = Suns::from_azimuth_height(&angles, Up::Z) {
+        let lit = facets.lit(&points, &suns);
+        println!(
+            "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
+            start.elapsed().as_secs_f64(),
+            (seconds_used() - used) / threads(),
+            lit.stated,
+        );
+    }
+}
+
+fn threads() -> f64 {
+    std::thread::available_parallelism().map_or(1, usize::from) as f64
+}
+
+/// Returns user and system time of this process so far, seconds; 0 outside Linux.
+fn seconds_used() -> f64 {
+    let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let ticks = |field: usize| {
+        // Fields are counted after the name in parentheses.
+        let rest = stat.rsplit(')').next().unwrap_or("");
+        rest.split_whitespace()
+            .nth(field)
+            .and_then(|t| t.parse::<f64>().ok())
+            .unwrap_or(0.0)
+    };
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// Returns the greatest memory of this process so far, bytes; 0 outside Linux.
+fn peak_bytes() -> f64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    kilobytes.unwrap_or(0.0) * 1024.0
+}
+
+#[derive(Default)]
+struct Mesh {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Adds the six sides of a box, each of `grid`² squares, displaced by `place`.
+    fn add_box(&mut self, grid: [u32; 3], place: impl Fn(DVec3) -> DVec3) {
+        for axis in 0..3 {
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+            for side in [0.0, 1.0] {
+                let first = self.vertices.len() as u32;
+                for j in 0..=grid[v] {
+                    for i in 0..=grid[u] {
+                        let mut p = DVec3::ZERO;
+                        p[axis] = side;
+                        p[u] = f64::from(i) / f64::from(grid[u]);
+                        p[v] = f64::from(j) / f64::from(grid[v]);
+                        self.vertices.push(place(p));
+                    }
+                }
+                let row = grid[u] + 1;
+                for j in 0..grid[v] {
+                    for i in 0..grid[u] {
+                        let a = first + j * row + i;
+                        let [b, c, d] = [a + 1, a + row + 1, a + row];
+                        let quad = if side > 0.0 {
+                            [a, b, c, d]
+                        } else {
+                            [a, d, c, b]
+                        };
+                        self.triangles.push([quad[0], quad[1], quad[2]]);
+                        self.triangles.push([quad[0], quad[2], quad[3]]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds a cube of `grid`² squares a side, blown up to a ball of a kilometre with bumps.
+    fn add_ball(&mut self, grid: u32) {
+        self.add_box([grid; 3], |p| {
+            let p = (p * 2.0 - 1.0).normalize();
+            let large = (7.0 * p.x).sin() * (5.0 * p.y + 1.0).cos() + (9.0 * p.z).sin();
+            let small = (61.0 * p.x).sin() * (53.0 * p.y).cos() * (57.0 * p.z).sin();
+            p * (1000.0 + 80.0 * large + 15.0 * small)
+        });
+    }
+
+    /// Adds houses on a slab, whose top has this number of squares along 20 m; 0 for no slab.
+    fn add_city(&mut self, count: f64, squares: u32) {
+        // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
+        let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
+        let side = f64::from(houses) * 20.0;
+        let slab = match squares {
+            0 | 1 => [1; 3],
+            _ => [houses * squares, houses * squares, 1],
+        };
+        self.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
+        if squares == 0 {
+            self.triangles.clear();
+        }
+        for y in 0..houses {
+            for x in 0..houses {
+                let mix = (x * 7919 + y * 104_729) % 1000;
+                let height = 6.0 + 14.0 * f64::from(mix) / 1000.0;
+                let turn = DVec2::from_angle(f64::from(mix % 17) * 0.1);
+                let corner = DVec2::new(f64::from(x), f64::from(y)) * 20.0 + 10.0;
+                self.add_box([8; 3], |p| {
+                    let across = turn.rotate(DVec2::new(p.x - 0.5, p.y - 0.5) * 11.0) + corner;
+                    let gable = 4.0 * p.z * (1.0 - (2.0 * p.x - 1.0).abs());
+                    across.extend(p.z * height + gable)
+                });
+            }
+        }
+    }
+}

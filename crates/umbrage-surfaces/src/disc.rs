@@ -1,0 +1,312 @@
+//! The Sun's disc: the share of it that points see, and lit areas averaged over it.
+
+use crate::{
+    Facets, FacetsError, LitArea, Points, Stated, Suns,
+    frame::{Frame, cross},
+    lit_area::add_areas,
+    outline,
+    rays::Rays,
+    stated::AnswerHash,
+};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Error of a share of the disc by rounding alone.
+const ROUNDING: f64 = 1e-9;
+
+/// A disc in the sky, evenly bright.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Angle between its centre and its edge, degrees, in 0..45.
+    pub radius_degrees: f64,
+    /// Number of casters up to which a share is exact. With more, the others are bounded.
+    pub max_casters: usize,
+}
+
+impl Default for Disc {
+    /// The Sun from the Earth: 0.53 degrees across.
+    fn default() -> Self {
+        Self {
+            radius_degrees: 0.265,
+            max_casters: 256,
+        }
+    }
+}
+
+impl Disc {
+    /// Returns the radius of its image at the distance 1.
+    fn slope(&self) -> f64 {
+        self.radius_degrees.to_radians().tan()
+    }
+
+    /// Returns an error unless the radius is usable.
+    pub(crate) fn check(&self) -> Result<(), FacetsError> {
+        let value = self.radius_degrees;
+        if value > 0.0 && value < 45.0 {
+            return Ok(());
+        }
+        let why = format!("has a radius of {value} degrees");
+        Err(FacetsError::new(
+            "disc",
+            why,
+            "use more than 0 and less than 45",
+        ))
+    }
+}
+
+/// The share of the disc that each point sees.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DiscShares {
+    /// Shares, 0..=1, sun by sun, one per point.
+    pub shares: Vec<f64>,
+    /// Greatest errors of the shares.
+    pub errors: Vec<f64>,
+    /// Accuracy and hash.
+    pub stated: Stated,
+}
+
+impl Facets {
+    /// Returns the share of the disc around each sun that each point sees. A normal's horizon hides
+    /// the part of the disc below it.
+    ///
+    /// Casters are projected onto the plane at the distance 1 towards the sun, where the disc is a
+    /// circle. The share is that of the circle's area outside their union, which is exact. Where
+    /// more than [`Disc::max_casters`] overlap the disc, the largest ones are exact and the others
+    /// are bounded by the sum of their areas: the share is the middle of the bounds.
+    ///
+    /// # Errors
+    /// Errors if the radius of the disc is out of range.
+    pub fn disc_share(
+        &self,
+        points: &Points,
+        suns: &Suns,
+        disc: &Disc,
+    ) -> Result<DiscShares, FacetsError> {
+        disc.check()?;
+        let rays = Rays::new(self, points);
+        let mut out = DiscShares::default();
+        let mut hash = AnswerHash::new();
+        let mut worst: f64 = 0.0;
+        for &sun in suns.directions() {
+            let frame = Frame::new(sun);
+            let sorted: Vec<[f64; 2]> = points
+                .order
+                .par_iter()
+                .map(|&row| disc_seen(&rays, row as usize, &frame, disc))
+                .collect();
+            let mut by_row = vec![[0.0; 2]; points.len()];
+            for (&row, &seen) in points.order.iter().zip(&sorted) {
+                by_row[row as usize] = seen;
+            }
+            for [share, error] in by_row {
+                hash.add(share);
+                hash.add(error);
+                worst = worst.max(error);
+                out.shares.push(share);
+                out.errors.push(error);
+            }
+        }
+        out.stated = Stated {
+            margin_m: rays.margin(),
+            disc_degrees: Some(disc.radius_degrees),
+            disc_error: Some(worst),
+            hash: hash.finish(),
+            ..Stated::default()
+        };
+        Ok(out)
+    }
+
+    /// Computes lit areas averaged over the disc around each sun, and passes them to `visit` like
+    /// [`Facets::lit_area`].
+    ///
+    /// The average is over 19 points of equal shares. [`Stated::disc_error`] is an estimate: the
+    /// greatest difference of a fraction from the average over 7 points. Each centroid is that of
+    /// all lit parts, weighted by their areas.
+    ///
+    /// # Errors
+    /// Errors if the radius of the disc is out of range.
+    pub fn lit_area_of_disc(
+        &self,
+        suns: &Suns,
+        disc: &Disc,
+        mut visit: impl FnMut(usize, &[LitArea]),
+    ) -> Result<Stated, FacetsError> {
+        disc.check()?;
+        let mut hash = AnswerHash::new();
+        let mut stated = Stated {
+            margin_m: self.margin_m(),
+            disc_degrees: Some(disc.radius_degrees),
+            ..Stated::default()
+        };
+        let mut worst: f64 = 0.0;
+        for (i, &sun) in suns.directions().iter().enumerate() {
+            let fine = self.average_over(sun, &points_of_disc(&[1, 6, 12], disc.slope()));
+            let coarse = self.average_over(sun, &points_of_disc(&[1, 6], disc.slope()));
+            for (fine, coarse) in fine.iter().zip(&coarse) {
+                worst = worst.max((fine.fraction - coarse.fraction).abs());
+            }
+            add_areas(&mut hash, &fine);
+            visit(i, &fine);
+        }
+        stated.disc_error = Some(worst);
+        stated.hash = hash.finish();
+        Ok(stated)
+    }
+
+    /// Returns the mean lit areas over directions, given at the distance 1 across a sun.
+    fn average_over(&self, sun: DVec3, points: &[DVec2]) -> Vec<LitArea> {
+        let frame = Frame::new(sun);
+        let weight = 1.0 / points.len() as f64;
+        let mut sums = vec![LitArea::default(); self.len()];
+        for point in points {
+            let direction = frame.unproject(point.extend(1.0)).normalize();
+            let part = self.lit_areas_towards(direction).areas;
+            for (sum, part) in sums.iter_mut().zip(&part) {
+                sum.fraction += part.fraction * weight;
+                sum.area += part.area * weight;
+                sum.projected += part.projected * weight;
+                sum.centroid += part.centroid * (part.area * weight);
+            }
+        }
+        for (row, sum) in sums.iter_mut().enumerate() {
+            sum.fraction = sum.fraction.min(1.0);
+            sum.centroid = if sum.area > 0.0 {
+                sum.centroid / sum.area
+            } else {
+                self.centre(row)
+            };
+        }
+        sums
+    }
+}
+
+/// Returns points on rings, one for each of equal parts of a disc with this radius.
+fn points_of_disc(rings: &[usize], radius: f64) -> Vec<DVec2> {
+    let total: usize = rings.iter().sum();
+    let mut points = Vec::with_capacity(total);
+    for &count in rings {
+        // The ring's middle by area. The first part is the disc's centre.
+        let inner = points.len() as f64;
+        let middle = if count == 1 {
+            0.0
+        } else {
+            inner + 0.5 * count as f64
+        };
+        let ring_radius = radius * (middle / total as f64).sqrt();
+        for i in 0..count {
+            let angle = TAU * (i as f64 + 0.5) / count as f64;
+            points.push(DVec2::from_angle(angle) * ring_radius);
+        }
+    }
+    points
+}
+
+/// Returns the share of the disc that a point sees, and its greatest error.
+pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc) -> [f64; 2] {
+    let radius = disc.slope();
+    let mut casters = Vec::new();
+    let [p, normal] = rays.point(row);
+    casters.extend(horizon(normal, frame, radius));
+    rays.visit_in_cone(p, frame.sun, radius, |corners| {
+        casters.extend(image_of(corners, frame, radius));
+    });
+    if casters.is_empty() {
+        return [1.0, 0.0];
+    }
+    if casters.len() <= disc.max_casters {
+        return [1.0 - outline::covered_share(radius, &casters), ROUNDING];
+    }
+    let mut by_share: Vec<(f64, Vec<DVec2>)> = casters
+        .into_iter()
+        .map(|caster| {
+            (
+                outline::covered_share(radius, std::slice::from_ref(&caster)),
+                caster,
+            )
+        })
+        .collect();
+    by_share.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let others: f64 = by_share[disc.max_casters..]
+        .iter()
+        .map(|caster| caster.0)
+        .sum();
+    let largest: Vec<_> = by_share
+        .drain(..disc.max_casters)
+        .map(|caster| caster.1)
+        .collect();
+    let most = 1.0 - outline::covered_share(radius, &largest);
+    let least = (most - others).max(0.0);
+    [0.5 * (least + most), 0.5 * (most - least) + ROUNDING]
+}
+
+/// Returns the part of the disc's square below a point's horizon; `None` if there is none.
+fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+    if normal == DVec3::ZERO {
+        return None;
+    }
+    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let square: Vec<DVec2> = square
+        .map(|corner| DVec2::from(corner) * (2.0 * radius))
+        .to_vec();
+    let below = cut_polygon(&square, |p| -frame.unproject(p.extend(1.0)).dot(normal));
+    (below.len() > 2).then_some(below)
+}
+
+/// Returns the image of a facet (corners relative to the point) at the distance 1 towards the sun,
+/// counter-clockwise; `None` if it doesn't overlap the disc's square.
+fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+    let corners = corners.map(|corner| frame.project(corner));
+    let sides: [fn(DVec3, f64) -> f64; 4] = [
+        |p, r| r * p.z - p.x,
+        |p, r| r * p.z + p.x,
+        |p, r| r * p.z - p.y,
+        |p, r| r * p.z + p.y,
+    ];
+    // Cut the facet by the pyramid around the cone, in space: behind it there is nothing. Its sides
+    // are twice as far as the disc, so that they don't touch it.
+    let mut polygon = corners.to_vec();
+    for side in sides {
+        polygon = cut_polygon(&polygon, |p| side(p, 2.0 * radius));
+    }
+    polygon.retain(|p| p.z > 0.0);
+    let mut image: Vec<DVec2> = polygon.iter().map(|p| DVec2::new(p.x, p.y) / p.z).collect();
+    image.dedup();
+    if image.len() < 3 {
+        return None;
+    }
+    let twice_area: f64 = image
+        .windows(2)
+        .map(|pair| cross(pair[0] - image[0], pair[1] - image[0]))
+        .sum();
+    if twice_area < 0.0 {
+        image.reverse();
+    }
+    (twice_area != 0.0).then_some(image)
+}
+
+/// Returns the part of a convex polygon where a linear function is positive.
+fn cut_polygon<P>(polygon: &[P], value: impl Fn(P) -> f64) -> Vec<P>
+where
+    P: Copy
+        + std::ops::Add<Output = P>
+        + std::ops::Sub<Output = P>
+        + std::ops::Mul<f64, Output = P>,
+{
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    let [.., last] = polygon else {
+        return out;
+    };
+    let mut from = *last;
+    for &to in polygon {
+        let values = [value(from), value(to)];
+        if values[0] * values[1] < 0.0 {
+            out.push(from + (to - from) * (values[0] / (values[0] - values[1])));
+        }
+        if values[1] >= 0.0 {
+            out.push(to);
+        }
+        from = to;
+    }
+    out
+}

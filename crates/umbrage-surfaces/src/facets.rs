@@ -1,0 +1,374 @@
+//! The list of facets.
+
+use crate::{FacetsError, Options, Sides, Unit};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::{collections::HashMap, sync::OnceLock};
+use umbrage_core::{Anchor, Geometry, Instance, Mesh, Scene};
+
+/// Rows that errors name.
+const NAMED: usize = 8;
+
+/// Triangles in 64-bit coordinates, prepared for questions about sunlight.
+///
+/// Rows are the caller's: facet `i` is `triangles[i]`. Facets without an area are allowed; they
+/// cast nothing and have no lit area.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    /// Metres, relative to the anchor.
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    options: Options,
+    /// Metres.
+    anchor: DVec3,
+    /// Greatest coordinate of the caller's, metres.
+    world_reach: f64,
+    /// Greatest coordinate relative to the anchor, metres.
+    local_reach: f64,
+    /// Box around the facets, relative to the anchor, metres.
+    bounds: [DVec3; 2],
+    /// For rays, built on first use.
+    geometry: OnceLock<Geometry>,
+}
+
+impl Facets {
+    /// Returns the facets with these corners. `vertices` are in the caller's axes and unit, in any
+    /// distance from the origin; differences are computed in 64 bits.
+    ///
+    /// # Errors
+    /// Errors if there is no triangle, if a number is not finite or an index out of range, if
+    /// coordinates are too large for [`Options::max_error_m`], if the unit is not stated and the
+    /// length is improbable in metres, or if a mesh with [`Sides::Front`] is not closed or faces
+    /// inwards. Errors name the rows.
+    pub fn new(
+        vertices: &[DVec3],
+        triangles: &[[u32; 3]],
+        options: &Options,
+    ) -> Result<Self, FacetsError> {
+        check_lists(vertices, triangles)?;
+        let unit = options.unit.metres();
+        check_positive("unit, metres", unit)?;
+        check_positive("max_error_m", options.max_error_m)?;
+        let used = || {
+            triangles
+                .par_iter()
+                .flatten()
+                .map(|&v| vertices[v as usize] * unit)
+        };
+        let low = used().reduce(|| DVec3::INFINITY, DVec3::min);
+        let high = used().reduce(|| DVec3::NEG_INFINITY, DVec3::max);
+        let world_reach = low.abs().max(high.abs()).max_element();
+        let anchor = Anchor::nearest_to(low.midpoint(high))
+            .unwrap_or(Anchor::ORIGIN)
+            .point();
+        let bounds = [low - anchor, high - anchor];
+        let mut facets = Self {
+            vertices: Vec::new(),
+            triangles: triangles.to_vec(),
+            options: *options,
+            anchor,
+            world_reach,
+            local_reach: bounds[0].abs().max(bounds[1].abs()).max_element(),
+            bounds,
+            geometry: OnceLock::new(),
+        };
+        facets.check_reach(&[])?;
+        check_unit(options.unit, (high - low).max_element())?;
+        facets.vertices = vertices.par_iter().map(|&v| facets.to_local(v)).collect();
+        if options.sides == Sides::Front {
+            facets.check_closed()?;
+        }
+        Ok(facets)
+    }
+
+    /// Returns the number of facets.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Returns false: there is at least one facet.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Returns the settings.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Returns the corners of a facet, in the caller's axes, metres.
+    ///
+    /// # Panics
+    /// Panics if there is no such row.
+    pub fn corners_m(&self, row: usize) -> [DVec3; 3] {
+        self.local_corners(row as u32)
+            .map(|corner| corner + self.anchor)
+    }
+
+    /// Returns the area of a facet, square metres.
+    ///
+    /// # Panics
+    /// Panics if there is no such row.
+    pub fn area_m2(&self, row: usize) -> f64 {
+        let [a, b, c] = self.local_corners(row as u32);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Returns the unit normal of a facet, from which its corners are counter-clockwise; zero if it
+    /// has no area.
+    ///
+    /// # Panics
+    /// Panics if there is no such row.
+    pub fn normal(&self, row: usize) -> DVec3 {
+        self.local_normal(row as u32)
+    }
+
+    /// Returns the margin of answers, metres: the rounding of the caller's coordinates, and of
+    /// computations with those relative to the facets' middle.
+    pub fn margin_m(&self) -> f64 {
+        self.margin_within(self.local_reach)
+    }
+
+    /// Returns the margin for coordinates that reach this far from the anchor, metres.
+    pub(crate) fn margin_within(&self, reach: f64) -> f64 {
+        // One rounding is half an epsilon. The factors are sums of the roundings of a plane through
+        // three corners, evaluated at a fourth, with slack for thin facets.
+        let given = 16.0 * f64::EPSILON * self.world_reach;
+        let computed = 512.0 * f64::EPSILON * reach.max(self.local_reach);
+        given + computed
+    }
+
+    /// Returns an error if the facets or these points exceed the greatest accepted margin.
+    pub(crate) fn check_reach(&self, points: &[DVec3]) -> Result<(), FacetsError> {
+        let reach = reach_of(points).max(self.local_reach);
+        let loses_m = self.margin_within(reach);
+        if loses_m <= self.options.max_error_m {
+            return Ok(());
+        }
+        let reach_m = reach.max(self.world_reach);
+        let why = format!("reach {reach_m:.3e} m, where answers are uncertain by {loses_m:.1e} m");
+        let help = "move the origin nearer, check the unit, or raise `max_error_m`";
+        Err(FacetsError::new("coordinates", why, help))
+    }
+
+    /// Returns the point that positions are relative to, metres.
+    pub(crate) fn anchor(&self) -> DVec3 {
+        self.anchor
+    }
+
+    /// Returns a position of the caller's relative to the anchor, metres.
+    pub(crate) fn to_local(&self, position: DVec3) -> DVec3 {
+        position * self.options.unit.metres() - self.anchor
+    }
+
+    /// Returns a position relative to the anchor in the caller's axes, metres.
+    pub(crate) fn to_world(&self, local: DVec3) -> DVec3 {
+        local + self.anchor
+    }
+
+    /// Returns the corners of a facet, relative to the anchor.
+    pub(crate) fn local_corners(&self, row: u32) -> [DVec3; 3] {
+        self.triangles[row as usize].map(|v| self.vertices[v as usize])
+    }
+
+    pub(crate) fn local_normal(&self, row: u32) -> DVec3 {
+        let [a, b, c] = self.local_corners(row);
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Returns the box around the facets, relative to the anchor.
+    pub(crate) fn bounds(&self) -> [DVec3; 2] {
+        self.bounds
+    }
+
+    /// Returns the facets in 32 bits, whose hierarchy preselects casters for rays.
+    pub(crate) fn geometry(&self) -> &Geometry {
+        self.geometry.get_or_init(|| {
+            let positions: Vec<Vec3> = self.vertices.iter().map(|v| v.as_vec3()).collect();
+            let mut scene = Scene::default();
+            scene.meshes.push(Mesh {
+                positions,
+                triangles: self.triangles.clone(),
+                ..Mesh::default()
+            });
+            scene
+                .instances
+                .push(Instance::new(0, glam::Affine3A::IDENTITY));
+            // Coordinates are finite in 32 bits, as their margin has been checked.
+            Geometry::bake(&scene).unwrap_or_default()
+        })
+    }
+
+    /// Returns an error unless each edge has neighbours in both directions, and each connected body
+    /// has a positive volume.
+    fn check_closed(&self) -> Result<(), FacetsError> {
+        let welded = self.welded_vertices();
+        let corners = |row: usize| self.triangles[row].map(|v| welded[v as usize]);
+        // Each edge from its lower vertex, with its facet and whether it is turned round.
+        let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.len())
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                let [a, b, c] = corners(row);
+                // Facets with equal corners have no area and close nothing.
+                let is_flat = a == b || b == c || c == a;
+                let sides = if is_flat {
+                    vec![]
+                } else {
+                    vec![[a, b], [b, c], [c, a]]
+                };
+                sides
+                    .into_iter()
+                    .map(move |[from, to]| ([from.min(to), from.max(to)], row as u32, from > to))
+            })
+            .collect();
+        edges.par_sort_unstable();
+        let mut open = Vec::new();
+        for same in edges.chunk_by(|a, b| a.0 == b.0) {
+            let turned = same.iter().filter(|edge| edge.2).count();
+            if 2 * turned != same.len() {
+                open.push(same[0].1);
+            }
+        }
+        if !open.is_empty() {
+            let rows = &open[..open.len().min(NAMED)];
+            let why = format!(
+                "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
+                open.len()
+            );
+            return Err(FacetsError::new(
+                "front sides",
+                why,
+                "close the mesh, or use both sides",
+            ));
+        }
+        drop(edges);
+        self.check_outward(&welded)
+    }
+
+    /// Returns an error if a connected body has a negative volume.
+    fn check_outward(&self, welded: &[u32]) -> Result<(), FacetsError> {
+        // Union-find over welded vertices, with path halving.
+        let mut parents: Vec<u32> = (0..welded.len() as u32).collect();
+        let root = |parents: &mut Vec<u32>, mut v: u32| {
+            while parents[v as usize] != v {
+                parents[v as usize] = parents[parents[v as usize] as usize];
+                v = parents[v as usize];
+            }
+            v
+        };
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|v| root(&mut parents, welded[v as usize]));
+            let least = a.min(b).min(c);
+            for v in [a, b, c] {
+                parents[v as usize] = least;
+            }
+        }
+        let mut volumes = vec![0.0; welded.len()];
+        let bodies: Vec<u32> = self
+            .triangles
+            .iter()
+            .map(|triangle| root(&mut parents, welded[triangle[0] as usize]))
+            .collect();
+        for (row, &body) in bodies.iter().enumerate() {
+            // Six times the volume of the tetrahedron to a vertex of the body.
+            let origin = self.vertices[body as usize];
+            let [a, b, c] = self.local_corners(row as u32).map(|corner| corner - origin);
+            volumes[body as usize] += a.dot(b.cross(c));
+        }
+        let inverted = || (0..self.len()).filter(|&row| volumes[bodies[row] as usize] < 0.0);
+        let facets = inverted().count();
+        if facets == 0 {
+            return Ok(());
+        }
+        let rows: Vec<usize> = inverted().take(NAMED).collect();
+        let why = format!("{facets} facets, such as {rows:?}, are of bodies that face inwards");
+        let help = "swap two corners of each of these facets, or use both sides";
+        Err(FacetsError::new("front sides", why, help))
+    }
+
+    /// Returns, for each vertex, the first one at the same position.
+    fn welded_vertices(&self) -> Vec<u32> {
+        let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(self.vertices.len());
+        let mut welded = Vec::with_capacity(self.vertices.len());
+        for (v, position) in self.vertices.iter().enumerate() {
+            // The sum makes the negative zero positive.
+            let key = position.to_array().map(|x| (x + 0.0).to_bits());
+            welded.push(*first.entry(key).or_insert(v as u32));
+        }
+        welded
+    }
+}
+
+/// Returns the greatest coordinate.
+pub(crate) fn reach_of(points: &[DVec3]) -> f64 {
+    points
+        .iter()
+        .fold(0.0, |reach, p| p.abs().max_element().max(reach))
+}
+
+/// Returns an error unless a setting is finite and greater than zero.
+pub(crate) fn check_positive(what: &str, value: f64) -> Result<(), FacetsError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let help = "use a finite number greater than zero";
+    Err(FacetsError::new(what, format!("is {value}"), help))
+}
+
+/// Returns an error with the first vector that is not finite.
+pub(crate) fn check_finite(what: &str, vectors: &[DVec3]) -> Result<(), FacetsError> {
+    match vectors.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(row) => {
+            let why = format!("is {}", vectors[row]);
+            Err(FacetsError::new(
+                format!("{what} {row}"),
+                why,
+                "use finite numbers",
+            ))
+        }
+    }
+}
+
+fn check_lists(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), FacetsError> {
+    let most = i32::MAX as usize;
+    if triangles.is_empty() || triangles.len() > most || vertices.len() > most {
+        let why = format!(
+            "are {} triangles of {} vertices",
+            triangles.len(),
+            vertices.len()
+        );
+        return Err(FacetsError::new(
+            "facets",
+            why,
+            "use at least one and at most 2^31 - 1",
+        ));
+    }
+    check_finite("vertex", vertices)?;
+    let count = vertices.len();
+    let is_faulty = |triangle: &[u32; 3]| triangle.iter().any(|&v| v as usize >= count);
+    let Some(row) = triangles.iter().position(is_faulty) else {
+        return Ok(());
+    };
+    let why = format!("has the corners {:?} of {count} vertices", triangles[row]);
+    let help = format!("use indices from 0 to {}", count.saturating_sub(1));
+    Err(FacetsError::new(format!("facet {row}"), why, help))
+}
+
+/// Returns an error that names a suspect if the unit was not stated and the length of the facets is
+/// improbable in metres.
+fn check_unit(unit: Unit, extent_m: f64) -> Result<(), FacetsError> {
+    let suspect = match extent_m {
+        _ if unit != Unit::Unstated => return Ok(()),
+        ..0.1 => "kilometres",
+        0.1..2e3 => return Ok(()),
+        2e3..2e4 => "centimetres",
+        _ => "millimetres",
+    };
+    let why = format!("are {extent_m} m long: {suspect}?");
+    Err(FacetsError::new(
+        "facets",
+        why,
+        "state the unit, also if it is metres",
+    ))
+}

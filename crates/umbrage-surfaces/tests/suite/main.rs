@@ -1,0 +1,7 @@
+//! Tests of lit areas, points, discs and hours against closed forms and independent oracles.
+
+mod areas;
+mod errors;
+mod meshes;
+mod oracle;
+mod points;
