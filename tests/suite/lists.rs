@@ -66,7 +66,7 @@ fn compare(
 fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32> {
     let light = LightSampler::new(view.light);
     let eye = view.camera.eye();
-    let extent = geometry.max_receiver_extent();
+    let plane_reach = geometry.receiver_reach();
     let far = 2.0
         * geometry
             .bounds()
