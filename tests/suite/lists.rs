@@ -79,7 +79,7 @@ fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32>
                 return 1.0;
             }
             let [p, n] = [receivers.position(i), receivers.normal(i)];
-            let reach = (eye - p).abs().max_element().max(extent);
+            let reach = (eye - p).abs().max_element().max(plane_reach);
             let o = p + n * origin_offset(p, reach);
             let ray = segment(&light, o, Vec2::ZERO, far);
             let is_lit = dot3(n, ray) > 0.0 && !bvh.is_occluded(o, ray, receivers.triangle[i]);
