@@ -177,7 +177,7 @@ fn measure(
 /// Builds the lists from scratch, and returns the time.
 fn time_rebuild(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
     let fresh = geometry.without_hierarchies();
-    // Do the work of a new scene first: its boxes, the extent of receivers, the table of corners.
+    // Do the work of a new scene first: its boxes, the reach of receivers, the table of corners.
     let warm = View::new(view.camera, &OTHER_LIGHT, &fresh);
     drop(Exact {}.recipe(&warm)?);
     let view = View {
@@ -228,7 +228,7 @@ impl EmbreeRays {
     fn of_view(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Self {
         let eye = view.camera.eye();
         let light = LightSampler::new(view.light);
-        let extent = geometry.max_receiver_extent();
+        let plane_reach = geometry.receiver_reach();
         // A length beyond all triangles from every origin, for directional lights.
         let far = 2.0
             * geometry
@@ -241,7 +241,7 @@ impl EmbreeRays {
         };
         for i in 0..receivers.len() {
             let normal = receivers.normal(i);
-            let origin = ray_origin(receivers.position(i), normal, eye, extent);
+            let origin = ray_origin(receivers.position(i), normal, eye, plane_reach);
             let ray = segment(&light, origin, unit_square(0, 0), far);
             let faces_light = dot3(normal, ray) > 0.0;
             out.rays.push([origin, ray]);

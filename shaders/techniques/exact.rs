@@ -236,7 +236,7 @@ impl Debug for ExactKernel {
 
 impl ExactKernel {
     fn new(view: &View<'_>, geometry: &Geometry) -> Self {
-        let extent = geometry.max_receiver_extent();
+        let plane_reach = geometry.receiver_reach();
         let far = longest_ray(view, geometry);
         let lists = KeptLists::of_light(view.light, geometry);
         let cut_outs = geometry
@@ -245,11 +245,11 @@ impl ExactKernel {
         Self {
             geometry: geometry.clone(),
             cut_outs: cut_outs.cloned(),
-            ..Self::of_lists(view, lists, extent, far)
+            ..Self::of_lists(view, lists, plane_reach, far)
         }
     }
 
-    fn of_lists(view: &View<'_>, lists: Arc<KeptLists>, extent: f32, far: f32) -> Self {
+    fn of_lists(view: &View<'_>, lists: Arc<KeptLists>, plane_reach: f32, far: f32) -> Self {
         let eye = view.camera.eye();
         let frame = &lists.frame;
         let [across, down, away] = frame.rows;
@@ -260,7 +260,7 @@ impl ExactKernel {
             down: down.extend(0.0),
             away: away.extend(frame.nearest),
             origin: frame.origin.extend(0.0),
-            grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, extent),
+            grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, plane_reach),
             tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
             far,
         };

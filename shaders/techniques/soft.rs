@@ -227,7 +227,7 @@ impl Soft {
             light,
             eye: eye.extend(0.0),
             spread: spread_of(&light, slope).extend(slope),
-            extent: geometry.max_receiver_extent(),
+            plane_reach: geometry.receiver_reach(),
             far: longest_ray(view, geometry),
             shift: lattices.shift,
             rows: lattices.rows,
@@ -256,8 +256,8 @@ uniforms! {
         /// distance for directional lights. w: the tangent of half a directional light's angular
         /// diameter.
         pub spread: Vec4,
-        /// Greatest extent of a receiving triangle, metres.
-        pub extent: f32,
+        /// [`Geometry::receiver_reach`], metres.
+        pub plane_reach: f32,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
         /// Maximum number of points by which rows of a lattice are shifted.

@@ -6,7 +6,7 @@ struct SoftUniforms {
     light: LightSampler,
     eye: vec4f,
     spread: vec4f,
-    extent: f32,
+    plane_reach: f32,
     far: f32,
     shift: f32,
     rows: u32,
@@ -62,7 +62,7 @@ fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool 
 fn receive(r: Receiver) -> f32 {
     // There are fewer than 2^31 kinds of lights.
     opaque_zero = kernel.light.shape.x >> 31u;
-    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
+    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.plane_reach);
     let plane = light_plane(o);
     let lattice = lattice_of(r.pixel);
     if !open_above_horizon(r.normal, plane, lattice) {

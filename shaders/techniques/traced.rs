@@ -118,7 +118,7 @@ impl Traced {
         let uniforms = TracedUniforms {
             light,
             eye: eye.extend(0.0),
-            extent: geometry.max_receiver_extent(),
+            plane_reach: geometry.receiver_reach(),
             far: longest_ray(view, geometry),
             samples: if light.is_ideal() { 1 } else { self.samples },
         };
@@ -148,8 +148,8 @@ uniforms! {
         pub light: LightSampler,
         /// The camera's position; w is unused.
         pub eye: Vec4,
-        /// Greatest extent of a receiving triangle, metres.
-        pub extent: f32,
+        /// [`Geometry::receiver_reach`], metres.
+        pub plane_reach: f32,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
         /// Number of rays per receiver.
@@ -196,7 +196,7 @@ impl ReceiveKernel for TracedKernel {
         for (i, out) in out.iter_mut().enumerate() {
             let p = span.position(i);
             let n = span.normal(i);
-            let origin = ray_origin(p, n, u.eye.truncate(), u.extent);
+            let origin = ray_origin(p, n, u.eye.truncate(), u.plane_reach);
             let scramble = seed(span.first.x + i as u32, span.first.y);
             let mut seen = 0_u32;
             for sample in 0..u.samples {

@@ -4,7 +4,7 @@
 struct TracedUniforms {
     light: LightSampler,
     eye: vec4f,
-    extent: f32,
+    plane_reach: f32,
     far: f32,
     samples: u32,
 }
@@ -41,7 +41,7 @@ fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
 fn receive(r: Receiver) -> f32 {
     // There are fewer than 2^31 kinds of lights.
     opaque_zero = kernel.light.shape.x >> 31u;
-    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
+    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.plane_reach);
     let scramble = seed(r.pixel.x, r.pixel.y);
     var seen = 0u;
     for (var i = 0u; i < kernel.samples; i++) {

@@ -66,7 +66,7 @@ fn compare(
 fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32> {
     let light = LightSampler::new(view.light);
     let eye = view.camera.eye();
-    let extent = geometry.max_receiver_extent();
+    let plane_reach = geometry.receiver_reach();
     let far = 2.0
         * geometry
             .bounds()
@@ -79,7 +79,7 @@ fn rays(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Vec<f32>
                 return 1.0;
             }
             let [p, n] = [receivers.position(i), receivers.normal(i)];
-            let reach = (eye - p).abs().max_element().max(extent);
+            let reach = (eye - p).abs().max_element().max(plane_reach);
             let o = p + n * origin_offset(p, reach);
             let ray = segment(&light, o, Vec2::ZERO, far);
             let is_lit = dot3(n, ray) > 0.0 && !bvh.is_occluded(o, ray, receivers.triangle[i]);

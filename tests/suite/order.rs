@@ -56,7 +56,7 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
         let p: Vec3 = receivers.position(i);
         let n: Vec3 = receivers.normal(i);
         let to_eye = (eye - p).abs().max_element();
-        let reach = to_eye.max(geometry.max_receiver_extent());
+        let reach = to_eye.max(geometry.receiver_reach());
         let origin = p + n * origin_offset(p, reach);
         let to_light = segment(&light, origin, Vec2::ZERO, far);
         let faces_away = n.dot(to_light) <= 0.0;

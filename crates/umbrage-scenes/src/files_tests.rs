@@ -179,7 +179,7 @@ fn faults_name_the_file() {
     broken.push(("brick.png", b"no picture".to_vec()));
     let message = read_all("tile.obj", broken).unwrap_err().to_string();
     assert!(
-        message.contains("images/brick.png: can't be read as a PNG image"),
+        message.contains("images/brick.png: can't be read as a PNG or JPEG image"),
         "{message}"
     );
     let long = vec![b'#'; (16 << 20) + 1];

@@ -92,7 +92,7 @@
 //! These keys of `.mtl` files are read: `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two),
 //! `map_Kd`, `map_d` and, for normals, `norm` or `map_Bump`. Alpha below one half, of `map_d` or
 //! else of `map_Kd`, fails the alpha test. Shadows don't need looks, and many models lack theirs,
-//! so these are ignored: missing `.mtl` files or textures, textures that are not PNG, and grey bump
+//! so these are ignored: missing `.mtl` files or textures, textures that are neither PNG nor JPEG (which needs the feature `gltf`), and grey bump
 //! maps (heights of unknown scale). They are listed in the notices for the materials that faces use.
 //! So are transparency (`d`, `Tr`), `disp`, `map_Ks` and other textures, and the options `-o`, `-s`,
 //! `-t`, `-mm`, `-bm`, `-clamp` and `-imfchan`. A `.png` file that can't be decoded and a number that

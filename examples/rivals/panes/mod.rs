@@ -283,7 +283,7 @@ pub fn transmitted_light(
     }
     let sampler = LightSampler::new(&scene.lights[0]);
     let eye = scene.cameras[0].eye();
-    let extent = all.max_receiver_extent();
+    let plane_reach = all.receiver_reach();
     let far = 2.0 * all.bounds().diagonal();
     let mut shares = Vec::with_capacity(receivers.triangle.len());
     for (i, &triangle) in receivers.triangle.iter().enumerate() {
@@ -294,7 +294,7 @@ pub fn transmitted_light(
         let p = Vec3::new(receivers.x[i], receivers.y[i], receivers.z[i]);
         let n = Vec3::new(receivers.nx[i], receivers.ny[i], receivers.nz[i]);
         // Start in front of the surface, so that a ray away from it doesn't hit it.
-        let start = ray_origin(p, n, eye, extent);
+        let start = ray_origin(p, n, eye, plane_reach);
         // A light without extent has one point for every sample.
         let ray = segment(&sampler, start, Vec2::ZERO, far);
         if dot3(n, ray) <= 0.0 || opaque.bvh().is_occluded(start, ray, NO_TRIANGLE) {

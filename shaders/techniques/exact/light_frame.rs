@@ -99,8 +99,8 @@ uniforms! {
         pub away: Vec4,
         /// World position of frame space's origin; w is unused.
         pub origin: Vec4,
-        /// Half the size of a face, across and down; tiles per unit of a direction; the greatest
-        /// extent of a receiving triangle, metres.
+        /// Half the size of a face, across and down; tiles per unit of a direction; the reach
+        /// of receivers, metres: [`Geometry::receiver_reach`](umbrage_core::Geometry::receiver_reach).
         pub grid: Vec4,
         /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
         /// lists the casters itself.

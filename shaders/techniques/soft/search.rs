@@ -135,7 +135,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
             let place = first + i;
             let p = span.position(place);
             let n = span.normal(place);
-            let origin = ray_origin(p, n, eye, u.extent);
+            let origin = ray_origin(p, n, eye, u.plane_reach);
             let plane = LightPlane::seen_from(&u.light, u.spread.w, origin);
             seers.set(i, origin, n, &plane);
             own[i] = span.triangle[place];

@@ -1,5 +1,5 @@
 use super::*;
-use glam::{Affine3A, UVec2};
+use glam::{Affine3A, Quat, UVec2};
 
 use crate::scene::{
     Instance, Mesh,
@@ -139,5 +139,42 @@ fn long_names_are_refused_by_their_beginning() {
             "{why}"
         );
         assert!(why.len() < 150, "{why}");
+    }
+}
+
+/// A ground of 200 km across an axis moves no receiver off its plane. One that is tilted does, in
+/// proportion to its extent.
+#[test]
+fn only_lengths_that_round_normals_count_as_reach() {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        ..bare()
+    };
+    let reach_of = |placement: Affine3A| {
+        bake(vec![mesh.clone()], vec![place(0, None, placement)]).receiver_reach()
+    };
+    let size = Vec3::splat(2e5);
+    let across_y = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, Vec3::Y * 7.0);
+    assert_eq!(reach_of(across_y), 0.0);
+    let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    let across_z = Affine3A::from_scale_rotation_translation(size, upright, Vec3::ZERO);
+    // The rotation's rounding remains: some 2^-24 of the extent.
+    assert!(reach_of(across_z) < 0.1);
+    let tilted = Quat::from_rotation_z(0.3);
+    let tilted = Affine3A::from_scale_rotation_translation(size, tilted, Vec3::ZERO);
+    let reach = reach_of(tilted);
+    assert!((0.2..1.0).contains(&(reach / 2e5)), "{reach}");
+    // The reach of slivers is their extent, and so is that of triangles without area.
+    let sliver = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::ONE, Vec3::new(0.5, 0.5, 0.500_1)],
+        ..bare()
+    };
+    let flat = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::ONE, Vec3::ONE],
+        ..bare()
+    };
+    for mesh in [sliver, flat] {
+        let geometry = bake(vec![mesh], vec![place(0, None, Affine3A::IDENTITY)]);
+        assert_eq!(geometry.receiver_reach(), 1.0);
     }
 }

@@ -39,7 +39,7 @@ use crate::{
     parallel::prelude::*,
     scene::{Instance, Scene, material::AlphaCutout},
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::{
     any::Any,
     collections::BTreeMap,
@@ -69,7 +69,7 @@ pub struct Geometry {
     bvh_tables: OnceLock<[SharedRows; 2]>,
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
-    max_receiver_extent: OnceLock<f32>,
+    receiver_reach: OnceLock<f32>,
     derived: Derived,
 }
 
@@ -201,7 +201,7 @@ impl Geometry {
             bvh_tables: OnceLock::new(),
             bounds: OnceLock::new(),
             box_tree: OnceLock::new(),
-            max_receiver_extent: OnceLock::new(),
+            receiver_reach: OnceLock::new(),
             derived: Derived::default(),
             ..self.clone()
         }
@@ -370,15 +370,14 @@ impl Geometry {
         self.derived.get_or_make(|| make(self))
     }
 
-    /// Returns the greatest extent of a receiving triangle along an axis, metres; computed on first
-    /// use.
-    pub fn max_receiver_extent(&self) -> f32 {
-        *self.max_receiver_extent.get_or_init(|| {
-            let extents = self.receivers().into_par_iter().map(|id| {
-                let bounds = Aabb::from_points(self.corners(id));
-                (bounds.max - bounds.min).max_element()
-            });
-            extents.reduce(|| 0.0, f32::max)
+    /// Returns the greatest length of a receiving triangle whose rounding moves receivers off its
+    /// plane, metres; computed on first use. It is at most the triangle's extent along an axis, and
+    /// 0 for triangles across an axis, whatever their extent.
+    pub fn receiver_reach(&self) -> f32 {
+        *self.receiver_reach.get_or_init(|| {
+            let receivers = self.receivers().into_par_iter();
+            let reaches = receivers.map(|id| plane_reach(self.corners(id)));
+            reaches.reduce(|| 0.0, f32::max)
         })
     }
 
@@ -428,6 +427,31 @@ fn materials_with_holes(scene: &Scene) -> Vec<bool> {
     materials
         .map(|material| material.alpha.as_ref().is_some_and(&mut has_holes))
         .collect()
+}
+
+/// Returns the greatest length of a triangle whose rounding moves points off its plane, metres.
+///
+/// A point's distance from the plane is a sum over the axes of a component of the normal times a
+/// difference of coordinates. Rounding moves a component by a few parts of the two products that it
+/// is the difference of. These are 0 for an axis within the plane if the triangle is across another
+/// axis: large differences along it then move nothing.
+fn plane_reach(corners: [Vec3; 3]) -> f32 {
+    // In 64 bits, since squares of the cross product may overflow 32.
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let u = (b - a).abs();
+    let v = (c - a).abs();
+    // Sums of the normal's products, where the cross product has differences.
+    let products = DVec3::new(
+        u.y * v.z + u.z * v.y,
+        u.z * v.x + u.x * v.z,
+        u.x * v.y + u.y * v.x,
+    );
+    let weights = products / (b - a).cross(c - a).length();
+    let farthest = weights.dot(u).max(weights.dot(v)) as f32;
+    let bounds = Aabb::from_points(corners);
+    let extent = (bounds.max - bounds.min).max_element();
+    // Triangles without area have no normal: `min` ignores NaN.
+    farthest.min(extent)
 }
 
 #[cfg(test)]

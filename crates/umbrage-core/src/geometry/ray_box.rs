@@ -78,6 +78,16 @@ pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     [low - pad, high + pad]
 }
 
+/// Returns whether a segment starts outside a box and moves away from it along an axis, so that it
+/// surely misses. The comparisons are exact.
+#[inline(always)]
+pub(crate) fn leaves_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool {
+    let [low, high] = corners;
+    let above = o.cmpgt(high) & inverse.cmpgt(Vec3A::ZERO);
+    let below = o.cmplt(low) & inverse.cmplt(Vec3A::ZERO);
+    (above | below).any()
+}
+
 /// Returns whether the bounding rectangle of a triangle contains the origin, given the x and the y
 /// of the triangle's corners.
 #[inline(always)]
@@ -97,9 +107,10 @@ pub(crate) fn inverse_power(x: f32) -> f32 {
 
 /// The twins, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub(crate) const TWINS: [crate::recipe::twin::Twin; 6] = [
+pub(crate) const TWINS: [crate::recipe::twin::Twin; 7] = [
     crate::twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
     crate::twin!(RAY_BOX, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
+    crate::twin!(RAY_BOX, leaves_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
     crate::twin!(RAY_BOX, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     crate::twin!(RAY_BOX, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     crate::twin!(RAY_BOX, holds_origin_word(a: glam::Vec2, b: glam::Vec2, c: glam::Vec2) -> u32),
@@ -109,6 +120,15 @@ pub(crate) const TWINS: [crate::recipe::twin::Twin; 6] = [
 #[cfg(feature = "testing")]
 fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
     u32::from(enters_box(
+        o.into(),
+        inverse.into(),
+        [low.into(), high.into()],
+    ))
+}
+
+#[cfg(feature = "testing")]
+fn leaves_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
+    u32::from(leaves_box(
         o.into(),
         inverse.into(),
         [low.into(), high.into()],

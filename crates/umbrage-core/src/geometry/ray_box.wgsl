@@ -24,6 +24,12 @@ fn enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
     return entry <= exit * EXIT_SLACK;
 }
 
+fn leaves_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
+    let above = (o > high) & (inverse > vec3f(0.0));
+    let below = (o < low) & (inverse < vec3f(0.0));
+    return any(above | below);
+}
+
 fn box_pad(low: vec3f, high: vec3f) -> f32 {
     let size = high - low;
     let reach = max(abs(low), abs(high));
@@ -56,6 +62,10 @@ fn inverse_power(x: f32) -> f32 {
 
 fn enters_word(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> u32 {
     return u32(enters_box(o, inverse, low, high));
+}
+
+fn leaves_word(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> u32 {
+    return u32(leaves_box(o, inverse, low, high));
 }
 
 fn holds_origin_word(a: vec2f, b: vec2f, c: vec2f) -> u32 {

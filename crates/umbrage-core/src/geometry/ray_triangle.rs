@@ -1,7 +1,7 @@
 //! Segment-triangle test: without cracks between triangles, without distant false hits, and
 //! independent of order.
 //!
-//! A segment from `o` along `d` hits a triangle if three tests pass. They depend only on the
+//! A segment from `o` along `d` hits a triangle if four tests pass. They depend only on the
 //! segment and the triangle, not on the hierarchy or on earlier tests.
 //!
 //! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". A shear that depends only
@@ -11,6 +11,7 @@
 //!    needs no fallback to double precision as in the paper.
 //! 2. The bounding rectangle of the triangle in that plane contains the origin.
 //! 3. The segment enters the triangle's own box, by the box test of the hierarchies (`ray_box.rs`).
+//! 4. The segment doesn't start outside the triangle's exact box and move away from it.
 //!
 //! **No cracks.** In a closed mesh, some triangle contains the plane's origin after its corners are
 //! rounded, because neighbours share rounded corners. It passes test 1, as no sign is wrong, and
@@ -38,12 +39,19 @@
 //! rounding means that the origin is within a few `u` times that size of the edge. A segment that
 //! hits therefore comes within a few roundings of the triangle.
 //!
+//! **No hits of a plane that a ray leaves.** Test 1 rounds in proportion to the triangle's size, so a
+//! ray that starts just above a giant plane could hit the plane's other triangles. Test 4 has no
+//! rounding: it decides all triangles in planes across an axis. It rejects only triangles that the
+//! segment doesn't meet, so it opens no crack.
+//!
 //! **Independent of order.** By test 3, the box of a triangle that is hit is entered, and so are
 //! all boxes around it (`ray_box.rs`). Every search that skips boxes only by that test finds a hit
 //! if brute force does.
 
 use crate::{
-    geometry::ray_box::{enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
+    geometry::ray_box::{
+        enters_box, holds_origin, inverse_power, leaves_box, padded_box, slab_inverse,
+    },
     recipe::shader::Module,
 };
 use glam::{Vec3, Vec3A};
@@ -88,6 +96,16 @@ impl Corners {
             Vec3::new(x.x, y.x, z.x),
             Vec3::new(x.y, y.y, z.y),
             Vec3::new(x.z, y.z, z.z),
+        ]
+    }
+
+    /// Returns the triangle's exact box, of test 4.
+    #[inline(always)]
+    fn exact_box(&self) -> [Vec3A; 2] {
+        let Self { x, y, z } = self;
+        [
+            Vec3A::new(x.min_element(), y.min_element(), z.min_element()),
+            Vec3A::new(x.max_element(), y.max_element(), z.max_element()),
         ]
     }
 
@@ -153,7 +171,10 @@ impl Segment {
             whole < 0.0 && along <= 0.0 && along >= whole
         };
         // Few segments get here: the rest costs almost nothing.
-        between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
+        between
+            && holds_origin(x, y)
+            && !leaves_box(self.origin, self.inverse, t.exact_box())
+            && enters_box(self.origin, self.inverse, t.padded_box())
     }
 }
 
@@ -231,6 +252,7 @@ pub const TWINS: &[crate::recipe::twin::Twin] = &[
     super::ray_box::TWINS[3],
     super::ray_box::TWINS[4],
     super::ray_box::TWINS[5],
+    super::ray_box::TWINS[6],
     super::shaft::TWINS[0],
 ];
 

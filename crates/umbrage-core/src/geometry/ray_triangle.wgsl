@@ -47,7 +47,8 @@ fn segment_hits(o: vec3f, d: vec3f, rows: mat3x3f, pa: vec3f, pb: vec3f, pc: vec
     let behind = along <= 0.0 && along >= whole;
     let between = (whole > 0.0 && before) || (whole < 0.0 && behind);
     let inverse = slab_inverse(d);
-    return between && holds_origin(a.xy, b.xy, c.xy) && enters_box(o, inverse, padded_low(pa, pb, pc), padded_high(pa, pb, pc));
+    let leaves = leaves_box(o, inverse, min(min(pa, pb), pc), max(max(pa, pb), pc));
+    return between && holds_origin(a.xy, b.xy, c.xy) && !leaves && enters_box(o, inverse, padded_low(pa, pb, pc), padded_high(pa, pb, pc));
 }
 
 fn hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {

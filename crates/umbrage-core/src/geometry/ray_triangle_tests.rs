@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::random::Random;
+use glam::Vec3Swizzles;
 
 const A: Vec3 = Vec3::new(-1.0, 0.0, -1.0);
 const B: Vec3 = Vec3::new(1.0, 0.0, -1.0);
@@ -276,4 +277,38 @@ fn nothing_is_hit_from_afar() {
     // Six roundings of the greatest length along each of two axes, and two more for signs that
     // round to 0.
     assert!(worst < 2.0_f64.sqrt() * 8.0, "{worst} roundings");
+}
+
+/// Rays that start just above a giant plane don't hit its other triangles, however low they are.
+/// The side that two triangles share passes near the rays' origins, where rounding decides which of
+/// them contains the origin in the shear.
+#[test]
+fn rays_leave_giant_planes_across_an_axis() {
+    let mut state = Random(8);
+    for i in 0..100_000_u32 {
+        let half = 1e3 * 10.0_f32.powi((i % 5) as i32);
+        // Turn the plane and its side by exchanging axes.
+        let turned = |v: Vec3| match i % 3 {
+            0 => v,
+            1 => v.yzx(),
+            _ => v.zxy(),
+        };
+        let corner = |x: f32, z: f32| turned(Vec3::new(x * half, 0.25, z * half));
+        let corners = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0]].map(|[x, z]| corner(x, z));
+        let along = 10.0 * random(&mut state);
+        let aside = 0.1 * random(&mut state);
+        let height = 0.25 + 1e-6 * (0.5 + state.unit());
+        let o = turned(Vec3::new(along + aside, height, along - aside));
+        let low = Vec3::new(random(&mut state), 0.02 * state.unit(), random(&mut state));
+        let d = turned(low * 4.0 * half);
+        let [a, b, c] = corners;
+        assert!(
+            !segment_hits(o, d, a, b, c),
+            "{corners:?} from {o} along {d}"
+        );
+        // The same ray downwards hits, unless it passes the side.
+        let down = turned(low * Vec3::new(1.0, -1.0, 1.0) * 4.0 * half);
+        let is_clearly_inside = aside > 0.01 * half.max(1.0).log2();
+        assert!(!is_clearly_inside || segment_hits(o, down, a, b, c));
+    }
 }

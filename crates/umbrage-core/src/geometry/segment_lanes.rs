@@ -291,11 +291,31 @@ impl FourSegments {
         let holds_origin = (holds(x) & holds(y)).bitmask();
         between
             & holds_origin
+            & !self.leaves(corners)
             & self.enters(padded_box([
                 Vec3A::from(corners[0]),
                 Vec3A::from(corners[1]),
                 Vec3A::from(corners[2]),
             ]))
+    }
+
+    /// Returns a bit for each segment that starts outside the triangle's exact box and moves away
+    /// from it along an axis.
+    #[inline(always)]
+    fn leaves(&self, corners: [Vec3; 3]) -> u32 {
+        let [a, b, c] = corners;
+        let low = a.min(b).min(c);
+        let high = a.max(b).max(c);
+        let zero = Vec4::ZERO;
+        let mut leaves = 0;
+        for axis in 0..3 {
+            let origin = self.origin[axis];
+            let vector = self.vector[axis];
+            let above = origin.cmpgt(Vec4::splat(high[axis])) & vector.cmpge(zero);
+            let below = origin.cmplt(Vec4::splat(low[axis])) & vector.cmplt(zero);
+            leaves |= (above | below).bitmask();
+        }
+        leaves
     }
 
     /// Returns a bit for each segment that enters a box, given its least and greatest corner.

@@ -225,20 +225,20 @@ pub fn bitangent(n: Vec3) -> Vec3 {
 }
 
 /// Returns the offset of a ray's origin from its surface, metres. `p` is the receiver, `reach` the
-/// greatest other length used to compute it (distance to the eye, extent of the receiver's
-/// triangle).
+/// greatest other length whose rounding moves it off its surface (distance to the eye, lengths of
+/// the receiver's triangle).
 #[inline(always)]
 pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
     p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
 }
 
 /// Returns the origin of the rays of a receiver at `p` with the unit normal `n`, offset from its
-/// surface. `eye` is the camera's position, `extent` the greatest extent of a receiving triangle,
-/// metres.
+/// surface. `eye` is the camera's position. `plane_reach` is the greatest length of a receiving
+/// triangle whose rounding moves receivers off its plane, metres: `Geometry::receiver_reach`.
 #[inline(always)]
-pub fn ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3 {
+pub fn ray_origin(p: Vec3, n: Vec3, eye: Vec3, plane_reach: f32) -> Vec3 {
     let to_eye = (eye - p).abs();
-    let reach = to_eye.x.max(to_eye.y).max(to_eye.z).max(extent);
+    let reach = to_eye.x.max(to_eye.y).max(to_eye.z).max(plane_reach);
     p + n * origin_offset(p, reach)
 }
 
@@ -322,7 +322,7 @@ pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(LIGHT_SAMPLE, bitangent(n: Vec3) -> Vec3, needs [crate::math::MATH]),
     crate::twin!(LIGHT_SAMPLE, cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3, needs [crate::math::MATH]),
     crate::twin!(LIGHT_SAMPLE, origin_offset(p: Vec3, reach: f32) -> f32, needs [crate::math::MATH]),
-    crate::twin!(LIGHT_SAMPLE, ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, ray_origin(p: Vec3, n: Vec3, eye: Vec3, plane_reach: f32) -> Vec3, needs [crate::math::MATH]),
     crate::twin!(LIGHT_SAMPLE, hash(x: u32) -> u32, needs [crate::math::MATH]),
     crate::twin!(LIGHT_SAMPLE, seed(x: u32, y: u32) -> u32, needs [crate::math::MATH]),
     crate::twin!(LIGHT_SAMPLE, owen(reversed: u32, seed: u32) -> u32, needs [crate::math::MATH]),

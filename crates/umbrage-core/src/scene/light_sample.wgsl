@@ -93,9 +93,9 @@ fn origin_offset(p: vec3f, reach: f32) -> f32 {
     return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * LIGHT_LIFT;
 }
 
-fn ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
+fn ray_origin(p: vec3f, n: vec3f, eye: vec3f, plane_reach: f32) -> vec3f {
     let to_eye = abs(eye - p);
-    let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
+    let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), plane_reach);
     let lift = origin_offset(p, reach);
     return vec3f(p.x + product(n.x, lift), p.y + product(n.y, lift), p.z + product(n.z, lift));
 }

@@ -30,6 +30,7 @@ const MOST_ACCURATE: usize = 4;
 struct Candidate {
     place: LadderPlace,
     milliseconds: f64,
+    bytes: u64,
     /// Error of the previous candidate; infinite without one.
     last_error: f64,
     /// Error of the candidate before the previous one; infinite without one.
@@ -78,6 +79,11 @@ impl Planner<'_> {
                 .is_some_and(|max| candidate.milliseconds > max);
             if too_dear.is_some() && is_over_time {
                 break;
+            }
+            // A family's finer candidates have no fewer bytes.
+            let is_over_bytes = bounds.max_bytes.is_some_and(|max| candidate.bytes > max);
+            if too_dear.is_some() && is_over_bytes {
+                continue;
             }
             let Some(setting) = self.try_out(candidate.place, Some(max_error))? else {
                 candidates.extend(self.finer(&candidate, f64::INFINITY, max_error)?);
@@ -264,6 +270,7 @@ impl Planner<'_> {
         Ok(price.map(|price| Candidate {
             place,
             milliseconds: price.milliseconds,
+            bytes: price.bytes,
             last_error: last_errors[0],
             error_before: last_errors[1],
         }))

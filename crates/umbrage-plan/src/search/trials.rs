@@ -83,7 +83,7 @@ pub(super) struct Prices {
     /// Time of the worst camera that the plan holds for, milliseconds.
     pub(super) milliseconds: f64,
     draw_ms: f64,
-    bytes: u64,
+    pub(super) bytes: u64,
     kept_as_camera_moves: Option<bool>,
 }
 

@@ -1,6 +1,6 @@
 //! Texture files of a scene, each read once.
 
-use super::pixels::{EncodedImage, Meaning, PendingImages, unreadable_image};
+use super::pixels::{EncodedImage, Meaning, PendingImages, picture_format, unreadable_image};
 use crate::{Files, SceneError};
 use image::ImageFormat;
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ impl<'a> TextureFiles<'a> {
         }
     }
 
-    /// Returns the index of a PNG file's texture among `textures`, and reads the file if it is new.
+    /// Returns the index of an image file's texture among `textures`, and reads the file if it is new.
     /// `None` if the texture only colours surfaces, and no colours are needed. Call
     /// [`decode`](Self::decode) before using texels.
     pub(crate) fn index(
@@ -80,7 +80,7 @@ impl<'a> TextureFiles<'a> {
         if color_side == 0 || size.max_element() <= color_side {
             return Ok([alpha, alpha]);
         }
-        Ok([self.index(path, Meaning::Color, textures)?, alpha])
+        Ok([self.index(path, Meaning::CutOutColor, textures)?, alpha])
     }
 
     /// Decodes the images of all textures so far.
@@ -103,7 +103,7 @@ impl<'a> TextureFiles<'a> {
         let image = EncodedImage {
             name: name.to_string_lossy().into_owned(),
             bytes,
-            format: ImageFormat::Png,
+            format: picture_format(path).unwrap_or(ImageFormat::Png),
             meaning,
             color_side: self.files.color_side(),
         };

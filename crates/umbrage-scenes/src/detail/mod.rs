@@ -10,7 +10,7 @@ pub(crate) use files::TextureFiles;
 pub use normal_map::fitting_normal_map;
 #[cfg(feature = "gltf")]
 pub(crate) use pixels::{EncodedImage, PendingImages};
-pub(crate) use pixels::{Meaning, PICTURE_SIDE};
+pub(crate) use pixels::{Meaning, PICTURE_SIDE, kinds_of_pictures, picture_format};
 pub use tangents::with_tangents;
 
 /// Cut-off of alpha textures in files that don't set one: glTF's default.

@@ -13,6 +13,24 @@ use std::{
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Texture, parallel::prelude::*, picture};
 
+/// Returns the kinds of images that are read, for messages.
+pub(crate) fn kinds_of_pictures() -> &'static str {
+    if cfg!(feature = "gltf") {
+        "PNG or JPEG"
+    } else {
+        "PNG"
+    }
+}
+
+/// Returns the format of an image file by its ending; `None` if it isn't read. JPEG needs the
+/// feature `gltf`.
+pub(crate) fn picture_format(path: &Path) -> Option<ImageFormat> {
+    let format = ImageFormat::from_path(path).ok()?;
+    let is_read =
+        format == ImageFormat::Png || format == ImageFormat::Jpeg && cfg!(feature = "gltf");
+    is_read.then_some(format)
+}
+
 /// Greatest number of texels along a side: 1 GiB in memory for a square.
 pub(crate) const PICTURE_SIDE: u32 = 8192;
 
@@ -21,6 +39,9 @@ pub(crate) const PICTURE_SIDE: u32 = 8192;
 pub(crate) enum Meaning {
     /// Colours encoded as sRGB. This module decodes them, and no other. Alpha is not used.
     Color,
+    /// Colours encoded as sRGB of an alpha-tested surface, whose alpha test is another texture.
+    /// Means are weighted by alpha: the colours of holes don't show.
+    CutOutColor,
     /// Colours encoded as sRGB, with an alpha test.
     CutOut,
     /// Normals, without conversion.
@@ -35,7 +56,7 @@ pub(crate) enum Meaning {
 impl Meaning {
     /// Returns whether shadows don't depend on it.
     pub(crate) fn is_only_shown(self) -> bool {
-        matches!(self, Self::Color | Self::Normals)
+        matches!(self, Self::Color | Self::CutOutColor | Self::Normals)
     }
 }
 
@@ -146,12 +167,15 @@ pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage,
     decode_picture(source, ImageFormat::Png).map_err(|e| unreadable_image(path, &e))
 }
 
-/// Returns the error of a PNG file that can't be decoded.
+/// Returns the error of an image file that can't be decoded.
 pub(super) fn unreadable_image(path: &Path, why: &ImageError) -> SceneError {
     SceneError::Unreadable {
         file: path.display().to_string(),
-        why: format!("can't be read as a PNG image: {why}"),
-        help: format!("save it as PNG, at most {PICTURE_SIDE} texels a side"),
+        why: format!("can't be read as a {} image: {why}", kinds_of_pictures()),
+        help: format!(
+            "save it as {}, at most {PICTURE_SIDE} texels a side",
+            kinds_of_pictures()
+        ),
     }
 }
 
@@ -202,7 +226,11 @@ fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
 
 /// Returns texels of an image, reduced to `size`.
 fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> {
-    let is_color = matches!(meaning, Meaning::Color | Meaning::CutOut);
+    let is_color = matches!(
+        meaning,
+        Meaning::Color | Meaning::CutOut | Meaning::CutOutColor
+    );
+    let weighs = meaning == Meaning::CutOutColor;
     let from = UVec2::new(image.width(), image.height());
     let channels = usize::from(image.color().channel_count()).max(1);
     if image.color().bytes_per_pixel() as usize > channels {
@@ -213,7 +241,7 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
             opacity
         };
         let wide = image.to_rgba16();
-        return averages(wide.as_raw(), 4, from, size, &value, &opacity);
+        return averages(wide.as_raw(), 4, from, size, weighs, &value, &opacity);
     }
     let opacity = |byte: u8| f32::from(byte) / 255.0;
     let value = if is_color { picture::decode } else { opacity };
@@ -221,16 +249,30 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
     let value = |byte: u8| table[usize::from(byte)];
     // Read the file's own channels: a copy with four of them takes as long as decoding.
-    averages(image.as_bytes(), channels, from, size, &value, &opacity)
+    averages(
+        image.as_bytes(),
+        channels,
+        from,
+        size,
+        weighs,
+        &value,
+        &opacity,
+    )
 }
 
+/// Weight of a colour without opacity: where all of a box is transparent, its mean is that of the
+/// colours. Elsewhere it is far below one step of 8 bits.
+const LEAST_WEIGHT: f32 = 1.0 / 1_048_576.0;
+
 /// Returns the means of boxes of pixels, one for each texel of the size `to`. Means of colours are
-/// those of linear light. One channel is grey; the last of two or four is opacity.
+/// those of linear light, and weighted by opacity if `weighs`. One channel is grey; the last of two
+/// or four is opacity.
 fn averages<T: Copy + Sync>(
     samples: &[T],
     channels: usize,
     from: UVec2,
     to: UVec2,
+    weighs: bool,
     value: &(impl Fn(T) -> f32 + Sync),
     opacity: &(impl Fn(T) -> f32 + Sync),
 ) -> Vec<[f32; 4]> {
@@ -240,14 +282,16 @@ fn averages<T: Copy + Sync>(
             0 => opacity(sample[channels - 1]),
             _ => 1.0,
         };
+        let weight = if weighs { alpha + LEAST_WEIGHT } else { 1.0 };
         [
-            value(sample[0]),
-            value(sample[green]),
-            value(sample[blue]),
+            weight * value(sample[0]),
+            weight * value(sample[green]),
+            weight * value(sample[blue]),
             alpha,
+            weight,
         ]
     };
-    let add = |sum: &mut [f32; 4], part: [f32; 4]| {
+    let add = |sum: &mut [f32; 5], part: [f32; 5]| {
         sum.iter_mut()
             .zip(part)
             .for_each(|(sum, part)| *sum += part);
@@ -257,21 +301,28 @@ fn averages<T: Copy + Sync>(
     let rows = out.par_chunks_mut(to.x as usize).enumerate();
     rows.for_each(|(j, row)| {
         let down = box_of(j, from.y, to.y);
+        let mut sums = vec![[0.0; 5]; row.len()];
         // Add the pixels of each box, a row of pixels at a time.
         for line in samples[down.start * width..down.end * width].chunks_exact(width) {
-            for (i, sum) in row.iter_mut().enumerate() {
+            for (i, sum) in sums.iter_mut().enumerate() {
                 let across = box_of(i, from.x, to.x);
-                let mut part = [0.0; 4];
+                let mut part = [0.0; 5];
                 line[across.start * channels..across.end * channels]
                     .chunks_exact(channels)
                     .for_each(|sample| add(&mut part, pixel(sample)));
                 add(sum, part);
             }
         }
-        for (i, sum) in row.iter_mut().enumerate() {
+        for (i, (texel, sum)) in row.iter_mut().zip(sums).enumerate() {
             let count = down.len() * box_of(i, from.x, to.x).len();
+            let [red, green, blue, alpha, weight] = sum;
             // Divide: products with 1 / count would not keep an alpha of 1.
-            *sum = sum.map(|sum| sum / count as f32);
+            *texel = [
+                red / weight,
+                green / weight,
+                blue / weight,
+                alpha / count as f32,
+            ];
         }
     });
     out

@@ -59,6 +59,30 @@ fn reduced_colors_are_those_of_the_whole_image() {
     assert_eq!(grey.unwrap().texels, [[0.5, 0.5, 0.5, 1.0]; 4]);
 }
 
+/// The colours of holes, often black or white, don't show at the rim of a reduced image.
+#[test]
+fn reduced_colors_of_alpha_tests_are_weighted_by_alpha() {
+    let image = |alphas: [u8; 2]| {
+        DynamicImage::from(ImageBuffer::from_fn(2, 2, |x, _| match x {
+            0 => Rgba([255_u8, 0, 0, alphas[0]]),
+            _ => Rgba([0, 255, 0, alphas[1]]),
+        }))
+    };
+    let texel = |alphas, meaning| {
+        let reduced = encoded(&image(alphas), meaning, 1).texture().unwrap();
+        assert_eq!(reduced.size, UVec2::ONE);
+        reduced.texels[0]
+    };
+    let [red, green, blue, alpha] = texel([255, 0], Meaning::CutOutColor);
+    assert!(red > 0.999_99 && green < 2e-6, "{red}, {green}");
+    assert_eq!([blue, alpha], [0.0, 0.5]);
+    let [red, green, ..] = texel([255, 85], Meaning::CutOutColor);
+    assert!((red - 0.75).abs() < 1e-5 && (green - 0.25).abs() < 1e-5);
+    // Alpha of opaque surfaces is not used, and holes have the mean of their colours.
+    assert_eq!(texel([255, 0], Meaning::Color), [0.5, 0.5, 0.0, 0.5]);
+    assert_eq!(texel([0, 0], Meaning::CutOutColor), [0.5, 0.5, 0.0, 0.0]);
+}
+
 #[test]
 fn alpha_tests_and_heights_keep_their_sizes() {
     let image = smooth(64, 48);
@@ -170,7 +194,7 @@ fn what_is_no_png_is_refused() {
     assert!(message().contains("check the path"), "{}", message());
     std::fs::write(&path, b"GIF89a").unwrap();
     assert!(
-        message().contains("can't be read as a PNG image"),
+        message().contains("can't be read as a PNG or JPEG image"),
         "{}",
         message()
     );
@@ -179,7 +203,7 @@ fn what_is_no_png_is_refused() {
     let whole = std::fs::read(&path).unwrap();
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     assert!(
-        message().contains("can't be read as a PNG image"),
+        message().contains("can't be read as a PNG or JPEG image"),
         "{}",
         message()
     );

@@ -3,7 +3,7 @@
 use super::table::{Item, Table};
 use crate::{
     SceneError,
-    detail::{Meaning, TextureFiles, USUAL_CUTOFF},
+    detail::{Meaning, TextureFiles, USUAL_CUTOFF, kinds_of_pictures, picture_format},
 };
 use std::path::Path;
 use umbrage_core::glam::Vec3;
@@ -55,13 +55,14 @@ pub(super) fn read<'a>(
             return Ok(None);
         };
         let path = folder.join(item.text()?);
-        let is_png = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("png"));
         item.require(
-            is_png,
-            &format!("is `{}`, not a .png file", path.display()),
-            "name a PNG image",
+            picture_format(&path).is_some(),
+            &format!(
+                "is `{}`, not a {} file",
+                path.display(),
+                kinds_of_pictures()
+            ),
+            "name an image of this kind",
         )?;
         let named = |fault| SceneError::Named {
             place: item.place(),

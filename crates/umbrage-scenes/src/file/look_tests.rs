@@ -213,7 +213,7 @@ fn faults_name_the_line_and_the_key() {
     assert!(message("shape = \"box\"\ntexture = \"none.png\"").contains("none.png: can't be read"));
     assert!(
         message("shape = \"box\"\ntexture = \"broken.png\"")
-            .contains("can't be read as a PNG image")
+            .contains("can't be read as a PNG or JPEG image")
     );
     let deep = "shape = \"box\"\nheight_map = \"heights.png\"\ndisplacement = 1\nsubdivisions = 9";
     assert!(message(deep).starts_with(

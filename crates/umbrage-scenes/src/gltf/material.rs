@@ -136,10 +136,12 @@ impl<'a> Materials<'a> {
         let color_side = data.files.color_side();
         let is_larger = |texture: &usize| scene.textures[*texture].size.max_element() > color_side;
         let shown = match maps[0].filter(|_| color_side > 0 && color.iter().any(is_larger)) {
-            Some(map) if meaning == Meaning::CutOut => {
-                self.pictures
-                    .texture(map.picture, Meaning::Color, data, &mut scene.textures)?
-            }
+            Some(map) if meaning == Meaning::CutOut => self.pictures.texture(
+                map.picture,
+                Meaning::CutOutColor,
+                data,
+                &mut scene.textures,
+            )?,
             _ => color,
         };
         let surface = file.pbr_metallic_roughness();

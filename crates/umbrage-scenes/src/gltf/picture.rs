@@ -7,7 +7,10 @@ use super::{
 use crate::detail::{EncodedImage, Meaning, PICTURE_SIDE, PendingImages};
 use gltf::{Document, json::image::Image};
 use image::{ImageError, ImageFormat};
-use std::{collections::HashMap, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+};
 use umbrage_core::{Invalid, Texture};
 
 /// The images of a file, each read once for each meaning.
@@ -16,6 +19,8 @@ pub(super) struct Pictures<'a> {
     document: &'a Document,
     known: HashMap<(usize, Meaning), Option<usize>>,
     pending: PendingImages,
+    /// Images whose texels the limits of the file already count.
+    counted: HashSet<usize>,
     /// A line for each ignored image.
     pub(super) notices: Vec<String>,
 }
@@ -26,6 +31,7 @@ impl<'a> Pictures<'a> {
             document,
             known: HashMap::new(),
             pending: PendingImages::default(),
+            counted: HashSet::new(),
             notices: Vec::new(),
         }
     }
@@ -53,6 +59,15 @@ impl<'a> Pictures<'a> {
         let name = element_name("image", index, image.name.as_deref());
         let encoded = self
             .read(image, &name, meaning, data)
+            .and_then(|encoded| {
+                // Count each image once, whatever its number of uses.
+                if let Some((_, texels)) = &encoded
+                    && self.counted.insert(index)
+                {
+                    data.budget.decode(*texels)?;
+                }
+                Ok(encoded.map(|(image, _)| image))
+            })
             .map_err(|e| e.within_context(&name))?;
         if encoded.is_none() {
             let notice = format!("{name} is ignored: it is missing, or neither PNG nor JPEG");
@@ -60,11 +75,17 @@ impl<'a> Pictures<'a> {
                 self.notices.push(notice);
             }
         }
-        let place = encoded.map(|image| self.pending.add(image, textures));
-        // The check of wrapping reads the texels of alpha tests while meshes are read.
-        if !meaning.is_only_shown() {
-            self.decode(textures)?;
-        }
+        let place = match encoded {
+            None => None,
+            Some(image) if meaning.is_only_shown() => Some(self.pending.add(image, textures)),
+            // The check of wrapping reads the texels of alpha tests while meshes are read. Decode
+            // only this image, so that errors of others don't name its material.
+            Some(image) => {
+                let decoded = image.texture();
+                textures.push(decoded.map_err(|why| unreadable(&why).within_context(&name))?);
+                Some(textures.len() - 1)
+            }
+        };
         self.known.insert((index, meaning), place);
         Ok(place)
     }
@@ -75,13 +96,14 @@ impl<'a> Pictures<'a> {
         decoded.map_err(|(index, why)| unreadable(&why).within_context(&textures[index].name))
     }
 
+    /// Returns an image and its number of texels.
     fn read(
         &self,
         image: &Image,
         name: &str,
         meaning: Meaning,
         data: &mut FileBytes<'_>,
-    ) -> Result<Option<EncodedImage>, Invalid> {
+    ) -> Result<Option<(EncodedImage, u64)>, Invalid> {
         let own = image
             .buffer_view
             .and_then(|view| self.document.views().nth(view.value()));
@@ -110,8 +132,8 @@ impl<'a> Pictures<'a> {
             color_side: data.files.color_side(),
         };
         let (size, _) = encoded.header().map_err(|e| unreadable(&e))?;
-        data.budget.decode(u64::from(size.x) * u64::from(size.y))?;
-        Ok(Some(encoded))
+        let texels = u64::from(size.x) * u64::from(size.y);
+        Ok(Some((encoded, texels)))
     }
 }
 

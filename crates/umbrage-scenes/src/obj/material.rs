@@ -1,12 +1,13 @@
 //! Materials of a model: `.mtl` files.
 //!
 //! The reader supports `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for alpha tests, and `norm` or
-//! `map_Bump` for normals. It ignores the rest of the format. Ignored keys with an effect on shadows
+//! `map_Bump` for normals. Materials without opacity (`d` of 0, or else `Tr` of 1) cast no shadows;
+//! partial opacity is ignored. It ignores the rest of the format. Ignored keys with an effect on shadows
 //! or colours are listed for the materials that faces use.
 
 use crate::{
     Files, SceneError,
-    detail::{Meaning, TextureFiles, USUAL_CUTOFF},
+    detail::{Meaning, TextureFiles, USUAL_CUTOFF, picture_format},
     error::Place,
 };
 use std::{
@@ -40,12 +41,18 @@ pub(super) type Losses = BTreeMap<&'static str, BTreeSet<String>>;
 
 /// Reasons of [`Losses`].
 pub(super) const UNDEFINED: &str = "undefined materials";
-const OPAQUE: &str = "transparency (`d`, `Tr`) is ignored; these materials cast full shadows";
+const OPAQUE: &str =
+    "transparency (`d`, `Tr`) below 1 is ignored; these materials cast full shadows";
+const CLEAR: &str = "materials without opacity (`d`, `Tr`) cast no shadows";
 const KEYS: &str = "ignored keys of materials";
 const UNMAPPED: &str =
     "textures of these materials are ignored, since their faces have no texture coordinates";
 const MISSING: &str = "textures are missing";
-const OTHER_KIND: &str = "textures other than PNG are ignored";
+const OTHER_KIND: &str = if cfg!(feature = "gltf") {
+    "textures other than PNG and JPEG are ignored"
+} else {
+    "textures other than PNG are ignored"
+};
 const GREY: &str = "grey bump maps are ignored (heights without a scale)";
 
 /// Keys of textures with an effect on colours that the reader ignores.
@@ -127,7 +134,7 @@ impl Entry {
             "norm" | "map_bump" | "bump" => {
                 // Prefer a usable map to others.
                 let map = file(rest, folder);
-                if self.normal_map.is_none() || map.as_deref().is_some_and(is_png) {
+                if self.normal_map.is_none() || map.as_deref().is_some_and(is_read) {
                     self.list_options(keyword, rest, false);
                     self.normal_map = map;
                 }
@@ -212,12 +219,19 @@ impl Entry {
         Ok(TexturedEntry {
             material,
             alpha_texture,
+            casts: self.casts(),
         })
+    }
+
+    /// Returns whether faces cast shadows: not if all light passes through.
+    fn casts(&self) -> bool {
+        self.transparency < 1.0
     }
 
     fn list_losses(&self, shows_colors: bool, losses: &mut Losses) {
         if self.transparency > 0.0 {
-            losses.entry(OPAQUE).or_default().insert(self.name.clone());
+            let reason = if self.casts() { OPAQUE } else { CLEAR };
+            losses.entry(reason).or_default().insert(self.name.clone());
         }
         let [of_colors, of_shadows] = &self.ignored;
         let keys = of_colors.iter().filter(|_| shows_colors).chain(of_shadows);
@@ -226,7 +240,7 @@ impl Entry {
         }
     }
 
-    /// Returns a texture's path if it is set, the file is a PNG image that exists, and the mesh can
+    /// Returns a texture's path if it is set, the file is an image that is read and exists, and the mesh can
     /// show it. Otherwise adds the reason to `losses`.
     fn usable_map<'a>(
         &self,
@@ -238,7 +252,7 @@ impl Entry {
         let path = map?;
         let (reason, item) = match () {
             () if !mapped => (UNMAPPED, self.name.clone()),
-            () if !is_png(path) => (OTHER_KIND, path.display().to_string()),
+            () if !is_read(path) => (OTHER_KIND, path.display().to_string()),
             () if !files.has(path) => (MISSING, path.display().to_string()),
             () => return Some(path),
         };
@@ -253,6 +267,8 @@ pub(super) struct TexturedEntry {
     material: Material,
     /// The texture whose alpha may have holes.
     alpha_texture: Option<usize>,
+    /// `false` if all light passes through.
+    pub(super) casts: bool,
 }
 
 impl TexturedEntry {
@@ -336,9 +352,8 @@ fn file(rest: &str, folder: &Path) -> Option<PathBuf> {
     (!name.is_empty()).then(|| folder.join(name.replace('\\', "/")))
 }
 
-fn is_png(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+fn is_read(path: &Path) -> bool {
+    picture_format(path).is_some()
 }
 
 fn is_jpeg(path: &Path) -> bool {

@@ -145,17 +145,17 @@ fn losses_of_materials_are_listed() {
     let [all, for_shadows] = notices(text, QUADS);
     let shadows = [
         "ignored keys of materials: disp, map_Kd -s, map_d -clamp",
-        "textures other than PNG are ignored: holes.tga",
-        "transparency (`d`, `Tr`) is ignored; these materials cast full shadows: brick",
+        "textures other than PNG and JPEG are ignored: holes.tga",
+        "transparency (`d`, `Tr`) below 1 is ignored; these materials cast full shadows: brick",
         "undefined materials: unknown",
     ];
     assert_eq!(for_shadows, shadows);
     let expected = [
         "grey bump maps are ignored (heights without a scale): grey.png",
         "ignored keys of materials: disp, map_Kd -s, map_Ks, map_d -clamp",
-        "textures are missing: gone.png",
-        "textures other than PNG are ignored: brick.jpg, holes.tga",
-        "transparency (`d`, `Tr`) is ignored; these materials cast full shadows: brick",
+        "textures are missing: brick.jpg, gone.png",
+        "textures other than PNG and JPEG are ignored: holes.tga",
+        "transparency (`d`, `Tr`) below 1 is ignored; these materials cast full shadows: brick",
         "undefined materials: unknown",
     ];
     assert_eq!(all, expected);
@@ -234,7 +234,7 @@ fn broken_looks_are_refused_with_their_line() {
         .unwrap_err()
         .to_string();
     assert!(
-        text.contains("brick.png: can't be read as a PNG image"),
+        text.contains("brick.png: can't be read as a PNG or JPEG image"),
         "{text}"
     );
 }
@@ -279,4 +279,57 @@ fn damaged_files_are_read_or_refused_without_panic() {
         refused > 100 && usable > 100,
         "{refused} refused, {usable} read"
     );
+}
+
+/// Faces through which all light passes cast nothing. `d` precedes `Tr`.
+#[test]
+fn materials_without_opacity_cast_no_shadow() {
+    let casts = |opacity: &str| {
+        let scene = load(Some(&format!("newmtl red\n{opacity}\n")), &[]).unwrap();
+        let part = scene.instances.iter().find(|i| i.material == Some(0));
+        let others = scene.instances.iter().filter(|i| i.material != Some(0));
+        assert!(others.into_iter().all(|other| other.casts));
+        part.unwrap().casts
+    };
+    for clear in ["d 0", "Tr 1", "d 0.0\nTr 0", "d -halo 0"] {
+        assert!(!casts(clear), "{clear}");
+    }
+    for opaque in ["", "d 1", "Tr 0", "d 1\nTr 1", "d 0.01", "Tr 0.5"] {
+        assert!(casts(opaque), "{opaque}");
+    }
+    let [all, _] = notices(
+        "newmtl red\nd 0\nnewmtl brick\nd 0.5\nnewmtl unknown\n",
+        QUADS,
+    );
+    let expected = [
+        "materials without opacity (`d`, `Tr`) cast no shadows: red",
+        "transparency (`d`, `Tr`) below 1 is ignored; these materials cast full shadows: brick",
+    ];
+    assert_eq!(all, expected);
+}
+
+/// JPEG images colour surfaces and cut holes, in OBJ and in scene files.
+#[cfg(feature = "gltf")]
+#[test]
+fn jpeg_images_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let grey = image::RgbImage::from_pixel(8, 8, image::Rgb([128; 3]));
+    grey.save(at("grey.jpg")).unwrap();
+    let holes = image::GrayImage::from_fn(16, 16, |x, _| image::Luma([255 * (x / 8) as u8]));
+    holes.save(at("holes.JPEG")).unwrap();
+    std::fs::write(at("m.obj"), QUADS).unwrap();
+    let text = "newmtl red\nmap_Kd grey.jpg\nmap_d holes.JPEG\n";
+    std::fs::write(at("looks.mtl"), text).unwrap();
+    let text = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n[[object]]\nshape = \"box\"\n\
+                texture = \"grey.jpg\"\nalpha_map = \"holes.JPEG\"\n";
+    std::fs::write(at("s.toml"), text).unwrap();
+    for file in ["m.obj", "s.toml"] {
+        let scene = crate::read(at(file), &FilesOnDisk).unwrap();
+        let material = scene.materials[0];
+        let color = scene.textures[material.diffuse_texture.unwrap()].texels[0];
+        assert!((color[0] - 0.215_861).abs() < 0.01, "{file}: {color:?}");
+        let alpha = &scene.textures[material.alpha.unwrap().texture].texels;
+        assert!(alpha[0][3] < 0.1 && alpha[15][3] > 0.9, "{file}");
+    }
 }

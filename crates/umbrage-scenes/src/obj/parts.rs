@@ -85,11 +85,10 @@ pub(super) fn add(
         scene.meshes.push(mesh);
         scene.materials.extend(material);
         let material = material.map(|_| scene.materials.len() - 1);
-        parts.push(ModelPart::new(
-            scene.meshes.len() - 1,
-            material,
-            model.offset,
-        ));
+        parts.push(ModelPart {
+            casts: textured.is_none_or(|entry| entry.casts),
+            ..ModelPart::new(scene.meshes.len() - 1, material, model.offset)
+        });
     }
     list_losses(&losses, &name.to_string(), scene);
     Ok(parts)

@@ -56,7 +56,9 @@ impl LightSet {
     ///
     /// # Errors
     /// Errors if one of these techniques is refused, with the reason of
-    /// [`Unserved::Refused`](crate::Unserved::Refused), or if there is no such light.
+    /// [`Unserved::Refused`](crate::Unserved::Refused), or if there is no such light. With
+    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) it also errors with errors of the graphics
+    /// API.
     pub fn text_with(
         &mut self,
         frame: &SetFrame<'_>,
@@ -100,9 +102,17 @@ impl LightSet {
             .filter(|key| fitting.contains(key))
             .filter_map(newest)
             .collect();
+        // Catch errors of the graphics API: this creates the text's bind group layout.
+        let scopes = Scopes::open(&self.device);
         let factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
-        self.shader
-            .text_of(&factory, &mut self.pipelines, &self.pool, &plans)
+        let text = self
+            .shader
+            .text_of(&factory, &mut self.pipelines, &self.pool, &plans);
+        if let Err(error) = self.errors.close(scopes, self.options.errors) {
+            self.forget_objects();
+            return Err(RecipeError::unsupported_because(error.to_string()));
+        }
+        text
     }
 
     /// Plans the lights that changed, selects the layers to draw, and writes their inputs.

@@ -399,3 +399,32 @@ fn images_are_reduced_unless_their_alpha_casts() {
         assert_eq!(found, holes, "{side}");
     }
 }
+
+/// An image that can't be decoded is reported by its own name, not by that of a mask that is read
+/// after it.
+#[test]
+fn errors_of_images_name_no_other_material() {
+    let textured = |texture: usize| base(json!({ "index": texture }), [1.0; 4]);
+    let mut model = square(json!({ "pbrMetallicRoughness": textured(1) }));
+    // A header of the right kind, and no pixels.
+    let view = model.view(&PICTURE[..PICTURE.len() / 2]);
+    model.add(
+        "images",
+        json!({ "bufferView": view, "mimeType": "image/png", "name": "bark" }),
+    );
+    model.add("textures", json!({ "source": 1 }));
+    let mask = model.add(
+        "materials",
+        json!({ "alphaMode": "MASK", "pbrMetallicRoughness": textured(0) }),
+    );
+    let mut primitive = model.json["meshes"][0]["primitives"][0].clone();
+    primitive["material"] = json!(mask);
+    model.mesh(primitive);
+    model.node(json!({ "mesh": 1 }));
+    let message = scene_of(&model).expect_err("half an image").to_string();
+    assert!(
+        message.contains("image 1 `bark`, its bytes: can't be decoded"),
+        "{message}"
+    );
+    assert!(!message.contains("material 1"), "{message}");
+}
