@@ -1,0 +1,166 @@
+// Bounding rectangles and least depths of a caster's pieces on a face around the light, with the
+// margins of touch.wgsl. Calls touch.wgsl of the library.
+//
+// A long caster across the axes fills little of its rectangle. It is divided into strips across its
+// longer side, each with a rectangle of its own (Ernst and Greiner 2007, "Early Split Clipping for
+// Bounding Volume Hierarchies").
+
+struct Rect {
+    low: vec2f,
+    high: vec2f,
+    nearest: f32,
+    is_there: bool,
+}
+
+// A caster on a face.
+struct Shape {
+    // Across, down, and depth of a directional light's corners.
+    corners: array<vec3f, 3>,
+    around: f32,
+    nearest: f32,
+    is_there: bool,
+    // True if it is somewhere on the face, and not known where.
+    is_anywhere: bool,
+}
+
+// The faces of a point light are beside one another in a strip.
+const FACE_STEP = 3.0;
+// Value of a caster that may be anywhere on all faces.
+const EVERYWHERE = 7u;
+// Greatest number of pieces of a caster.
+const MOST_PIECES = 32.0;
+
+// Waste, as a multiple of a caster's share of the face, from which a caster is divided.
+override WASTE: f32 = 4.0;
+
+fn no_rect() -> Rect {
+    return Rect(vec2f(3e38), vec2f(-3e38), 3e38, false);
+}
+
+fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
+    var out: Shape;
+    out.corners = corners;
+    let distance = distance_to_origin(corners);
+    if distance < grid.face.w {
+        out.is_there = true;
+        out.is_anywhere = true;
+        return out;
+    }
+    out.around = margin(distance);
+    let rim = 1.0 + 2.0 * out.around;
+    let a = turned(corners[0], face);
+    let b = turned(corners[1], face);
+    let c = turned(corners[2], face);
+    let ends = vec3f(a.z, b.z, c.z) * rim;
+    let x = vec3f(a.x, b.x, c.x);
+    let y = vec3f(a.y, b.y, c.y);
+    if all(x > ends) || all(-x > ends) || all(y > ends) || all(-y > ends) {
+        return out;
+    }
+    out.is_there = true;
+    out.nearest = max(before(max(distance * COORDINATE, min(min(a.z, b.z), c.z))), 0.0);
+    out.is_anywhere = any(ends <= vec3f(0.0));
+    out.corners[0] = vec3f(a.xy / a.z, 0.0);
+    out.corners[1] = vec3f(b.xy / b.z, 0.0);
+    out.corners[2] = vec3f(c.xy / c.z, 0.0);
+    return out;
+}
+
+fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
+    if is_lamp() {
+        return shape_on_cube(face, corners);
+    }
+    var out: Shape;
+    out.corners = corners;
+    out.around = margin(0.0);
+    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z);
+    out.is_there = true;
+    return out;
+}
+
+// Returns the number of pieces. The sum of all rectangles, for a number of pieces, is least if each
+// number follows the root of the waste.
+fn pieces_of(shape: Shape) -> u32 {
+    if shape.is_anywhere {
+        return 1u;
+    }
+    let a = shape.corners[0].xy;
+    let b = shape.corners[1].xy;
+    let c = shape.corners[2].xy;
+    let rim = select(vec2f(3e38), vec2f(1.0), is_lamp());
+    let low = max(min(min(a, b), c), -rim);
+    let high = min(max(max(a, b), c), rim);
+    let size = max(high - low, vec2f(0.0));
+    let u = b - a;
+    let v = c - a;
+    let waste = size.x * size.y - 0.5 * abs(u.x * v.y - u.y * v.x);
+    let share = select(4.0 * grid.face.x * grid.face.y, 24.0, is_lamp()) / f32(tree.casters);
+    return u32(clamp(sqrt(max(waste, 0.0) / (WASTE * share)), 1.0, MOST_PIECES));
+}
+
+// Returns the rectangle of piece `number` of `count`.
+fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
+    if face == EVERYWHERE {
+        return Rect(vec2f(-1.0), vec2f(5.0 * FACE_STEP + 1.0, 1.0), 0.0, true);
+    }
+    let shift = vec2f(FACE_STEP * f32(face), 0.0);
+    if shape.is_anywhere {
+        return Rect(shift - 1.0, shift + 1.0, shape.nearest, true);
+    }
+    var corners = shape.corners;
+    let lowest = min(min(corners[0], corners[1]), corners[2]);
+    let highest = max(max(corners[0], corners[1]), corners[2]);
+    let size = highest - lowest;
+    let is_across = size.x >= size.y;
+    if !is_across {
+        for (var i = 0u; i < 3u; i++) {
+            corners[i] = corners[i].yxz;
+        }
+    }
+    // Clip the edges to the strip, widened by the margin, so that rounded crossings are outside.
+    let begin = select(lowest.y, lowest.x, is_across);
+    let long = select(size.y, size.x, is_across);
+    let around = shape.around;
+    let first = begin + long * (f32(number) / f32(count)) - around;
+    let last = begin + long * (f32(number + 1u) / f32(count)) + around;
+    var low = vec3f(3e38);
+    var high = vec3f(-3e38);
+    for (var i = 0u; i < 3u; i++) {
+        let p = corners[i];
+        let q = corners[(i + 1u) % 3u];
+        if p.x >= first && p.x <= last {
+            low = min(low, p);
+            high = max(high, p);
+        }
+        let step = q - p;
+        for (var end = 0u; end < 2u; end++) {
+            let at = select(first, last, end == 1u);
+            if (p.x < at) != (q.x < at) {
+                let crossing = vec3f(at, p.yz + step.yz * ((at - p.x) / step.x));
+                low = min(low, crossing);
+                high = max(high, crossing);
+            }
+        }
+    }
+    if !is_across {
+        low = low.yxz;
+        high = high.yxz;
+    }
+    low -= vec3f(around, around, 0.0);
+    high += vec3f(around, around, 0.0);
+    if is_lamp() {
+        let start = max(low.xy, vec2f(-1.0));
+        let stop = min(high.xy, vec2f(1.0));
+        // Sums are monotonic when rounded, so a point in the rectangle remains in it.
+        return Rect(start + shift, stop + shift, shape.nearest, all(start <= stop));
+    }
+    return Rect(low.xy, high.xy, max(before(low.z), 0.0), true);
+}
+
+fn corners_of(id: u32) -> array<vec3f, 3> {
+    var out: array<vec3f, 3>;
+    for (var i = 0u; i < 3u; i++) {
+        out[i] = frame_point(corners[3u * id + i].xyz);
+    }
+    return out;
+}

@@ -1,0 +1,184 @@
+//! A frame: casters, receivers and a light in buffers, and the answers of the library's rays.
+
+use crate::device::Device;
+use anyhow::{Context as _, Result, ensure};
+use umbrage::{
+    Backend as _, Geometry, Module, Receivers, ShadowTechnique as _, View,
+    bvh::segment_hits,
+    cpu::Cpu,
+    glam::{UVec2, Vec2},
+    gpu::wgpu::Buffer,
+    join,
+    light_sample::{LightSampler, ray_origin, segment},
+    scenes,
+    techniques::{Exact, Traced},
+};
+
+/// Number of receivers that are tested with all casters to find one to leave out.
+const SAMPLED: usize = 64;
+
+/// A scene under its first light, seen by its first camera.
+pub(crate) struct Frame {
+    pub(crate) name: String,
+    pub(crate) size: UVec2,
+    pub(crate) casters: u32,
+    /// True if the light has a position.
+    pub(crate) is_lamp: bool,
+    /// Three rows a caster: corners; w of the second row is the record of its alpha test.
+    pub(crate) corners: Buffer,
+    /// Two rows a pixel: position and triangle id, normal and whether there is a receiver.
+    pub(crate) receivers: Buffer,
+    /// Alpha textures of casters.
+    pub(crate) cut_outs: Buffer,
+    /// `ExactUniforms` of the library.
+    pub(crate) kernel: Buffer,
+    /// `ListsGrid` of the library, with the margins that a device uses.
+    pub(crate) grid: Vec<u8>,
+    /// Modules of the library that build lists on a device.
+    pub(crate) list_modules: Vec<Module>,
+    /// Modules of the library's `exact` kernel.
+    modules: Vec<Module>,
+    /// Visibility of each pixel's light by the library's rays.
+    pub(crate) expected: Vec<u32>,
+    /// True for pixels with a receiver that faces the light.
+    pub(crate) faces_light: Vec<bool>,
+    /// Number of pixels with a receiver.
+    pub(crate) receiver_count: usize,
+}
+
+impl Frame {
+    /// Loads a scene, and traces the expected answers on the CPU. If it `is_spoilt`, the
+    /// device does not get one of the casters, to test the comparison.
+    pub(crate) fn load(device: &Device, name: &str, size: UVec2, is_spoilt: bool) -> Result<Self> {
+        let scene = scenes::by_argument(name)?;
+        let geometry = Geometry::bake(&scene)?;
+        let camera = scene.cameras[0].with_size(size);
+        let light = scene.lights.first().context("the scene has no light")?;
+        let light = light.without_extent();
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(&camera, &geometry)?;
+        let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
+        let rays = Traced { samples: 1 }.recipe(&view)?;
+        let expected = cpu.render(&view, &rays)?.mask;
+        let exact = Exact::default().recipe(&view)?;
+        let uniforms = exact.receive.kernel.uniforms();
+        let uniforms = uniforms.context("`exact` has no uniforms")?.uniform_bytes();
+        let on_device = Exact::default().device_recipe(&view);
+        let on_device = on_device.context("`exact` has no device recipe")??;
+
+        let casters = geometry.casters();
+        ensure!(casters.start == 0, "casters are not the first triangles");
+        let mut corners: Vec<[f32; 4]> = Vec::new();
+        for id in casters.clone() {
+            let record = geometry.cut_outs().and_then(|c| c.record_row(id));
+            let [a, b, c] = geometry.corners(id);
+            corners.push(a.extend(0.0).to_array());
+            corners.push(b.extend(f32::from_bits(record.unwrap_or(0))).to_array());
+            corners.push(c.extend(0.0).to_array());
+        }
+        if is_spoilt {
+            let id = only_blocker(&view, &geometry, &receivers, &expected)
+                .context("no sampled receiver is behind just one caster")?;
+            // Replace it by a caster without area at a far corner.
+            let far = geometry.bounds().max.to_array();
+            for row in &mut corners[3 * id..3 * id + 3] {
+                row[..3].copy_from_slice(&far);
+            }
+        }
+        let mut rows: Vec<[f32; 4]> = Vec::new();
+        let mut faces_light = Vec::new();
+        for i in 0..receivers.len() {
+            let receives = receivers.receives[i];
+            let (p, n) = (receivers.position(i), receivers.normal(i));
+            rows.push(p.extend(f32::from_bits(receivers.triangle[i])).to_array());
+            rows.push(n.extend(f32::from(u8::from(receives))).to_array());
+            faces_light.push(receives && n.dot(light.direction_from(p)) > 0.0);
+        }
+        let no_rows: [[u32; 4]; 1] = [[0; 4]];
+        let cut_outs = geometry.cut_outs().map(|c| c.rows().clone());
+        let cut_outs = cut_outs.as_deref().unwrap_or(&no_rows);
+        Ok(Self {
+            name: name.to_owned(),
+            size,
+            casters: casters.len() as u32,
+            is_lamp: light.position().is_some(),
+            corners: device.storage("corners", bytemuck::cast_slice(&corners)),
+            receivers: device.storage("receivers", bytemuck::cast_slice(&rows)),
+            cut_outs: device.storage("cut-outs", bytemuck::cast_slice(cut_outs)),
+            kernel: device.uniform("kernel", &uniforms),
+            list_modules: on_device.lists.modules,
+            grid: on_device.lists.uniforms,
+            modules: exact.receive.kernel.modules(),
+            expected: expected.iter().map(|v| v.to_bits()).collect(),
+            faces_light,
+            receiver_count: receivers.receives.iter().filter(|&&r| r).count(),
+        })
+    }
+
+    /// Returns the library's WGSL for a ray and a caster, with `ExactUniforms` and `frame_point`,
+    /// without the lookup of lists.
+    pub(crate) fn ray_wgsl(&self) -> Result<String> {
+        let mut text = join(&[umbrage::MATH]);
+        for module in &self.modules {
+            match module.name {
+                "item_key" => {}
+                "exact" => {
+                    let (before, _) = module
+                        .text
+                        .split_once("fn is_shadowed")
+                        .context("exact.wgsl has no `is_shadowed`")?;
+                    text += before;
+                }
+                _ => text += module.text,
+            }
+            text += "\n";
+        }
+        Ok(text)
+    }
+
+    /// Returns the WGSL of the library's lookup of lists.
+    pub(crate) fn lists_wgsl(&self) -> String {
+        join(&[umbrage::MATH]) + &join(&self.modules)
+    }
+
+    /// Returns the number of pixels.
+    pub(crate) fn pixels(&self) -> u32 {
+        self.size.x * self.size.y
+    }
+}
+
+/// Returns a caster that alone hides the light from a receiver.
+fn only_blocker(
+    view: &View<'_>,
+    geometry: &Geometry,
+    receivers: &Receivers,
+    expected: &[f32],
+) -> Option<usize> {
+    let sampler = LightSampler::new(view.light);
+    let eye = view.camera.eye();
+    let far = 2.0 * geometry.bounds().diagonal();
+    let is_dark = |&i: &usize| receivers.receives[i] && expected[i] == 0.0;
+    let dark: Vec<usize> = (0..receivers.len()).filter(is_dark).collect();
+    let sampled = dark.iter().step_by((dark.len() / SAMPLED).max(1));
+    for &i in sampled {
+        let normal = receivers.normal(i);
+        let o = ray_origin(
+            receivers.position(i),
+            normal,
+            eye,
+            geometry.max_receiver_extent(),
+        );
+        let d = segment(&sampler, o, Vec2::ZERO, far);
+        let hits = |&id: &u32| {
+            let [a, b, c] = geometry.corners(id);
+            id != receivers.triangle[i] && segment_hits(o, d, a, b, c)
+        };
+        let mut blockers = geometry.casters().filter(hits).take(2);
+        if let (Some(id), None) = (blockers.next(), blockers.next())
+            && normal.dot(d) > 0.0
+        {
+            return Some(id as usize);
+        }
+    }
+    None
+}

@@ -1,0 +1,147 @@
+//! Candidate (b): a hierarchy of eight children a node, built by sorting casters along a curve.
+//!
+//! Packing a sorted run into nodes: Kamel and Faloutsos 1993, "On Packing R-trees".
+
+use crate::{
+    device::{Device, GROUP, Program},
+    frame::Frame,
+    lookup::{LookUp, answer},
+    outcome::{Made, Outcome},
+    sort::{SORT_BYTES, Sort, SortBuffers},
+};
+use anyhow::{Context as _, Result};
+use umbrage::{Module, ShadowTechnique as _, join};
+
+/// Children of a node.
+const WIDE: u32 = 8;
+/// Bytes of a node, of its rectangle and depth, and of a caster's corners.
+const NODE: f64 = 64.0;
+const RECT: f64 = 20.0;
+const CORNERS: f64 = 48.0;
+/// Bytes to write a caster's corners from three indices and vertices.
+const MAKE_CORNERS: f64 = 12.0 + 36.0 + CORNERS;
+
+/// Runs the candidate.
+pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outcome> {
+    anyhow::ensure!(!spatial);
+    // Some casters are divided, and some are on several faces of a point light.
+    let capacity = 2 * frame.casters + 1024;
+    let mut firsts = [0_u32; 12];
+    let mut counts = vec![capacity];
+    let mut nodes = 0;
+    while counts.len() < 3 || counts[counts.len() - 1] > 1 {
+        let count = counts[counts.len() - 1].div_ceil(WIDE);
+        firsts[counts.len()] = nodes;
+        nodes += count;
+        counts.push(count);
+    }
+    let levels = counts.len() as u32 - 1;
+    let place_of = |level: u32| {
+        let mut words = vec![frame.casters, capacity, levels, level];
+        words.extend(firsts);
+        device.uniform("tree", bytemuck::cast_slice(&words))
+    };
+
+    let rects = rects_wgsl(frame)?;
+    let keys_wgsl = format!("{rects}{}", include_str!("../shaders/tree_keys.wgsl"));
+    let keys: Program = device.program("tree keys", &keys_wgsl, &["make_keys", "count_references"], &[("WASTE", waste())]);
+    let blocks_wgsl = format!("{rects}{}", include_str!("../shaders/tree_blocks.wgsl"));
+    let entries = ["build_leaves", "build_nodes"];
+    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &[("WASTE", waste())]);
+    let sort = Sort::new(device);
+
+    let buffers = SortBuffers::new(device, capacity);
+    let grid = device.uniform("grid", &frame.grid);
+    let references = device.zeros("references", 8 * u64::from(capacity));
+    let ids = device.zeros("ids", 4 * u64::from(capacity));
+    let head = device.zeros("head", 16);
+    let node_rows = device.zeros("nodes", 64 * u64::from(nodes));
+    let node_rects = device.zeros("rects", 16 * u64::from(nodes));
+    let nearests = device.zeros("nearests", 4 * u64::from(nodes));
+    let places: Vec<_> = (0..levels).map(place_of).collect();
+    let mut dispatches = Vec::new();
+    let named = [
+        ("grid", &grid),
+        ("tree", &places[0]),
+        ("corners", &frame.corners),
+        ("keys", &buffers.keys[0]),
+        ("values", &buffers.values[0]),
+        ("head", &head),
+        ("references", &references),
+    ];
+    let groups = frame.casters.div_ceil(GROUP);
+    dispatches.push(device.dispatch(&keys, "make_keys", &named, groups)?);
+    dispatches.push(device.dispatch(&keys, "count_references", &named, 1)?);
+    sort.record(device, &buffers, &head, &mut dispatches)?;
+    for (level, place) in places.iter().enumerate() {
+        let named = [
+            ("grid", &grid),
+            ("tree", place),
+            ("corners", &frame.corners),
+            ("values", &buffers.values[0]),
+            ("head", &head),
+            ("nodes", &node_rows),
+            ("rects", &node_rects),
+            ("nearests", &nearests),
+            ("references", &references),
+            ("ids", &ids),
+        ];
+        let entry = if level == 0 { entries[0] } else { entries[1] };
+        let groups = counts[level].div_ceil(64);
+        dispatches.push(device.dispatch(&blocks, entry, &named, groups)?);
+    }
+    let make = device.run(&[&head], &dispatches)?;
+
+    let references_made = device.read(&head)?[0];
+    let look_up = LookUp {
+        wgsl: frame.ray_wgsl()? + include_str!("../shaders/tree_lookup.wgsl"),
+        buffers: vec![
+            ("tree", &places[0]),
+            ("nodes", &node_rows),
+            ("ids", &ids),
+        ],
+    };
+    let answered = answer(device, frame, &look_up)?;
+    let r = f64::from(references_made) / f64::from(frame.casters.max(1));
+    // A node for eight references, and all levels above it.
+    let nodes_each = r / 7.0;
+    let leaf_nodes = r / 8.0;
+    let made = Made {
+        items: r + nodes_each,
+        bytes: MAKE_CORNERS
+            + CORNERS
+            + 16.0 * r
+            + SORT_BYTES * r
+            + (4.0 + 8.0 + CORNERS + 4.0) * r
+            + (NODE + RECT) * nodes_each
+            + RECT * leaf_nodes,
+        atomics: 1.0 / 64.0,
+        kept: CORNERS + 4.0 * r + NODE * nodes_each,
+        scratch: (16.0 + 8.0) * r + RECT * nodes_each,
+    };
+    Ok(Outcome {
+        candidate: "hierarchy, light space".to_owned(),
+        answers: answered.answers,
+        counted: answered.counted,
+        make,
+        look_up: answered.time,
+        made,
+        bytes_walked: NODE,
+        bytes_tested: 4.0 + CORNERS,
+        bytes_more: 0.0,
+    })
+}
+
+/// Returns the WGSL of casters' rectangles.
+pub(crate) fn rects_wgsl(frame: &Frame) -> Result<String> {
+    let library: Vec<Module> = frame.list_modules.clone();
+    let wanted = |module: &&Module| matches!(module.name, "math" | "touch");
+    let modules: Vec<Module> = library.iter().filter(wanted).copied().collect();
+    anyhow::ensure!(modules.len() == 2, "the library's modules have changed");
+    Ok(join(&modules) + include_str!("../shaders/rects.wgsl"))
+}
+
+/// Returns the waste, as a multiple of a caster's share of the view, from which it is divided.
+fn waste() -> f64 {
+    std::env::var("WASTE").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0)
+}
