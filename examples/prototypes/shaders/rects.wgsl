@@ -19,8 +19,8 @@ struct Shape {
     around: f32,
     nearest: f32,
     is_there: bool,
-    // True if it is somewhere on the face, and not known where.
-    is_anywhere: bool,
+    // True if it is not divided: the first two corners are those of its rectangle.
+    is_box: bool,
 }
 
 // The faces of a point light are beside one another in a strip.
@@ -37,13 +37,66 @@ fn no_rect() -> Rect {
     return Rect(vec2f(3e38), vec2f(-3e38), 3e38, false);
 }
 
+// Returns how far a point is within the pyramid of a face, for one of its four sides.
+fn within_side(p: vec3f, side: u32, rim: f32) -> f32 {
+    let across = select(p.x, p.y, side >= 2u);
+    return p.z * rim - select(across, -across, (side & 1u) == 1u);
+}
+
+// Returns the rectangle of the part of a caster in a face's pyramid, if some of its corners are
+// behind the light (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
+fn clipped_to_pyramid(shape: Shape, rim: f32) -> Shape {
+    var out = shape;
+    var polygon: array<vec3f, 8>;
+    for (var i = 0u; i < 3u; i++) {
+        polygon[i] = shape.corners[i];
+    }
+    var count = 3u;
+    for (var side = 0u; side < 4u; side++) {
+        var clipped: array<vec3f, 8>;
+        var kept = 0u;
+        for (var i = 0u; i < count; i++) {
+            let p = polygon[i];
+            let q = polygon[select(i + 1u, 0u, i + 1u == count)];
+            let p_in = within_side(p, side, rim);
+            let q_in = within_side(q, side, rim);
+            if p_in >= 0.0 && kept < 8u {
+                clipped[kept] = p;
+                kept += 1u;
+            }
+            if (p_in < 0.0) != (q_in < 0.0) && kept < 8u {
+                clipped[kept] = p + (q - p) * (p_in / (p_in - q_in));
+                kept += 1u;
+            }
+        }
+        polygon = clipped;
+        count = kept;
+    }
+    var low = vec3f(3e38);
+    var high = vec2f(-3e38);
+    for (var i = 0u; i < count; i++) {
+        let p = polygon[i];
+        let on_face = clamp(p.xy / max(p.z, 1e-30), vec2f(-1.0), vec2f(1.0));
+        low = min(low, vec3f(on_face, p.z));
+        high = max(high, on_face);
+    }
+    out.is_there = count > 0u;
+    out.is_box = true;
+    out.nearest = max(before(max(low.z, shape.nearest)), 0.0);
+    out.corners[0] = vec3f(max(low.xy - shape.around, vec2f(-1.0)), 0.0);
+    out.corners[1] = vec3f(min(high + shape.around, vec2f(1.0)), 0.0);
+    return out;
+}
+
 fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
     var out: Shape;
     out.corners = corners;
     let distance = distance_to_origin(corners);
     if distance < grid.face.w {
         out.is_there = true;
-        out.is_anywhere = true;
+        out.is_box = true;
+        out.corners[0] = vec3f(-1.0, -1.0, 0.0);
+        out.corners[1] = vec3f(1.0, 1.0, 0.0);
         return out;
     }
     out.around = margin(distance);
@@ -58,8 +111,14 @@ fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
         return out;
     }
     out.is_there = true;
+    if any(ends <= vec3f(0.0)) {
+        out.corners[0] = a;
+        out.corners[1] = b;
+        out.corners[2] = c;
+        out.nearest = distance * COORDINATE;
+        return clipped_to_pyramid(out, rim);
+    }
     out.nearest = max(before(max(distance * COORDINATE, min(min(a.z, b.z), c.z))), 0.0);
-    out.is_anywhere = any(ends <= vec3f(0.0));
     out.corners[0] = vec3f(a.xy / a.z, 0.0);
     out.corners[1] = vec3f(b.xy / b.z, 0.0);
     out.corners[2] = vec3f(c.xy / c.z, 0.0);
@@ -81,7 +140,7 @@ fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
 // Returns the number of pieces. The sum of all rectangles, for a number of pieces, is least if each
 // number follows the root of the waste.
 fn pieces_of(shape: Shape) -> u32 {
-    if shape.is_anywhere {
+    if shape.is_box {
         return 1u;
     }
     let a = shape.corners[0].xy;
@@ -104,8 +163,8 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
         return Rect(vec2f(-1.0), vec2f(5.0 * FACE_STEP + 1.0, 1.0), 0.0, true);
     }
     let shift = vec2f(FACE_STEP * f32(face), 0.0);
-    if shape.is_anywhere {
-        return Rect(shift - 1.0, shift + 1.0, shape.nearest, true);
+    if shape.is_box {
+        return Rect(shape.corners[0].xy + shift, shape.corners[1].xy + shift, shape.nearest, true);
     }
     var corners = shape.corners;
     let lowest = min(min(corners[0], corners[1]), corners[2]);

@@ -44,10 +44,10 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
 
     let rects = rects_wgsl(frame)?;
     let keys_wgsl = format!("{rects}{}", include_str!("../shaders/tree_keys.wgsl"));
-    let keys: Program = device.program("tree keys", &keys_wgsl, &["make_keys", "count_references"], &[("WASTE", waste())]);
+    let keys: Program = device.program("tree keys", &keys_wgsl, &["make_keys", "count_references"], &constants());
     let blocks_wgsl = format!("{rects}{}", include_str!("../shaders/tree_blocks.wgsl"));
     let entries = ["build_leaves", "build_nodes"];
-    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &[("WASTE", waste())]);
+    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &constants_of_blocks());
     let sort = Sort::new(device);
 
     let buffers = SortBuffers::new(device, capacity);
@@ -141,7 +141,15 @@ pub(crate) fn rects_wgsl(frame: &Frame) -> Result<String> {
     Ok(join(&modules) + include_str!("../shaders/rects.wgsl"))
 }
 
-/// Returns the waste, as a multiple of a caster's share of the view, from which it is divided.
-fn waste() -> f64 {
-    std::env::var("WASTE").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0)
+fn env(name: &str, otherwise: f64) -> f64 {
+    let value = std::env::var(name).ok();
+    value.and_then(|v| v.parse().ok()).unwrap_or(otherwise)
+}
+
+fn constants() -> [(&'static str, f64); 2] {
+    [("WASTE", env("WASTE", 1.0)), ("CLASSES", env("CLASSES", 4.0))]
+}
+
+fn constants_of_blocks() -> [(&'static str, f64); 2] {
+    [("WASTE", env("WASTE", 1.0)), ("AXES", env("AXES", 3.0))]
 }
