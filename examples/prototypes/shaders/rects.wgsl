@@ -19,9 +19,18 @@ struct Shape {
     around: f32,
     nearest: f32,
     is_there: bool,
+    // True if a computed hit may have the depth of any of its points.
+    grazes: bool,
     // True if it is not divided: the first two corners are those of its rectangle.
     is_box: bool,
 }
+
+// Rounding of a position relative to a directional light, of casters and receivers: 16 roundings of
+// 1. And that of the triangle test, as a fraction of the distance between the receiver and the
+// farthest corner: 32 roundings, four times the bound of ray_triangle.rs. The caster's length is
+// added to its rectangle, the distance by the lookup.
+const LEAST_AROUND = 9.5367432e-7;
+const TEST_ERROR = 1.9073486e-6;
 
 // The faces of a point light are beside one another in a strip.
 const FACE_STEP = 3.0;
@@ -30,8 +39,14 @@ const EVERYWHERE = 7u;
 // Greatest number of pieces of a caster.
 const MOST_PIECES = 32.0;
 
+// Number of workgroups in a row of a dispatch.
+const GROUPS_A_ROW = 32768u;
+
 // Waste, as a multiple of a caster's share of the face, from which a caster is divided.
 override WASTE: f32 = 4.0;
+// Waste, as a multiple of a caster's own area, from which it is divided.
+override LEAST: f32 = 0.001;
+override RATIO: f32 = 4.0;
 
 fn no_rect() -> Rect {
     return Rect(vec2f(3e38), vec2f(-3e38), 3e38, false);
@@ -131,9 +146,15 @@ fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
     }
     var out: Shape;
     out.corners = corners;
-    out.around = margin(0.0);
-    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z);
+    let u = corners[1] - corners[0];
+    let v = corners[2] - corners[0];
+    let longest = max(max(length(u), length(v)), length(u - v));
+    out.around = LEAST_AROUND + TEST_ERROR * longest;
+    out.nearest = max(min(min(corners[0].z, corners[1].z), corners[2].z) - out.around, 0.0);
     out.is_there = true;
+    // Depths of computed hits are those of points at most a 1024th of the length away, unless the
+    // light grazes the caster.
+    out.grazes = abs(u.x * v.y - u.y * v.x) < longest * longest * (1.0 / 1024.0);
     return out;
 }
 
@@ -152,9 +173,10 @@ fn pieces_of(shape: Shape) -> u32 {
     let size = max(high - low, vec2f(0.0));
     let u = b - a;
     let v = c - a;
-    let waste = size.x * size.y - 0.5 * abs(u.x * v.y - u.y * v.x);
+    let area = 0.5 * abs(u.x * v.y - u.y * v.x);
+    let waste = size.x * size.y - area;
     let share = select(4.0 * grid.face.x * grid.face.y, 24.0, is_lamp()) / f32(tree.casters);
-    return u32(clamp(sqrt(max(waste, 0.0) / (WASTE * share)), 1.0, MOST_PIECES));
+    return u32(clamp(sqrt(max(waste, 0.0) / min(WASTE * share, RATIO * area + LEAST * share)), 1.0, MOST_PIECES));
 }
 
 // Returns the rectangle of piece `number` of `count`.
@@ -180,8 +202,9 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
     let begin = select(lowest.y, lowest.x, is_across);
     let long = select(size.y, size.x, is_across);
     let around = shape.around;
-    let first = begin + long * (f32(number) / f32(count)) - around;
-    let last = begin + long * (f32(number + 1u) / f32(count)) + around;
+    let wider = around + long * (1.0 / 512.0);
+    let first = begin + long * (f32(number) / f32(count)) - wider;
+    let last = begin + long * (f32(number + 1u) / f32(count)) + wider;
     var low = vec3f(3e38);
     var high = vec3f(-3e38);
     for (var i = 0u; i < 3u; i++) {
@@ -205,15 +228,16 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
         low = low.yxz;
         high = high.yxz;
     }
-    low -= vec3f(around, around, 0.0);
-    high += vec3f(around, around, 0.0);
+    low -= around;
+    high += around;
     if is_lamp() {
         let start = max(low.xy, vec2f(-1.0));
         let stop = min(high.xy, vec2f(1.0));
         // Sums are monotonic when rounded, so a point in the rectangle remains in it.
         return Rect(start + shift, stop + shift, shape.nearest, all(start <= stop));
     }
-    return Rect(low.xy, high.xy, max(before(low.z), 0.0), true);
+    let nearest = select(max(low.z, 0.0), shape.nearest, shape.grazes);
+    return Rect(low.xy, high.xy, nearest, true);
 }
 
 fn corners_of(id: u32) -> array<vec3f, 3> {

@@ -189,7 +189,7 @@ fn clear_item(lane: u32) {
 @compute @workgroup_size(64)
 fn build_leaves(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     clear_item(lane);
-    let at = 64u * group.x + lane;
+    let at = 64u * (group.x + GROUPS_A_ROW * group.y) + lane;
     if at < count_at(0u) {
         let reference = references[values[at]];
         let id = reference.x & 0x1fffffffu;
@@ -204,17 +204,17 @@ fn build_leaves(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_i
             }
         }
     }
-    build(group.x, lane);
+    build(group.x + GROUPS_A_ROW * group.y, lane);
 }
 
 @compute @workgroup_size(64)
 fn build_nodes(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     clear_item(lane);
-    let at = 64u * group.x + lane;
+    let at = 64u * (group.x + GROUPS_A_ROW * group.y) + lane;
     if at < count_at(tree.level) {
         let node = first_of(tree.level) + at;
         item_rects[lane] = rects[node];
         item_nearests[lane] = nearests[node];
     }
-    build(group.x, lane);
+    build(group.x + GROUPS_A_ROW * group.y, lane);
 }

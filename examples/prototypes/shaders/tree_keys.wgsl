@@ -79,8 +79,8 @@ var<workgroup> here: atomic<u32>;
 var<workgroup> first_here: u32;
 
 @compute @workgroup_size(64)
-fn make_keys(@builtin(global_invocation_id) at: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let id = at.x;
+fn make_keys(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let id = 64u * (group.x + GROUPS_A_ROW * group.y) + lane;
     let is_caster = id < tree.casters;
     var corners: array<vec3f, 3>;
     var wanted = 0u;

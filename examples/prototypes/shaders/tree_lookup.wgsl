@@ -13,6 +13,8 @@ struct TreePlace {
 @group(0) @binding(9) var<storage, read> ids: array<u32>;
 
 const FACE_STEP = 3.0;
+// That of rects.wgsl.
+const TEST_ERROR = 1.9073486e-6;
 const GUARDS = vec2u(0x80808080u);
 const ONES = 0x01010101u;
 const MOST_LEVELS = 12;
@@ -27,10 +29,14 @@ fn children_at(node: u32, point: vec3f) -> u32 {
     walked += 1u;
     let first = nodes[4u * node];
     let inverse = bitcast<vec3f>(((vec3u(first.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu)) << vec3u(23u));
-    let steps = (point - bitcast<vec3f>(first.xyz)) * inverse;
-    // A 64th of a step is more than the rounding of differences.
-    let up = floor(steps + 0.015625);
-    let down = ceil(steps.xy - 0.015625);
+    let difference = point - bitcast<vec3f>(first.xyz);
+    let steps = difference * inverse;
+    // A 64th of a step is more than the rounding of differences. Under a directional light, the
+    // error of the triangle test is added; for a point light it is part of the rectangles.
+    let error = select(TEST_ERROR * max(difference.z, 0.0), 0.0, kernel.tiles.z == 1u);
+    let slack = error * inverse + 0.015625;
+    let up = floor(steps + slack);
+    let down = ceil(steps.xy - slack.xy);
     if any(up < vec3f(0.0)) || any(down > vec2f(127.0)) {
         return 0u;
     }

@@ -1,6 +1,6 @@
 //! A device, compute programs whose bindings are found by name, and passes of dispatches.
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use std::{
     collections::HashMap,
     time::{Duration, Instant},
@@ -9,8 +9,8 @@ use umbrage::gpu::wgpu::{self, util::DeviceExt as _};
 
 /// Number of invocations of a workgroup of most entry points.
 pub(crate) const GROUP: u32 = 64;
-/// Greatest number of workgroups along a side of a dispatch.
-const MOST_GROUPS: u32 = 65_535;
+/// Number of workgroups in a row of a dispatch: `GROUPS_A_ROW` in WGSL.
+const GROUPS_A_ROW: u32 = 32_768;
 
 /// A device for the program alone.
 pub(crate) struct Device {
@@ -33,8 +33,8 @@ pub(crate) struct Program {
 pub(crate) struct Dispatch<'a> {
     pub(crate) pipeline: &'a wgpu::ComputePipeline,
     pub(crate) group: wgpu::BindGroup,
-    /// Number of workgroups.
-    pub(crate) groups: u32,
+    /// Numbers of workgroups, in a row and rows.
+    pub(crate) groups: [u32; 2],
 }
 
 impl Device {
@@ -176,7 +176,6 @@ impl Device {
                 resource: buffer.as_entire_binding(),
             });
         }
-        ensure!(groups <= MOST_GROUPS, "{entry}: {groups} workgroups");
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(program.label),
             layout: &program.layout,
@@ -186,7 +185,7 @@ impl Device {
         Ok(Dispatch {
             pipeline: pipeline.with_context(|| format!("no entry point `{entry}`"))?,
             group,
-            groups: groups.max(1),
+            groups: [groups.clamp(1, GROUPS_A_ROW), groups.div_ceil(GROUPS_A_ROW).max(1)],
         })
     }
 
@@ -207,7 +206,7 @@ impl Device {
         for dispatch in dispatches {
             pass.set_pipeline(dispatch.pipeline);
             pass.set_bind_group(0, &dispatch.group, &[]);
-            pass.dispatch_workgroups(dispatch.groups, 1, 1);
+            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
         }
         drop(pass);
         self.wait()?;

@@ -146,10 +146,10 @@ fn env(name: &str, otherwise: f64) -> f64 {
     value.and_then(|v| v.parse().ok()).unwrap_or(otherwise)
 }
 
-fn constants() -> [(&'static str, f64); 2] {
-    [("WASTE", env("WASTE", 1.0)), ("CLASSES", env("CLASSES", 4.0))]
+fn constants() -> [(&'static str, f64); 4] {
+    [("RATIO", env("RATIO", 4.0)), ("LEAST", env("LEAST", 0.001)), ("WASTE", env("WASTE", 1.0)), ("CLASSES", env("CLASSES", 1.0))]
 }
 
-fn constants_of_blocks() -> [(&'static str, f64); 2] {
-    [("WASTE", env("WASTE", 1.0)), ("AXES", env("AXES", 3.0))]
+fn constants_of_blocks() -> [(&'static str, f64); 4] {
+    [("RATIO", env("RATIO", 4.0)), ("LEAST", env("LEAST", 0.001)), ("WASTE", env("WASTE", 1.0)), ("AXES", env("AXES", 4.0))]
 }
