@@ -18,6 +18,8 @@ struct Shape {
     corners: array<vec3f, 3>,
     around: f32,
     nearest: f32,
+    // Greatest depth of a caster of a point light that is not divided at its pyramid.
+    farthest: f32,
     is_there: bool,
     // True if a computed hit may have the depth of any of its points.
     grazes: bool,
@@ -134,6 +136,7 @@ fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
         return clipped_to_pyramid(out, rim);
     }
     out.nearest = max(before(max(distance * COORDINATE, min(min(a.z, b.z), c.z))), 0.0);
+    out.farthest = behind(max(max(a.z, b.z), c.z));
     out.corners[0] = vec3f(a.xy / a.z, 0.0);
     out.corners[1] = vec3f(b.xy / b.z, 0.0);
     out.corners[2] = vec3f(c.xy / c.z, 0.0);
@@ -175,8 +178,37 @@ fn pieces_of(shape: Shape) -> u32 {
     let v = c - a;
     let area = 0.5 * abs(u.x * v.y - u.y * v.x);
     let waste = size.x * size.y - area;
-    let share = select(4.0 * grid.face.x * grid.face.y, 24.0, is_lamp()) / f32(tree.casters);
+    let share = select(4.0 * grid.face.x * grid.face.y, 24.0, is_lamp()) / f32(made.casters);
     return u32(clamp(sqrt(max(waste, 0.0) / min(WASTE * share, RATIO * area + LEAST * share)), 1.0, MOST_PIECES));
+}
+
+struct Part {
+    low: vec3f,
+    high: vec3f,
+}
+
+// Returns the bounds of the part of a triangle between two values of x.
+fn clip_to_strip(corners: array<vec3f, 3>, first: f32, last: f32) -> Part {
+    var low = vec3f(3e38);
+    var high = vec3f(-3e38);
+    for (var i = 0u; i < 3u; i++) {
+        let p = corners[i];
+        let q = corners[(i + 1u) % 3u];
+        if p.x >= first && p.x <= last {
+            low = min(low, p);
+            high = max(high, p);
+        }
+        let step = q - p;
+        for (var end = 0u; end < 2u; end++) {
+            let at = select(first, last, end == 1u);
+            if (p.x < at) != (q.x < at) {
+                let crossing = vec3f(at, p.yz + step.yz * ((at - p.x) / step.x));
+                low = min(low, crossing);
+                high = max(high, crossing);
+            }
+        }
+    }
+    return Part(low, high);
 }
 
 // Returns the rectangle of piece `number` of `count`.
@@ -198,32 +230,15 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
             corners[i] = corners[i].yxz;
         }
     }
-    // Clip the edges to the strip, widened by the margin, so that rounded crossings are outside.
     let begin = select(lowest.y, lowest.x, is_across);
     let long = select(size.y, size.x, is_across);
     let around = shape.around;
     let wider = around + long * (1.0 / 512.0);
     let first = begin + long * (f32(number) / f32(count)) - wider;
     let last = begin + long * (f32(number + 1u) / f32(count)) + wider;
-    var low = vec3f(3e38);
-    var high = vec3f(-3e38);
-    for (var i = 0u; i < 3u; i++) {
-        let p = corners[i];
-        let q = corners[(i + 1u) % 3u];
-        if p.x >= first && p.x <= last {
-            low = min(low, p);
-            high = max(high, p);
-        }
-        let step = q - p;
-        for (var end = 0u; end < 2u; end++) {
-            let at = select(first, last, end == 1u);
-            if (p.x < at) != (q.x < at) {
-                let crossing = vec3f(at, p.yz + step.yz * ((at - p.x) / step.x));
-                low = min(low, crossing);
-                high = max(high, crossing);
-            }
-        }
-    }
+    let part = clip_to_strip(corners, first, last);
+    var low = part.low;
+    var high = part.high;
     if !is_across {
         low = low.yxz;
         high = high.yxz;

@@ -10,7 +10,7 @@ struct TreePlace {
 }
 
 @group(0) @binding(0) var<uniform> grid: ListsGrid;
-@group(0) @binding(1) var<uniform> tree: TreePlace;
+@group(0) @binding(1) var<uniform> made: TreePlace;
 @group(0) @binding(2) var<storage, read> corners: array<vec4f>;
 @group(0) @binding(3) var<storage, read> values: array<u32>;
 @group(0) @binding(4) var<storage, read> head: array<u32>;
@@ -36,12 +36,12 @@ var<workgroup> item_ranks: array<vec4u, 64>;
 var<workgroup> half_sizes: array<f32, 32>;
 
 fn first_of(level: u32) -> u32 {
-    return tree.firsts[level / 4u][level % 4u];
+    return made.firsts[level / 4u][level % 4u];
 }
 
 // Returns the number of nodes of a level; of casters at level 0.
 fn count_at(level: u32) -> u32 {
-    var count = min(head[0], tree.capacity);
+    var count = min(head[0], made.capacity);
     for (var i = 0u; i < level; i++) {
         count = (count + 7u) / 8u;
     }
@@ -174,7 +174,7 @@ fn build(block: u32, lane: u32) {
     halve_parts(lane, 64u);
     halve_parts(lane, 32u);
     halve_parts(lane, 16u);
-    let level = tree.level + 1u;
+    let level = made.level + 1u;
     if lane < 8u && 8u * block + lane < count_at(level) {
         put_node(first_of(level) + 8u * block + lane, 8u * lane);
     }
@@ -211,8 +211,8 @@ fn build_leaves(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_i
 fn build_nodes(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     clear_item(lane);
     let at = 64u * (group.x + GROUPS_A_ROW * group.y) + lane;
-    if at < count_at(tree.level) {
-        let node = first_of(tree.level) + at;
+    if at < count_at(made.level) {
+        let node = first_of(made.level) + at;
         item_rects[lane] = rects[node];
         item_nearests[lane] = nearests[node];
     }

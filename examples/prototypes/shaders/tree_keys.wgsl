@@ -10,7 +10,7 @@ struct TreePlace {
 }
 
 @group(0) @binding(0) var<uniform> grid: ListsGrid;
-@group(0) @binding(1) var<uniform> tree: TreePlace;
+@group(0) @binding(1) var<uniform> made: TreePlace;
 @group(0) @binding(2) var<storage, read> corners: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(4) var<storage, read_write> values: array<u32>;
@@ -81,7 +81,7 @@ var<workgroup> first_here: u32;
 @compute @workgroup_size(64)
 fn make_keys(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let id = 64u * (group.x + GROUPS_A_ROW * group.y) + lane;
-    let is_caster = id < tree.casters;
+    let is_caster = id < made.casters;
     var corners: array<vec3f, 3>;
     var wanted = 0u;
     if is_caster {
@@ -108,15 +108,15 @@ fn make_keys(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_inde
     if !is_caster {
         return;
     }
-    let begin = tree.casters + first_here + own;
+    let begin = made.casters + first_here + own;
     let end = begin + more;
     if wanted == 0u {
         put_nothing(id);
         return;
     }
-    if end > tree.capacity {
+    if end > made.capacity {
         // There is no capacity: the caster may be anywhere.
-        for (var i = begin; i < min(end, tree.capacity); i++) {
+        for (var i = begin; i < min(end, made.capacity); i++) {
             put_nothing(i);
         }
         var shape: Shape;
@@ -143,5 +143,5 @@ fn make_keys(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_inde
 
 @compute @workgroup_size(1)
 fn count_references() {
-    atomicStore(&head[0], min(tree.casters + atomicLoad(&head[1]), tree.capacity));
+    atomicStore(&head[0], min(made.casters + atomicLoad(&head[1]), made.capacity));
 }

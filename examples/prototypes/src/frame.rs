@@ -32,6 +32,8 @@ pub(crate) struct Frame {
     pub(crate) cut_outs: Buffer,
     /// `ExactUniforms` of the library.
     pub(crate) kernel: Buffer,
+    /// Names and offsets of its fields.
+    kernel_fields: Vec<(&'static str, u64)>,
     /// `ListsGrid` of the library, with the margins that a device uses.
     pub(crate) grid: Vec<u8>,
     /// Modules of the library that build lists on a device.
@@ -62,7 +64,9 @@ impl Frame {
         let expected = cpu.render(&view, &rays)?.mask;
         let exact = Exact::default().recipe(&view)?;
         let uniforms = exact.receive.kernel.uniforms();
-        let uniforms = uniforms.context("`exact` has no uniforms")?.uniform_bytes();
+        let uniforms = uniforms.context("`exact` has no uniforms")?;
+        let kernel_fields = uniforms.uniform_layout().fields;
+        let uniforms = uniforms.uniform_bytes();
         let on_device = Exact::default().device_recipe(&view);
         let on_device = on_device.context("`exact` has no device recipe")??;
 
@@ -106,6 +110,7 @@ impl Frame {
             receivers: device.storage("receivers", bytemuck::cast_slice(&rows)),
             cut_outs: device.storage("cut-outs", bytemuck::cast_slice(cut_outs)),
             kernel: device.uniform("kernel", &uniforms),
+            kernel_fields,
             list_modules: on_device.lists.modules,
             grid: on_device.lists.uniforms,
             modules: exact.receive.kernel.modules(),
@@ -139,6 +144,21 @@ impl Frame {
     /// Returns the WGSL of the library's lookup of lists.
     pub(crate) fn lists_wgsl(&self) -> String {
         join(&[umbrage::MATH]) + &join(&self.modules)
+    }
+
+    /// Returns the word at which a field of `kernel` begins.
+    pub(crate) fn kernel_offset(&self, name: &str) -> Result<usize> {
+        let mut fields = self.kernel_fields.iter();
+        let field = fields.find(|(known, _)| *known == name);
+        let (_, bytes) = field.with_context(|| format!("no uniform `{name}`"))?;
+        Ok(*bytes as usize / 4)
+    }
+
+    /// Returns a module of the library that builds lists on a device.
+    pub(crate) fn module(&self, name: &str) -> Result<Module> {
+        let mut modules = self.list_modules.iter();
+        let module = modules.find(|module| module.name == name);
+        module.copied().with_context(|| format!("no module `{name}`"))
     }
 
     /// Returns the number of pixels.

@@ -5,6 +5,7 @@
 
 mod device;
 mod frame;
+mod grid;
 mod lookup;
 mod outcome;
 mod sort;
@@ -41,6 +42,8 @@ struct Options {
 /// A structure.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Candidate {
+    /// Lists of a grid of two levels.
+    Grid,
     /// Hierarchy over the light's view.
     Tree,
 }
@@ -68,6 +71,7 @@ fn main() -> Result<()> {
         eprintln!("{name}: loaded in {:.1} s", start.elapsed().as_secs_f64());
         for candidate in &candidates {
             let outcome = match candidate {
+                Candidate::Grid => grid::run(&device, &frame)?,
                 Candidate::Tree => tree::run(&device, &frame, false)?,
             };
             let differ = print_row(&frame, &outcome);

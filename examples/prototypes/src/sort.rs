@@ -71,6 +71,13 @@ impl Scan {
     }
 }
 
+impl ScanBuffers {
+    /// Returns the sum of all words.
+    pub(crate) fn total(&self, device: &Device) -> Result<u32> {
+        Ok(device.read(&self.sums)?[self.blocks as usize])
+    }
+}
+
 /// Pipelines of the sort.
 pub(crate) struct Sort {
     program: Program,

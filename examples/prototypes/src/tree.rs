@@ -62,7 +62,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
     let mut dispatches = Vec::new();
     let named = [
         ("grid", &grid),
-        ("tree", &places[0]),
+        ("made", &places[0]),
         ("corners", &frame.corners),
         ("keys", &buffers.keys[0]),
         ("values", &buffers.values[0]),
@@ -76,7 +76,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
     for (level, place) in places.iter().enumerate() {
         let named = [
             ("grid", &grid),
-            ("tree", place),
+            ("made", place),
             ("corners", &frame.corners),
             ("values", &buffers.values[0]),
             ("head", &head),
