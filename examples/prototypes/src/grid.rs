@@ -165,6 +165,7 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
         bytes_tested: CORNERS,
         // A tile, a cell, and the end of its list.
         bytes_more: 16.0 + 2.0 * CELL,
+        caster_walks: None,
     })
 }
 

@@ -8,6 +8,7 @@ mod frame;
 mod grid;
 mod lookup;
 mod outcome;
+mod receivers;
 mod sort;
 mod tree;
 
@@ -44,6 +45,8 @@ struct Options {
 enum Candidate {
     /// Lists of a grid of two levels.
     Grid,
+    /// Irregular z-buffer.
+    Receivers,
     /// Hierarchy over the light's view.
     Tree,
 }
@@ -72,6 +75,7 @@ fn main() -> Result<()> {
         for candidate in &candidates {
             let outcome = match candidate {
                 Candidate::Grid => grid::run(&device, &frame)?,
+                Candidate::Receivers => receivers::run(&device, &frame)?,
                 Candidate::Tree => tree::run(&device, &frame, false)?,
             };
             let differ = print_row(&frame, &outcome);

@@ -23,6 +23,9 @@ pub(crate) struct Outcome {
     pub(crate) bytes_tested: f64,
     /// Further bytes per receiver: what all receivers together do before they are answered.
     pub(crate) bytes_more: f64,
+    /// If lanes are casters: the longest walk of one, and the sum over blocks of 32 casters of the
+    /// longest walk, per block of receivers.
+    pub(crate) caster_walks: Option<[f64; 2]>,
 }
 
 /// What making a structure costs, per caster.
@@ -45,7 +48,7 @@ pub(crate) struct Counts {
     pub(crate) differing: usize,
     pub(crate) tests: f64,
     pub(crate) walked: f64,
-    pub(crate) longest_walk: u32,
+    pub(crate) longest_walk: f64,
     pub(crate) most_tests: u32,
     /// Greatest mean number of tests of a block of 32 receivers.
     pub(crate) worst_block: f64,
@@ -88,15 +91,17 @@ impl Outcome {
             let all = longest.iter().map(|l| f64::from(l[part]));
             all.sum::<f64>() / walking
         };
+        let receiver_walks = [f64::from(most(0)), lockstep(0)];
+        let [longest_walk, lockstep_walk] = self.caster_walks.unwrap_or(receiver_walks);
         Counts {
             differing,
             tests,
             walked,
-            longest_walk: most(0),
+            longest_walk,
             most_tests: most(1),
             worst_block: in_block.fold(0.0, f64::max),
             lockstep_tests: lockstep(1),
-            lockstep_walk: lockstep(0),
+            lockstep_walk,
             bytes: RECEIVER_BYTES
                 + self.bytes_more
                 + walked * self.bytes_walked

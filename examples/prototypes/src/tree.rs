@@ -129,6 +129,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
         bytes_walked: NODE,
         bytes_tested: 4.0 + CORNERS,
         bytes_more: 0.0,
+        caster_walks: None,
     })
 }
 
