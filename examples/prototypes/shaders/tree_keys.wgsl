@@ -1,4 +1,4 @@
-// Keys of casters: their size, then their place along a Hilbert curve over the light's view.
+// Keys of casters: their place along a Hilbert curve over the light's view.
 
 struct TreePlace {
     casters: u32,
@@ -20,8 +20,6 @@ struct TreePlace {
 // Log2 of the number of steps of the curve along a side: 14 for a directional light, 13 for each
 // face of a point light.
 const CURVE_LOG2 = 14u;
-
-override CLASSES: u32 = 4u;
 
 // Returns the place of a point along a Hilbert curve (Hilbert 1891) through 2^log2 x 2^log2 points.
 fn hilbert(at: vec2u, log2: u32) -> u32 {
@@ -49,14 +47,7 @@ fn key_of(face: u32, rect: Rect) -> u32 {
     let middle = (rect.low + rect.high) * 0.5 - vec2f(shift, 0.0);
     let steps = f32(1u << log2);
     let at = vec2u(clamp((middle + half) * (0.5 * steps / half), vec2f(0.0), vec2f(steps - 1.0)));
-    let size = max(rect.high.x - rect.low.x, rect.high.y - rect.low.y) / (2.0 * half);
-    // Each class is 4 times as wide as the next smaller one. The widest begin at an eighth.
-    let class_of = clamp(f32(CLASSES) - 1.0 + floor(0.5 * log2_of(size * 8.0)), 0.0, f32(CLASSES) - 1.0);
-    return (u32(class_of) << 30u) | (face << (2u * log2)) | hilbert(at, log2);
-}
-
-fn log2_of(x: f32) -> f32 {
-    return log2(max(x, 1e-30));
+    return (face << (2u * log2)) | hilbert(at, log2);
 }
 
 const NOTHING = 0xffffffffu;

@@ -3,7 +3,7 @@
 use crate::device::Device;
 use anyhow::{Context as _, Result, ensure};
 use umbrage::{
-    Backend as _, Geometry, Module, Receivers, ShadowTechnique as _, View,
+    Aabb, Backend as _, Geometry, Module, Receivers, ShadowTechnique as _, View,
     bvh::segment_hits,
     cpu::Cpu,
     glam::{UVec2, Vec2},
@@ -36,6 +36,8 @@ pub(crate) struct Frame {
     kernel_fields: Vec<(&'static str, u64)>,
     /// `ListsGrid` of the library, with the margins that a device uses.
     pub(crate) grid: Vec<u8>,
+    /// Bounds of the casters; the eighth float is the error of the triangle test, metres.
+    pub(crate) world: [f32; 8],
     /// Modules of the library that build lists on a device.
     pub(crate) list_modules: Vec<Module>,
     /// Modules of the library's `exact` kernel.
@@ -98,6 +100,13 @@ impl Frame {
             rows.push(n.extend(f32::from(u8::from(receives))).to_array());
             faces_light.push(receives && n.dot(light.direction_from(p)) > 0.0);
         }
+        let bounds = geometry.caster_bounds();
+        let around = Aabb::from_points([camera.eye()]).union(&geometry.bounds());
+        let mut world = [0.0; 8];
+        world[..3].copy_from_slice(&bounds.min.to_array());
+        world[4..7].copy_from_slice(&bounds.max.to_array());
+        // Four times the bound of the library's ray_triangle.rs.
+        world[7] = around.diagonal() / 524_288.0;
         let no_rows: [[u32; 4]; 1] = [[0; 4]];
         let cut_outs = geometry.cut_outs().map(|c| c.rows().clone());
         let cut_outs = cut_outs.as_deref().unwrap_or(&no_rows);
@@ -110,6 +119,7 @@ impl Frame {
             receivers: device.storage("receivers", bytemuck::cast_slice(&rows)),
             cut_outs: device.storage("cut-outs", bytemuck::cast_slice(cut_outs)),
             kernel: device.uniform("kernel", &uniforms),
+            world,
             kernel_fields,
             list_modules: on_device.lists.modules,
             grid: on_device.lists.uniforms,

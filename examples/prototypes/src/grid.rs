@@ -34,8 +34,8 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
     grid_words[face + 5] = tiles[1];
     let faces = if frame.is_lamp { 6 } else { 1 };
     let tile_count = faces * tiles[0] * tiles[1];
-    let cell_room = 3 * frame.casters + 2 * tile_count;
-    let item_room = 6 * frame.casters + cell_room;
+    let cell_room = 5 * frame.casters / 2 + 2 * tile_count;
+    let item_room = 7 * frame.casters / 2 + 2 * tile_count + 1024;
     let large_room = frame.casters + 1024;
 
     let place = [

@@ -18,6 +18,7 @@ use device::Device;
 use frame::Frame;
 use outcome::Outcome;
 use std::time::Instant;
+use tree::Space;
 use umbrage::glam::UVec2;
 
 /// Frames of `hardware.md`, and one with alpha-tested casters.
@@ -47,8 +48,10 @@ enum Candidate {
     Grid,
     /// Irregular z-buffer.
     Receivers,
+    /// Hierarchy in the world.
+    World,
     /// Hierarchy over the light's view.
-    Tree,
+    View,
 }
 
 fn main() -> Result<()> {
@@ -76,7 +79,8 @@ fn main() -> Result<()> {
             let outcome = match candidate {
                 Candidate::Grid => grid::run(&device, &frame)?,
                 Candidate::Receivers => receivers::run(&device, &frame)?,
-                Candidate::Tree => tree::run(&device, &frame, false)?,
+                Candidate::World => tree::run(&device, &frame, Space::World)?,
+                Candidate::View => tree::run(&device, &frame, Space::View)?,
             };
             let differ = print_row(&frame, &outcome);
             if options.spoil {

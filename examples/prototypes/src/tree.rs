@@ -14,16 +14,23 @@ use umbrage::{Module, ShadowTechnique as _, join};
 
 /// Children of a node.
 const WIDE: u32 = 8;
-/// Bytes of a node, of its rectangle and depth, and of a caster's corners.
-const NODE: f64 = 64.0;
-const RECT: f64 = 20.0;
+/// Bytes of a node's box, and of a caster's corners.
+const BOX: f64 = 32.0;
 const CORNERS: f64 = 48.0;
 /// Bytes to write a caster's corners from three indices and vertices.
 const MAKE_CORNERS: f64 = 12.0 + 36.0 + CORNERS;
 
+/// Space of the boxes.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Space {
+    /// Rectangles over the light's view, with least depths.
+    View,
+    /// Boxes in the world, for any rays.
+    World,
+}
+
 /// Runs the candidate.
-pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outcome> {
-    anyhow::ensure!(!spatial);
+pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcome> {
     // Some casters are divided, and some are on several faces of a point light.
     let capacity = 2 * frame.casters + 1024;
     let mut firsts = [0_u32; 12];
@@ -42,26 +49,46 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
         device.uniform("tree", bytemuck::cast_slice(&words))
     };
 
-    let rects = rects_wgsl(frame)?;
-    let keys_wgsl = format!("{rects}{}", include_str!("../shaders/tree_keys.wgsl"));
-    let keys: Program = device.program("tree keys", &keys_wgsl, &["make_keys", "count_references"], &constants());
-    let blocks_wgsl = format!("{rects}{}", include_str!("../shaders/tree_blocks.wgsl"));
+    let boxes_wgsl = match space {
+        Space::View => rects_wgsl(frame)?,
+        Space::World => include_str!("../shaders/world_boxes.wgsl").to_owned(),
+    };
+    let [keys_wgsl, nodes_wgsl, lookup_wgsl] = match space {
+        Space::View => [
+            include_str!("../shaders/tree_keys.wgsl"),
+            include_str!("../shaders/tree_view.wgsl"),
+            include_str!("../shaders/view_lookup.wgsl"),
+        ],
+        Space::World => [
+            include_str!("../shaders/world_keys.wgsl"),
+            include_str!("../shaders/tree_world.wgsl"),
+            include_str!("../shaders/world_lookup.wgsl"),
+        ],
+    };
+    let constants = space.constants();
+    let keys_wgsl = format!("{boxes_wgsl}{keys_wgsl}");
+    let entries = ["make_keys", "count_references"];
+    let keys = device.program("tree keys", &keys_wgsl, &entries, &constants);
+    let common = include_str!("../shaders/tree_blocks.wgsl");
+    let blocks_wgsl = format!("{boxes_wgsl}{common}{nodes_wgsl}");
     let entries = ["build_leaves", "build_nodes"];
-    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &constants_of_blocks());
+    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &constants);
     let sort = Sort::new(device);
 
     let buffers = SortBuffers::new(device, capacity);
     let grid = device.uniform("grid", &frame.grid);
+    let world = device.uniform("world", bytemuck::cast_slice(&frame.world));
     let references = device.zeros("references", 8 * u64::from(capacity));
     let ids = device.zeros("ids", 4 * u64::from(capacity));
     let head = device.zeros("head", 16);
-    let node_rows = device.zeros("nodes", 64 * u64::from(nodes));
-    let node_rects = device.zeros("rects", 16 * u64::from(nodes));
-    let nearests = device.zeros("nearests", 4 * u64::from(nodes));
+    let node_bytes = space.node_bytes();
+    let node_rows = device.zeros("nodes", node_bytes * u64::from(nodes));
+    let node_boxes = device.zeros("boxes", BOX as u64 * u64::from(nodes));
     let places: Vec<_> = (0..levels).map(place_of).collect();
     let mut dispatches = Vec::new();
     let named = [
         ("grid", &grid),
+        ("world", &world),
         ("made", &places[0]),
         ("corners", &frame.corners),
         ("keys", &buffers.keys[0]),
@@ -76,13 +103,13 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
     for (level, place) in places.iter().enumerate() {
         let named = [
             ("grid", &grid),
+        ("world", &world),
             ("made", place),
             ("corners", &frame.corners),
             ("values", &buffers.values[0]),
             ("head", &head),
             ("nodes", &node_rows),
-            ("rects", &node_rects),
-            ("nearests", &nearests),
+            ("boxes", &node_boxes),
             ("references", &references),
             ("ids", &ids),
         ];
@@ -94,7 +121,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
 
     let references_made = device.read(&head)?[0];
     let look_up = LookUp {
-        wgsl: frame.ray_wgsl()? + include_str!("../shaders/tree_lookup.wgsl"),
+        wgsl: frame.ray_wgsl()? + include_str!("../shaders/tree_walk.wgsl") + lookup_wgsl,
         buffers: vec![
             ("tree", &places[0]),
             ("nodes", &node_rows),
@@ -103,6 +130,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
     };
     let answered = answer(device, frame, &look_up)?;
     let r = f64::from(references_made) / f64::from(frame.casters.max(1));
+    let node = node_bytes as f64;
     // A node for eight references, and all levels above it.
     let nodes_each = r / 7.0;
     let leaf_nodes = r / 8.0;
@@ -113,20 +141,20 @@ pub(crate) fn run(device: &Device, frame: &Frame, spatial: bool) -> Result<Outco
             + 16.0 * r
             + SORT_BYTES * r
             + (4.0 + 8.0 + CORNERS + 4.0) * r
-            + (NODE + RECT) * nodes_each
-            + RECT * leaf_nodes,
+            + (node + BOX) * nodes_each
+            + BOX * leaf_nodes,
         atomics: 1.0 / 64.0,
-        kept: CORNERS + 4.0 * r + NODE * nodes_each,
-        scratch: (16.0 + 8.0) * r + RECT * nodes_each,
+        kept: CORNERS + 4.0 * r + node * nodes_each,
+        scratch: (16.0 + 8.0) * r + BOX * nodes_each,
     };
     Ok(Outcome {
-        candidate: "hierarchy, light space".to_owned(),
+        candidate: space.name().to_owned(),
         answers: answered.answers,
         counted: answered.counted,
         make,
         look_up: answered.time,
         made,
-        bytes_walked: NODE,
+        bytes_walked: node,
         bytes_tested: 4.0 + CORNERS,
         bytes_more: 0.0,
         caster_walks: None,
@@ -147,10 +175,26 @@ fn env(name: &str, otherwise: f64) -> f64 {
     value.and_then(|v| v.parse().ok()).unwrap_or(otherwise)
 }
 
-fn constants() -> [(&'static str, f64); 4] {
-    [("RATIO", env("RATIO", 4.0)), ("LEAST", env("LEAST", 0.001)), ("WASTE", env("WASTE", 1.0)), ("CLASSES", env("CLASSES", 1.0))]
-}
+impl Space {
+    fn name(self) -> &'static str {
+        match self {
+            Self::View => "hierarchy, light's view",
+            Self::World => "hierarchy, world",
+        }
+    }
 
-fn constants_of_blocks() -> [(&'static str, f64); 4] {
-    [("RATIO", env("RATIO", 4.0)), ("LEAST", env("LEAST", 0.001)), ("WASTE", env("WASTE", 1.0)), ("AXES", env("AXES", 4.0))]
+    fn node_bytes(self) -> u64 {
+        match self {
+            Self::View => 64,
+            Self::World => 80,
+        }
+    }
+
+    fn constants(self) -> Vec<(&'static str, f64)> {
+        let waste = ("WASTE", env("WASTE", 1.0));
+        match self {
+            Self::View => vec![waste, ("RATIO", env("RATIO", 1e9)), ("LEAST", env("LEAST", 0.01))],
+            Self::World => vec![waste],
+        }
+    }
 }
