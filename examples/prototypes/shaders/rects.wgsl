@@ -44,11 +44,13 @@ const MOST_PIECES = 32.0;
 // Number of workgroups in a row of a dispatch.
 const GROUPS_A_ROW = 32768u;
 
-// Waste, as a multiple of a caster's share of the face, from which a caster is divided.
-override WASTE: f32 = 4.0;
-// Waste, as a multiple of a caster's own area, from which it is divided.
-override LEAST: f32 = 0.001;
-override RATIO: f32 = 4.0;
+// Waste from which a caster is divided, as a multiple of its allowance. A higher one gives fewer
+// references.
+override WASTE: f32 = 1.0;
+// A caster's allowance: a multiple of its area, and at least this part of its share of the face. At
+// most its share.
+const ALLOWED_AREA = 4.0;
+const LEAST_SHARE = 0.01;
 
 fn no_rect() -> Rect {
     return Rect(vec2f(3e38), vec2f(-3e38), 3e38, false);
@@ -179,7 +181,8 @@ fn pieces_of(shape: Shape) -> u32 {
     let area = 0.5 * abs(u.x * v.y - u.y * v.x);
     let waste = size.x * size.y - area;
     let share = select(4.0 * grid.face.x * grid.face.y, 24.0, is_lamp()) / f32(made.casters);
-    return u32(clamp(sqrt(max(waste, 0.0) / min(WASTE * share, RATIO * area + LEAST * share)), 1.0, MOST_PIECES));
+    let allowed = min(share, ALLOWED_AREA * area + LEAST_SHARE * share);
+    return u32(clamp(sqrt(max(waste, 0.0) / (WASTE * allowed)), 1.0, MOST_PIECES));
 }
 
 struct Part {

@@ -11,6 +11,8 @@ struct World {
 // Number of workgroups in a row of a dispatch.
 const GROUPS_A_ROW = 32768u;
 const MOST_PIECES = 32.0;
+const ALLOWED_AREA = 4.0;
+const LEAST_SHARE = 0.01;
 override WASTE: f32 = 1.0;
 
 fn half_surface(size: vec3f) -> f32 {
@@ -27,7 +29,9 @@ fn pieces_of(points: array<vec3f, 3>) -> u32 {
     let n = abs(cross(points[1] - points[0], points[2] - points[0])) * 0.5;
     let waste = half_surface(high - low) - n.x - n.y - n.z;
     let share = half_surface(world.high.xyz - world.low.xyz) / f32(made.casters);
-    return u32(clamp(sqrt(max(waste, 0.0) / (WASTE * share)), 1.0, MOST_PIECES));
+    let area = n.x + n.y + n.z;
+    let allowed = min(share, ALLOWED_AREA * area + LEAST_SHARE * share);
+    return u32(clamp(sqrt(max(waste, 0.0) / (WASTE * allowed)), 1.0, MOST_PIECES));
 }
 
 struct Part {

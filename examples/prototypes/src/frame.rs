@@ -3,7 +3,7 @@
 use crate::device::Device;
 use anyhow::{Context as _, Result, ensure};
 use umbrage::{
-    Aabb, Backend as _, Geometry, Module, Receivers, ShadowTechnique as _, View,
+    Aabb, Backend as _, Geometry, Module, Receivers, Recipe, ShadowTechnique as _, View,
     bvh::segment_hits,
     cpu::Cpu,
     glam::{UVec2, Vec2},
@@ -42,6 +42,8 @@ pub(crate) struct Frame {
     pub(crate) list_modules: Vec<Module>,
     /// Modules of the library's `exact` kernel.
     modules: Vec<Module>,
+    /// The library's rays.
+    pub(crate) rays: Recipe,
     /// Visibility of each pixel's light by the library's rays.
     pub(crate) expected: Vec<u32>,
     /// True for pixels with a receiver that faces the light.
@@ -124,6 +126,7 @@ impl Frame {
             list_modules: on_device.lists.modules,
             grid: on_device.lists.uniforms,
             modules: exact.receive.kernel.modules(),
+            rays,
             expected: expected.iter().map(|v| v.to_bits()).collect(),
             faces_light,
             receiver_count: receivers.receives.iter().filter(|&&r| r).count(),
@@ -149,6 +152,16 @@ impl Frame {
             text += "\n";
         }
         Ok(text)
+    }
+
+    /// Returns the WGSL of `ExactUniforms`.
+    pub(crate) fn uniforms_wgsl(&self) -> Result<&'static str> {
+        let exact = self.modules.iter().find(|module| module.name == "exact");
+        let text = exact.context("no module `exact`")?.text;
+        let (before, _) = text
+            .split_once("// Greatest number below 1.")
+            .context("exact.wgsl has changed")?;
+        Ok(before)
     }
 
     /// Returns the WGSL of the library's lookup of lists.

@@ -8,6 +8,7 @@ mod frame;
 mod grid;
 mod lookup;
 mod outcome;
+mod rays;
 mod receivers;
 mod sort;
 mod tree;
@@ -44,6 +45,8 @@ struct Options {
 /// A structure.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Candidate {
+    /// Today's rays, for comparison.
+    Rays,
     /// Lists of a grid of two levels.
     Grid,
     /// Irregular z-buffer.
@@ -77,6 +80,13 @@ fn main() -> Result<()> {
         eprintln!("{name}: loaded in {:.1} s", start.elapsed().as_secs_f64());
         for candidate in &candidates {
             let outcome = match candidate {
+                Candidate::Rays => {
+                    let Some(outcome) = rays::run(&device, &frame)? else {
+                        eprintln!("{name}: the hierarchy of the CPU exceeds a binding");
+                        continue;
+                    };
+                    outcome
+                }
                 Candidate::Grid => grid::run(&device, &frame)?,
                 Candidate::Receivers => receivers::run(&device, &frame)?,
                 Candidate::World => tree::run(&device, &frame, Space::World)?,

@@ -20,6 +20,11 @@ const CORNERS: f64 = 48.0;
 /// Bytes to write a caster's corners from three indices and vertices.
 const MAKE_CORNERS: f64 = 12.0 + 36.0 + CORNERS;
 
+/// References per caster, at most; and the waste that is tried first and last.
+const MOST_REFERENCES: f64 = 1.8;
+const FIRST_WASTE: f64 = 0.25;
+const LAST_WASTE: f64 = 4096.0;
+
 /// Space of the boxes.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Space {
@@ -65,14 +70,10 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
             include_str!("../shaders/world_lookup.wgsl"),
         ],
     };
-    let constants = space.constants();
     let keys_wgsl = format!("{boxes_wgsl}{keys_wgsl}");
-    let entries = ["make_keys", "count_references"];
-    let keys = device.program("tree keys", &keys_wgsl, &entries, &constants);
     let common = include_str!("../shaders/tree_blocks.wgsl");
     let blocks_wgsl = format!("{boxes_wgsl}{common}{nodes_wgsl}");
     let entries = ["build_leaves", "build_nodes"];
-    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &constants);
     let sort = Sort::new(device);
 
     let buffers = SortBuffers::new(device, capacity);
@@ -85,7 +86,6 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
     let node_rows = device.zeros("nodes", node_bytes * u64::from(nodes));
     let node_boxes = device.zeros("boxes", BOX as u64 * u64::from(nodes));
     let places: Vec<_> = (0..levels).map(place_of).collect();
-    let mut dispatches = Vec::new();
     let named = [
         ("grid", &grid),
         ("world", &world),
@@ -97,6 +97,23 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
         ("references", &references),
     ];
     let groups = frame.casters.div_ceil(GROUP);
+    let mut waste = FIRST_WASTE;
+    // A renderer adjusts the waste from frame to frame by the number of references that it reads
+    // some frames later. Here it settles at once.
+    let keys = loop {
+        let constants = [("WASTE", waste)];
+        let key_entries = ["make_keys", "count_references"];
+        let keys = device.program("tree keys", &keys_wgsl, &key_entries, &constants);
+        let passes = [device.dispatch(&keys, "make_keys", &named, groups)?];
+        device.run(&[&head], &passes)?;
+        let wanted = f64::from(frame.casters) + f64::from(device.read(&head)?[1]);
+        if wanted <= MOST_REFERENCES * f64::from(frame.casters) || waste >= LAST_WASTE {
+            break keys;
+        }
+        waste *= 2.0;
+    };
+    let blocks = device.program("tree blocks", &blocks_wgsl, &entries, &[("WASTE", waste)]);
+    let mut dispatches = Vec::new();
     dispatches.push(device.dispatch(&keys, "make_keys", &named, groups)?);
     dispatches.push(device.dispatch(&keys, "count_references", &named, 1)?);
     sort.record(device, &buffers, &head, &mut dispatches)?;
@@ -148,7 +165,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
         scratch: (16.0 + 8.0) * r + BOX * nodes_each,
     };
     Ok(Outcome {
-        candidate: space.name().to_owned(),
+        candidate: format!("{}, waste {waste}", space.name()),
         answers: answered.answers,
         counted: answered.counted,
         make,
@@ -170,11 +187,6 @@ pub(crate) fn rects_wgsl(frame: &Frame) -> Result<String> {
     Ok(join(&modules) + include_str!("../shaders/rects.wgsl"))
 }
 
-fn env(name: &str, otherwise: f64) -> f64 {
-    let value = std::env::var(name).ok();
-    value.and_then(|v| v.parse().ok()).unwrap_or(otherwise)
-}
-
 impl Space {
     fn name(self) -> &'static str {
         match self {
@@ -187,14 +199,6 @@ impl Space {
         match self {
             Self::View => 64,
             Self::World => 80,
-        }
-    }
-
-    fn constants(self) -> Vec<(&'static str, f64)> {
-        let waste = ("WASTE", env("WASTE", 1.0));
-        match self {
-            Self::View => vec![waste, ("RATIO", env("RATIO", 1e9)), ("LEAST", env("LEAST", 0.01))],
-            Self::World => vec![waste],
         }
     }
 }
