@@ -6,7 +6,7 @@ use umbrage::{
     Aabb, Backend as _, Geometry, Module, Receivers, Recipe, ShadowTechnique as _, View,
     bvh::segment_hits,
     cpu::Cpu,
-    glam::{UVec2, Vec2},
+    glam::{UVec2, Vec2, Vec3},
     gpu::wgpu::Buffer,
     join,
     light_sample::{LightSampler, ray_origin, segment},
@@ -35,7 +35,7 @@ pub(crate) struct Frame {
     /// Names and offsets of its fields.
     kernel_fields: Vec<(&'static str, u64)>,
     /// `ListsGrid` of the library, with the margins that a device uses.
-    pub(crate) grid: Vec<u8>,
+    pub(crate) grid: Vec<u32>,
     /// Bounds of the casters; the eighth float is the error of the triangle test, metres.
     pub(crate) world: [f32; 8],
     /// Modules of the library that build lists on a device.
@@ -70,9 +70,13 @@ impl Frame {
         let uniforms = exact.receive.kernel.uniforms();
         let uniforms = uniforms.context("`exact` has no uniforms")?;
         let kernel_fields = uniforms.uniform_layout().fields;
-        let uniforms = uniforms.uniform_bytes();
+        let mut kernel: Vec<u32> = bytemuck::pod_collect_to_vec(&uniforms.uniform_bytes());
         let on_device = Exact::default().device_recipe(&view);
         let on_device = on_device.context("`exact` has no device recipe")??;
+        let mut grid: Vec<u32> = bytemuck::pod_collect_to_vec(&on_device.lists.uniforms);
+        if light.position().is_none() {
+            turn_upright(&kernel_fields, &mut kernel, &mut grid)?;
+        }
 
         let casters = geometry.casters();
         ensure!(casters.start == 0, "casters are not the first triangles");
@@ -120,11 +124,11 @@ impl Frame {
             corners: device.storage("corners", bytemuck::cast_slice(&corners)),
             receivers: device.storage("receivers", bytemuck::cast_slice(&rows)),
             cut_outs: device.storage("cut-outs", bytemuck::cast_slice(cut_outs)),
-            kernel: device.uniform("kernel", &uniforms),
+            kernel: device.uniform("kernel", bytemuck::cast_slice(&kernel)),
             world,
             kernel_fields,
             list_modules: on_device.lists.modules,
-            grid: on_device.lists.uniforms,
+            grid,
             modules: exact.receive.kernel.modules(),
             rays,
             expected: expected.iter().map(|v| v.to_bits()).collect(),
@@ -171,10 +175,7 @@ impl Frame {
 
     /// Returns the word at which a field of `kernel` begins.
     pub(crate) fn kernel_offset(&self, name: &str) -> Result<usize> {
-        let mut fields = self.kernel_fields.iter();
-        let field = fields.find(|(known, _)| *known == name);
-        let (_, bytes) = field.with_context(|| format!("no uniform `{name}`"))?;
-        Ok(*bytes as usize / 4)
+        word_of(&self.kernel_fields, name)
     }
 
     /// Returns a module of the library that builds lists on a device.
@@ -224,4 +225,50 @@ fn only_blocker(
         }
     }
     None
+}
+
+/// Returns the word at which a field begins.
+fn word_of(fields: &[(&'static str, u64)], name: &str) -> Result<usize> {
+    let field = fields.iter().find(|(known, _)| *known == name);
+    let (_, bytes) = field.with_context(|| format!("no uniform `{name}`"))?;
+    Ok(*bytes as usize / 4)
+}
+
+/// Turns a directional light's frame around its rays, so that the world's verticals are along one
+/// of its axes. Upright edges, which most scenes have, then have narrow rectangles.
+fn turn_upright(
+    fields: &[(&'static str, u64)],
+    kernel: &mut [u32],
+    grid: &mut [u32],
+) -> Result<()> {
+    let [across_at, down_at] = [word_of(fields, "across")?, word_of(fields, "down")?];
+    let row = |first: usize| Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(kernel[first + i])));
+    let [across, down] = [row(across_at), row(down_at)];
+    // Parts of the upright direction along both rows.
+    let Some(up) = Vec2::new(across.y, down.y).try_normalize() else {
+        return Ok(());
+    };
+    let turned = [across * up.y - down * up.x, across * up.x + down * up.y];
+    for (i, v) in turned.iter().enumerate() {
+        for (part, value) in v.to_array().iter().enumerate() {
+            kernel[[across_at, down_at][i] + part] = value.to_bits();
+            grid[4 + 4 * i + part] = value.to_bits();
+        }
+    }
+    // The face contains the turned one.
+    let half_at = word_of(fields, "grid")?;
+    let half = Vec2::new(
+        f32::from_bits(kernel[half_at]),
+        f32::from_bits(kernel[half_at + 1]),
+    );
+    let up = up.abs();
+    let half = Vec2::new(half.x * up.y + half.y * up.x, half.x * up.x + half.y * up.y);
+    let tiles_a_unit = f32::from_bits(kernel[half_at + 2]);
+    let tiles_at = word_of(fields, "tiles")?;
+    for (part, value) in half.to_array().iter().enumerate() {
+        kernel[half_at + part] = value.to_bits();
+        kernel[tiles_at + part] = (2.0 * value * tiles_a_unit).ceil() as u32;
+        grid[16 + part] = value.to_bits();
+    }
+    Ok(())
 }

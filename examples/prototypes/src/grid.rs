@@ -27,7 +27,7 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
     let offset = |name: &str| frame.kernel_offset(name);
     let tiles_a_unit = kernel[offset("grid")? + 2];
     let tiles = [kernel[offset("tiles")?], kernel[offset("tiles")? + 1]];
-    let mut grid_words: Vec<u32> = bytemuck::pod_collect_to_vec(&frame.grid);
+    let mut grid_words = frame.grid.clone();
     let face = grid_words.len() - 8;
     grid_words[face + 2] = tiles_a_unit;
     grid_words[face + 4] = tiles[0];

@@ -27,7 +27,9 @@ pub(crate) fn answer(device: &Device, frame: &Frame, look_up: &LookUp<'_>) -> Re
         "image",
         bytemuck::cast_slice(&[frame.size.x, frame.size.y, 0, 0]),
     );
-    let mut named = vec![
+    // A structure's own buffers replace the frame's.
+    let mut named = look_up.buffers.clone();
+    named.extend([
         ("kernel", &frame.kernel),
         ("receivers", &frame.receivers),
         ("answers", &answers),
@@ -35,8 +37,7 @@ pub(crate) fn answer(device: &Device, frame: &Frame, look_up: &LookUp<'_>) -> Re
         ("image", &image),
         ("table_3", &frame.corners),
         ("table_4", &frame.cut_outs),
-    ];
-    named.extend(look_up.buffers.iter().copied());
+    ]);
     let wgsl = format!("{}{}", look_up.wgsl, include_str!("../shaders/lookup.wgsl"));
     let groups = frame.size.x.div_ceil(8) * frame.size.y.div_ceil(8);
     let mut time = Duration::MAX;

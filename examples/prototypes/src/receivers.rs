@@ -52,7 +52,7 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
 
     let words = |count: u32| device.zeros("words", 4 * u64::from(count));
     let made = device.uniform("made", bytemuck::cast_slice(&place));
-    let grid = device.uniform("grid", &frame.grid);
+    let grid = device.uniform("grid", bytemuck::cast_slice(&frame.grid));
     let counts = words(cell_count + 1);
     let taken = words(cell_count);
     let deepest = words(cell_count);

@@ -10,7 +10,7 @@ use crate::{
     sort::{SORT_BYTES, Sort, SortBuffers},
 };
 use anyhow::{Context as _, Result};
-use umbrage::{Module, ShadowTechnique as _, join};
+use umbrage::{Module, join};
 
 /// Children of a node.
 const WIDE: u32 = 8;
@@ -77,7 +77,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
     let sort = Sort::new(device);
 
     let buffers = SortBuffers::new(device, capacity);
-    let grid = device.uniform("grid", &frame.grid);
+    let grid = device.uniform("grid", bytemuck::cast_slice(&frame.grid));
     let world = device.uniform("world", bytemuck::cast_slice(&frame.world));
     let references = device.zeros("references", 8 * u64::from(capacity));
     let ids = device.zeros("ids", 4 * u64::from(capacity));
