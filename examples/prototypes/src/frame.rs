@@ -14,7 +14,7 @@ use umbrage::{
     techniques::{Exact, Traced},
 };
 
-/// Number of receivers that are tested with all casters to find one to leave out.
+/// Number of receivers that are tested with all casters to find those to leave out.
 const SAMPLED: usize = 64;
 
 /// A scene under its first light, seen by its first camera.
@@ -54,7 +54,7 @@ pub(crate) struct Frame {
 
 impl Frame {
     /// Loads a scene, and traces the expected answers on the CPU. If it `is_spoilt`, the
-    /// device does not get one of the casters, to test the comparison.
+    /// device does not get the casters that hide a receiver, to test the comparison.
     pub(crate) fn load(device: &Device, name: &str, size: UVec2, is_spoilt: bool) -> Result<Self> {
         let scene = scenes::by_argument(name)?;
         let geometry = Geometry::bake(&scene)?;
@@ -89,12 +89,12 @@ impl Frame {
             corners.push(c.extend(0.0).to_array());
         }
         if is_spoilt {
-            let id = only_blocker(&view, &geometry, &receivers, &expected)
-                .context("no sampled receiver is behind just one caster")?;
-            // Replace it by a caster without area at a far corner.
+            let ids = fewest_blockers(&view, &geometry, &receivers, &expected);
+            ensure!(!ids.is_empty(), "no receiver is in shadow");
+            // Replace them by casters without area at a far corner.
             let far = geometry.bounds().max.to_array();
-            for row in &mut corners[3 * id..3 * id + 3] {
-                row[..3].copy_from_slice(&far);
+            for row in ids.into_iter().flat_map(|id| 3 * id..3 * id + 3) {
+                corners[row][..3].copy_from_slice(&far);
             }
         }
         let mut rows: Vec<[f32; 4]> = Vec::new();
@@ -191,40 +191,43 @@ impl Frame {
     }
 }
 
-/// Returns a caster that alone hides the light from a receiver.
-fn only_blocker(
+/// Returns the casters that hide the light from a receiver: one, or the two sides of a closed mesh.
+fn fewest_blockers(
     view: &View<'_>,
     geometry: &Geometry,
     receivers: &Receivers,
     expected: &[f32],
-) -> Option<usize> {
+) -> Vec<usize> {
     let sampler = LightSampler::new(view.light);
     let eye = view.camera.eye();
     let far = 2.0 * geometry.bounds().diagonal();
     let is_dark = |&i: &usize| receivers.receives[i] && expected[i] == 0.0;
     let dark: Vec<usize> = (0..receivers.len()).filter(is_dark).collect();
     let sampled = dark.iter().step_by((dark.len() / SAMPLED).max(1));
+    let mut fewest: Vec<usize> = Vec::new();
     for &i in sampled {
         let normal = receivers.normal(i);
-        let o = ray_origin(
-            receivers.position(i),
-            normal,
-            eye,
-            geometry.max_receiver_extent(),
-        );
+        let extent = geometry.max_receiver_extent();
+        let o = ray_origin(receivers.position(i), normal, eye, extent);
         let d = segment(&sampler, o, Vec2::ZERO, far);
+        if normal.dot(d) <= 0.0 {
+            continue;
+        }
         let hits = |&id: &u32| {
             let [a, b, c] = geometry.corners(id);
             id != receivers.triangle[i] && segment_hits(o, d, a, b, c)
         };
-        let mut blockers = geometry.casters().filter(hits).take(2);
-        if let (Some(id), None) = (blockers.next(), blockers.next())
-            && normal.dot(d) > 0.0
-        {
-            return Some(id as usize);
+        let most = if fewest.is_empty() { usize::MAX } else { fewest.len() };
+        let blockers = geometry.casters().filter(hits).take(most);
+        let blockers: Vec<usize> = blockers.map(|id| id as usize).collect();
+        if !blockers.is_empty() && blockers.len() < most {
+            fewest = blockers;
+        }
+        if fewest.len() == 1 {
+            break;
         }
     }
-    None
+    fewest
 }
 
 /// Returns the word at which a field begins.
