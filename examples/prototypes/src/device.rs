@@ -185,7 +185,10 @@ impl Device {
         Ok(Dispatch {
             pipeline: pipeline.with_context(|| format!("no entry point `{entry}`"))?,
             group,
-            groups: [groups.clamp(1, GROUPS_A_ROW), groups.div_ceil(GROUPS_A_ROW).max(1)],
+            groups: [
+                groups.clamp(1, GROUPS_A_ROW),
+                groups.div_ceil(GROUPS_A_ROW).max(1),
+            ],
         })
     }
 

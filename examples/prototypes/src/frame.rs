@@ -182,7 +182,9 @@ impl Frame {
     pub(crate) fn module(&self, name: &str) -> Result<Module> {
         let mut modules = self.list_modules.iter();
         let module = modules.find(|module| module.name == name);
-        module.copied().with_context(|| format!("no module `{name}`"))
+        module
+            .copied()
+            .with_context(|| format!("no module `{name}`"))
     }
 
     /// Returns the number of pixels.
@@ -217,7 +219,11 @@ fn fewest_blockers(
             let [a, b, c] = geometry.corners(id);
             id != receivers.triangle[i] && segment_hits(o, d, a, b, c)
         };
-        let most = if fewest.is_empty() { usize::MAX } else { fewest.len() };
+        let most = if fewest.is_empty() {
+            usize::MAX
+        } else {
+            fewest.len()
+        };
         let blockers = geometry.casters().filter(hits).take(most);
         let blockers: Vec<usize> = blockers.map(|id| id as usize).collect();
         if !blockers.is_empty() && blockers.len() < most {

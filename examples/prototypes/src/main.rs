@@ -153,7 +153,11 @@ fn print_row(frame: &Frame, outcome: &Outcome) -> usize {
         }
         for (part, name) in parts.iter().zip(["dark", "lit"]) {
             let [n, w, t] = part.map(|v| v as f64);
-            eprintln!("{name}: {n} receivers, {:.1} walked, {:.1} tests", w / n, t / n);
+            eprintln!(
+                "{name}: {n} receivers, {:.1} walked, {:.1} tests",
+                w / n,
+                t / n
+            );
         }
         let mut out = format!("P5 {} {} 255\n", frame.size.x, frame.size.y).into_bytes();
         out.extend(outcome.counted.iter().map(|c| (c[1] * 4).min(255) as u8));

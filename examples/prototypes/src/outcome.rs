@@ -84,7 +84,9 @@ impl Outcome {
                 longest[block][part] = longest[block][part].max(counted[part]);
             }
         }
-        let in_block = sums.iter().map(|s| f64::from(s[1]) / f64::from(s[0].max(1)));
+        let in_block = sums
+            .iter()
+            .map(|s| f64::from(s[1]) / f64::from(s[0].max(1)));
         // Blocks without a receiver that faces the light are not walked.
         let walking = sums.iter().filter(|s| s[0] > 0).count().max(1) as f64;
         let lockstep = |part: usize| {

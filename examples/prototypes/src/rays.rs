@@ -39,14 +39,23 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Option<Outcome>> {
     }
     let plain = wgsl.len();
     wgsl = wgsl
-        .replacen("let node = stack[top];", "let node = stack[top]; walked += 1u;", 1)
-        .replacen("let a = table_1[3u * i];", "let a = table_1[3u * i]; tested += 1u;", 1);
+        .replacen(
+            "let node = stack[top];",
+            "let node = stack[top]; walked += 1u;",
+            1,
+        )
+        .replacen(
+            "let a = table_1[3u * i];",
+            "let a = table_1[3u * i]; tested += 1u;",
+            1,
+        );
     ensure!(wgsl.len() == plain + 28, "traced.wgsl has changed");
     wgsl += frame.uniforms_wgsl()?;
     wgsl += "fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {\n    return occluded(o, d, own);\n}\n";
     for i in 0..3 {
         let binding = 7 + i;
-        wgsl += &format!("@group(0) @binding({binding}) var<storage, read> table_{i}: array<vec4u>;\n");
+        wgsl +=
+            &format!("@group(0) @binding({binding}) var<storage, read> table_{i}: array<vec4u>;\n");
     }
     let look_up = LookUp {
         wgsl,

@@ -129,9 +129,6 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
         bytes_tested: 16.0 + 4.0,
         bytes_more: binning + cells,
         // Here lanes are casters, not receivers.
-        caster_walks: Some([
-            f64::from(walked[2]),
-            f64::from(walked[1]) / (asking / 32.0),
-        ]),
+        caster_walks: Some([f64::from(walked[2]), f64::from(walked[1]) / (asking / 32.0)]),
     })
 }

@@ -98,7 +98,8 @@ impl SortBuffers {
     pub(crate) fn new(device: &Device, capacity: u32) -> Self {
         let blocks = capacity.div_ceil(BLOCK).max(1);
         let words = || device.zeros("sorted", 4 * u64::from(capacity));
-        let pass = |pass: u32| device.uniform("pass", bytemuck::cast_slice(&[8 * pass, blocks, 0, 0]));
+        let pass =
+            |pass: u32| device.uniform("pass", bytemuck::cast_slice(&[8 * pass, blocks, 0, 0]));
         Self {
             keys: [words(), words()],
             values: [words(), words()],

@@ -120,7 +120,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
     for (level, place) in places.iter().enumerate() {
         let named = [
             ("grid", &grid),
-        ("world", &world),
+            ("world", &world),
             ("made", place),
             ("corners", &frame.corners),
             ("values", &buffers.values[0]),
@@ -139,11 +139,7 @@ pub(crate) fn run(device: &Device, frame: &Frame, space: Space) -> Result<Outcom
     let references_made = device.read(&head)?[0];
     let look_up = LookUp {
         wgsl: frame.ray_wgsl()? + include_str!("../shaders/tree_walk.wgsl") + lookup_wgsl,
-        buffers: vec![
-            ("tree", &places[0]),
-            ("nodes", &node_rows),
-            ("ids", &ids),
-        ],
+        buffers: vec![("tree", &places[0]), ("nodes", &node_rows), ("ids", &ids)],
     };
     let answered = answer(device, frame, &look_up)?;
     let r = f64::from(references_made) / f64::from(frame.casters.max(1));
