@@ -26,7 +26,8 @@ struct GridPlace {
 // Three words an item: caster, box, least depth.
 @group(0) @binding(9) var<storage, read_write> unsorted: array<u32>;
 @group(0) @binding(10) var<storage, read_write> items: array<vec2u>;
-// Number of large casters, then their faces and ids; the second word is the number of all touches.
+// Number of large casters, then their faces and ids; the second word is the number of casters of all
+// tiles.
 @group(0) @binding(11) var<storage, read_write> large: array<atomic<u32>>;
 
 // What a pass does with each tile or cell that a caster may touch.
@@ -300,6 +301,7 @@ fn choose_levels(@builtin(global_invocation_id) at: vec3u) {
             level = next;
         }
     }
+    atomicAdd(&large[1], u32(count));
     atomicStore(&tile_sums[3u * tile], level);
     tile_cells[tile] = 1u << (2u * level);
 }

@@ -2,16 +2,17 @@
 
 use crate::device::Device;
 use anyhow::{Context as _, Result, ensure};
+use std::time::Duration;
 use umbrage::{
     Aabb, Backend as _, Geometry, Module, Receivers, Recipe, ShadowTechnique as _, View,
     bvh::segment_hits,
     cpu::Cpu,
     glam::{UVec2, Vec2, Vec3},
-    gpu::wgpu::Buffer,
+    gpu::{AdapterChoice, Gpu, wgpu::Buffer},
     join,
     light_sample::{LightSampler, ray_origin, segment},
     scenes,
-    techniques::{Exact, Traced},
+    techniques::{Exact, Hard, MapFilter as _, ShadowMap, Traced},
 };
 
 /// Number of receivers that are tested with all casters to find those to leave out.
@@ -48,8 +49,8 @@ pub(crate) struct Frame {
     pub(crate) expected: Vec<u32>,
     /// True for pixels with a receiver that faces the light.
     pub(crate) faces_light: Vec<bool>,
-    /// Number of pixels with a receiver.
-    pub(crate) receiver_count: usize,
+    /// Times of a hard map's cast and lookup on the library's own device.
+    pub(crate) hard: [Duration; 2],
 }
 
 impl Frame {
@@ -66,6 +67,7 @@ impl Frame {
         let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
         let rays = Traced { samples: 1 }.recipe(&view)?;
         let expected = cpu.render(&view, &rays)?.mask;
+        let hard = hard_times(&view)?;
         let exact = Exact::default().recipe(&view)?;
         let uniforms = exact.receive.kernel.uniforms();
         let uniforms = uniforms.context("`exact` has no uniforms")?;
@@ -133,7 +135,7 @@ impl Frame {
             rays,
             expected: expected.iter().map(|v| v.to_bits()).collect(),
             faces_light,
-            receiver_count: receivers.receives.iter().filter(|&&r| r).count(),
+            hard,
         })
     }
 
@@ -191,6 +193,25 @@ impl Frame {
     pub(crate) fn pixels(&self) -> u32 {
         self.size.x * self.size.y
     }
+}
+
+/// Returns the least times of a hard map's cast and lookup.
+fn hard_times(view: &View<'_>) -> Result<[Duration; 2]> {
+    let map = ShadowMap {
+        size: 2048,
+        ..ShadowMap::default()
+    };
+    let recipe = Hard {}.on(map).recipe(view)?;
+    let mut gpu = Gpu::new(&AdapterChoice::from_env())?;
+    let mut least = [Duration::MAX; 2];
+    for _ in 0..3 {
+        let timings = gpu.render(view, &recipe)?.timings;
+        let times = [timings.cast, timings.receive];
+        for (least, time) in least.iter_mut().zip(times) {
+            *least = (*least).min(time.context("the adapter has no timestamps")?);
+        }
+    }
+    Ok(least)
 }
 
 /// Returns the casters that hide the light from a receiver: one, or the two sides of a closed mesh.

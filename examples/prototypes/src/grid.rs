@@ -123,7 +123,8 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
 
     let cell_count = tile_scan.total(device)?;
     let item_count = cell_scan.total(device)?;
-    let large_count = device.read(&large)?[0];
+    let large_words = device.read(&large)?;
+    let [large_count, touches] = [large_words[0], large_words[1]];
     ensure!(cell_count <= cell_room, "{cell_count} cells");
     ensure!(item_count <= item_room, "{item_count} items");
     ensure!(large_count <= large_room, "{large_count} large casters");
@@ -138,7 +139,7 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
     let answered = answer(device, frame, &look_up)?;
     let casters = f64::from(frame.casters.max(1));
     let [i, c] = [item_count, cell_count].map(|n| f64::from(n) / casters);
-    let touched: f64 = 1.2;
+    let touched = f64::from(touches) / casters;
     let made = Made {
         items: i + c,
         bytes: MAKE_CORNERS

@@ -77,7 +77,11 @@ fn main() -> Result<()> {
     for name in &names {
         let start = Instant::now();
         let frame = Frame::load(&device, name, size, options.spoil)?;
-        eprintln!("{name}: loaded in {:.1} s", start.elapsed().as_secs_f64());
+        let [cast, look_up] = frame.hard.map(|time| 1e3 * time.as_secs_f64());
+        eprintln!(
+            "{name}: loaded in {:.1} s; hard 2048: cast {cast:.0} ms, lookup {look_up:.0} ms",
+            start.elapsed().as_secs_f64()
+        );
         for candidate in &candidates {
             let outcome = match candidate {
                 // The hierarchy of the CPU has all casters.
@@ -141,27 +145,5 @@ fn print_row(frame: &Frame, outcome: &Outcome) -> usize {
         1e3 * outcome.make.as_secs_f64(),
         1e3 * outcome.look_up.as_secs_f64(),
     );
-    if std::env::var("HEAT").is_ok() {
-        let mut parts = [[0_u64; 3]; 2];
-        for (i, counted) in outcome.counted.iter().enumerate() {
-            if frame.faces_light[i] {
-                let part = &mut parts[usize::from(frame.expected[i] != 0)];
-                part[0] += 1;
-                part[1] += u64::from(counted[0]);
-                part[2] += u64::from(counted[1]);
-            }
-        }
-        for (part, name) in parts.iter().zip(["dark", "lit"]) {
-            let [n, w, t] = part.map(|v| v as f64);
-            eprintln!(
-                "{name}: {n} receivers, {:.1} walked, {:.1} tests",
-                w / n,
-                t / n
-            );
-        }
-        let mut out = format!("P5 {} {} 255\n", frame.size.x, frame.size.y).into_bytes();
-        out.extend(outcome.counted.iter().map(|c| (c[1] * 4).min(255) as u8));
-        std::fs::write(format!("/tmp/w/proto/heat-{}.pgm", frame.name), out).unwrap();
-    }
     counts.differing
 }

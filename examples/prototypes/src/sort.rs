@@ -109,11 +109,6 @@ impl SortBuffers {
             blocks,
         }
     }
-
-    /// Bytes of all buffers but the first values.
-    pub(crate) fn scratch_bytes(&self) -> u64 {
-        2 * self.keys[0].size() + self.values[0].size() + self.counts.size()
-    }
 }
 
 impl Sort {

@@ -3,13 +3,13 @@
 //! Packing a sorted run into nodes: Kamel and Faloutsos 1993, "On Packing R-trees".
 
 use crate::{
-    device::{Device, GROUP, Program},
+    device::{Device, GROUP},
     frame::Frame,
     lookup::{LookUp, answer},
     outcome::{Made, Outcome},
     sort::{SORT_BYTES, Sort, SortBuffers},
 };
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use umbrage::{Module, join};
 
 /// Children of a node.
