@@ -9,6 +9,7 @@ struct BinsPlace {
     image: vec2u,
     // Half the size of a face.
     half: vec2f,
+    slice: vec2u,
 }
 
 struct Bounds {

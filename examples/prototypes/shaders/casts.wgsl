@@ -8,6 +8,8 @@ struct BinsPlace {
     large: u32,
     image: vec2u,
     half: vec2f,
+    // First place in each cell's list that a pass walks, and number of places.
+    slice: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> kernel: ExactUniforms;
@@ -83,9 +85,9 @@ fn test_cell(face: u32, x: u32, y: u32, id: u32, rect: Rect) {
     let cell = (face * made.side + y) * made.side + x;
     cells_walked += 1u;
     steps_walked += 1u;
-    let end = counts[cell + 1u];
-    let first = counts[cell];
-    if first == end || bitcast<f32>(deepest[cell]) < rect.nearest {
+    let first = counts[cell] + made.slice.x;
+    let end = min(counts[cell + 1u], first + made.slice.y);
+    if first >= end || bitcast<f32>(deepest[cell]) < rect.nearest {
         return;
     }
     for (var place = first; place < end; place++) {
@@ -143,7 +145,9 @@ fn note_walk(lane: u32) {
     }
     lanes[lane] = steps_walked;
     workgroupBarrier();
-    atomicAdd(&walks[0], cells_walked);
+    if made.slice.x == 0u {
+        atomicAdd(&walks[0], cells_walked);
+    }
     if lane % 32u == 0u {
         var longest = 0u;
         for (var i = lane; i < lane + 32u; i++) {
@@ -166,9 +170,11 @@ fn cast_small(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
                 continue;
             }
             if any(walk.high - walk.low >= vec2f(SMALL)) {
-                let place = atomicAdd(&large[0], 1u);
-                if place < made.large {
-                    atomicStore(&large[4u + place], id | (face << 29u));
+                if made.slice.x == 0u {
+                    let place = atomicAdd(&large[0], 1u);
+                    if place < made.large {
+                        atomicStore(&large[4u + place], id | (face << 29u));
+                    }
                 }
                 continue;
             }

@@ -18,6 +18,9 @@ use std::time::Duration;
 const SIDES: [u32; 2] = [1024, 512];
 /// Number of workgroups for large casters.
 const LARGE_GROUPS: u32 = 4096;
+/// Number of receivers of a cell that a pass walks. Mesa's lavapipe ends all loops of an invocation
+/// after 65,535 iterations, and a caster may touch 64 cells.
+const SLICE: u32 = 512;
 const CORNERS: f64 = 48.0;
 const MAKE_CORNERS: f64 = 96.0;
 
@@ -51,7 +54,12 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
     let scan = Scan::new(device);
 
     let words = |count: u32| device.zeros("words", 4 * u64::from(count));
-    let made = device.uniform("made", bytemuck::cast_slice(&place));
+    let made_of = |first: u32| {
+        let mut words = place.to_vec();
+        words.extend([first, SLICE, 0, 0]);
+        device.uniform("made", bytemuck::cast_slice(&words))
+    };
+    let made = made_of(0);
     let grid = device.uniform("grid", bytemuck::cast_slice(&frame.grid));
     let counts = words(cell_count + 1);
     let taken = words(cell_count);
@@ -96,9 +104,22 @@ pub(crate) fn run(device: &Device, frame: &Frame) -> Result<Outcome> {
         all.push(device.dispatch(&bins, "count_receivers", &named, pixel_groups)?);
         scan.record(device, &cell_scan, &counts, &mut all)?;
         all.push(device.dispatch(&bins, "bin_receivers", &named, pixel_groups)?);
-        all.push(device.dispatch(&casts, "cast_small", &named, caster_groups)?);
-        all.push(device.dispatch(&casts, "cast_large", &named, LARGE_GROUPS)?);
-        times.push(device.run(&cleared, &all)?);
+        let mut time = device.run(&cleared, &all)?;
+        // Walk the longest list in several passes.
+        let firsts = device.read(&counts)?;
+        let lists = firsts[..=cell_count as usize].windows(2);
+        let longest = lists.map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        for first in (0..longest.max(1)).step_by(SLICE as usize) {
+            let made = made_of(first);
+            let mut sliced = vec![("made", &made)];
+            sliced.extend(named);
+            let passes = [
+                device.dispatch(&casts, "cast_small", &sliced, caster_groups)?,
+                device.dispatch(&casts, "cast_large", &sliced, LARGE_GROUPS)?,
+            ];
+            time += device.run(&[], &passes)?;
+        }
+        times.push(time);
     }
     let large_count = device.read(&large)?[0];
     ensure!(large_count <= large_room, "{large_count} large casters");
