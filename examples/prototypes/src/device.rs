@@ -86,6 +86,12 @@ impl Device {
         contents: &[u8],
         usage: wgpu::BufferUsages,
     ) -> wgpu::Buffer {
+        // A binding has at least one element.
+        let contents = if contents.is_empty() {
+            &[0; 64]
+        } else {
+            contents
+        };
         let desc = wgpu::util::BufferInitDescriptor {
             label: Some(label),
             contents,
