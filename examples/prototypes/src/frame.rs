@@ -231,7 +231,7 @@ fn fewest_blockers(
     let mut fewest: Vec<usize> = Vec::new();
     for &i in sampled {
         let normal = receivers.normal(i);
-        let extent = geometry.max_receiver_extent();
+        let extent = geometry.receiver_reach();
         let o = ray_origin(receivers.position(i), normal, eye, extent);
         let d = segment(&sampler, o, Vec2::ZERO, far);
         if normal.dot(d) <= 0.0 {
