@@ -9,7 +9,7 @@
 
 use std::{fs, time::Instant};
 use umbrage_surfaces::{
-    Facets, Options, Sides, Suns, Unit, Up,
+    Facets, Options, Points, Sides, Suns, Unit, Up,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -60,11 +60,10 @@ fn main() {
             lit = areas.iter().map(|facet| facet.projected).sum()
         });
         let wall = start.elapsed().as_secs_f64();
-        let threads = std::thread::available_parallelism().map_or(1, usize::from) as f64;
-        let used = (seconds_used() - used) / threads;
+        let used = (seconds_used() - used) / threads();
         let start = seconds_used();
-        let silhouette = facets.silhouette_area(sun.directions()[0]);
-        let checked = (seconds_used() - start) / threads;
+        let silhouette = facets.silhouette_areas(&sun)[0];
+        let checked = (seconds_used() - start) / threads();
         let identity = lit / silhouette - 1.0;
         println!(
             "{height:4} degrees: {wall:6.2} s wall, {used:6.2} s user + system / threads, \
@@ -74,6 +73,26 @@ fn main() {
             peak_bytes() / count as f64,
         );
     }
+    // Last, as rays need more memory.
+    let start = Instant::now();
+    let used = seconds_used();
+    let points = Points::centres_of(&facets);
+    let angles: Vec<[f64; 2]> = (1..=10)
+        .map(|i| [30.0 * f64::from(i), 6.0 * f64::from(i)])
+        .collect();
+    if let Ok(suns) = Suns::from_azimuth_height(&angles, Up::Z) {
+        let lit = facets.lit(&points, &suns);
+        println!(
+            "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
+            start.elapsed().as_secs_f64(),
+            (seconds_used() - used) / threads(),
+            lit.stated,
+        );
+    }
+}
+
+fn threads() -> f64 {
+    std::thread::available_parallelism().map_or(1, usize::from) as f64
 }
 
 /// Returns user and system time of this process so far, seconds; 0 outside Linux.

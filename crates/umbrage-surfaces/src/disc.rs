@@ -84,7 +84,7 @@ impl Facets {
         disc: &Disc,
     ) -> Result<DiscShares, FacetsError> {
         disc.check()?;
-        let rays = Rays::new(self, &points.positions);
+        let rays = Rays::new(self, points);
         let mut out = DiscShares::default();
         let mut hash = AnswerHash::new();
         let mut worst: f64 = 0.0;
@@ -93,7 +93,7 @@ impl Facets {
             let sorted: Vec<[f64; 2]> = points
                 .order
                 .par_iter()
-                .map(|&row| disc_seen(&rays, points, row as usize, &frame, disc))
+                .map(|&row| disc_seen(&rays, row as usize, &frame, disc))
                 .collect();
             let mut by_row = vec![[0.0; 2]; points.len()];
             for (&row, &seen) in points.order.iter().zip(&sorted) {
@@ -203,17 +203,12 @@ fn points_of_disc(rings: &[usize], radius: f64) -> Vec<DVec2> {
 }
 
 /// Returns the share of the disc that a point sees, and its greatest error.
-pub(crate) fn disc_seen(
-    rays: &Rays<'_>,
-    points: &Points,
-    row: usize,
-    frame: &Frame,
-    disc: &Disc,
-) -> [f64; 2] {
+pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc) -> [f64; 2] {
     let radius = disc.slope();
     let mut casters = Vec::new();
-    casters.extend(horizon(points.normal(row), frame, radius));
-    rays.visit_in_cone(points.positions[row], frame.sun, radius, |corners| {
+    let [p, normal] = rays.point(row);
+    casters.extend(horizon(normal, frame, radius));
+    rays.visit_in_cone(p, frame.sun, radius, |corners| {
         casters.extend(image_of(corners, frame, radius));
     });
     if casters.is_empty() {

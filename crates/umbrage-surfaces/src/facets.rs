@@ -151,6 +151,11 @@ impl Facets {
         Err(FacetsError::new("coordinates", why, help))
     }
 
+    /// Returns the point that positions are relative to, metres.
+    pub(crate) fn anchor(&self) -> DVec3 {
+        self.anchor
+    }
+
     /// Returns a position of the caller's relative to the anchor, metres.
     pub(crate) fn to_local(&self, position: DVec3) -> DVec3 {
         position * self.options.unit.metres() - self.anchor

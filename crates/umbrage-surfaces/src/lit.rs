@@ -60,7 +60,7 @@ impl Facets {
     /// are points whose ray to the sun passes an edge within the margin, unless another facet
     /// shades them.
     pub fn lit(&self, points: &Points, suns: &Suns) -> Lit {
-        let rays = Rays::new(self, &points.positions);
+        let rays = Rays::new(self, points);
         let frames: Vec<Frame> = suns
             .directions()
             .iter()
@@ -77,14 +77,12 @@ impl Facets {
                 for frame in &frames {
                     let mut neighbours = NO_BLOCKER;
                     for (&row, blocker) in rows.iter().zip(&mut blockers) {
-                        let p = points.positions[row as usize];
-                        let normal = points.normal(row as usize);
                         let guess = if *blocker == NO_BLOCKER {
                             neighbours
                         } else {
                             *blocker
                         };
-                        let answer = rays.answer(p, normal, frame, guess);
+                        let answer = rays.answer(row as usize, frame, guess);
                         out.push(u8::from(answer.is_lit) | u8::from(answer.is_undecided) << 1);
                         *blocker = answer.blocker;
                         neighbours = answer.blocker;

@@ -67,11 +67,12 @@ impl Facets {
         stated
     }
 
-    /// Returns the area of the facets' silhouette towards a unit vector, square metres. It is
-    /// computed from the outlines, independently of lit areas.
-    pub fn silhouette_area(&self, sun: DVec3) -> f64 {
-        let frame = Frame::new(sun);
-        outline::union_area(&self.scene_towards(&frame), self.margin_m())
+    /// Returns the area of the facets' silhouette towards each sun, square metres. It is computed
+    /// from the outlines, independently of lit areas.
+    pub fn silhouette_areas(&self, suns: &Suns) -> Vec<f64> {
+        let area =
+            |&sun| outline::union_area(&self.scene_towards(&Frame::new(sun)), self.margin_m());
+        suns.directions().iter().map(area).collect()
     }
 
     pub(crate) fn lit_areas_towards(&self, sun: DVec3) -> LitAreas {

@@ -7,8 +7,10 @@ use rayon::prelude::*;
 /// Points, in the caller's coordinates, with unit normals or without. Rows keep the caller's order.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
-    /// Metres, relative to the facets' anchor.
+    /// Metres, relative to the anchor.
     pub(crate) positions: Vec<DVec3>,
+    /// Anchor of the facets that these points were made for.
+    pub(crate) anchor: DVec3,
     /// Unit normals; empty if light from both sides counts.
     pub(crate) normals: Vec<DVec3>,
     /// Rows in an order in which neighbours in space are neighbours.
@@ -47,7 +49,7 @@ impl Points {
         }
         let positions: Vec<DVec3> = positions.iter().map(|&p| facets.to_local(p)).collect();
         facets.check_reach(&positions)?;
-        Ok(Self::sorted(positions, units))
+        Ok(Self::sorted(facets, positions, units))
     }
 
     /// Returns the centre of each facet. With [`Sides::Front`] it has the facet's normal, otherwise
@@ -63,10 +65,10 @@ impl Points {
             Sides::Front => rows.map(|row| facets.local_normal(row)).collect(),
             Sides::Both => Vec::new(),
         };
-        Self::sorted(positions, normals)
+        Self::sorted(facets, positions, normals)
     }
 
-    fn sorted(positions: Vec<DVec3>, normals: Vec<DVec3>) -> Self {
+    fn sorted(facets: &Facets, positions: Vec<DVec3>, normals: Vec<DVec3>) -> Self {
         let low = positions.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
         let high = positions.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
         let scale = morton::STEPS / (high - low).max_element().max(f64::MIN_POSITIVE);
@@ -78,6 +80,7 @@ impl Points {
         keys.par_sort_unstable();
         Self {
             positions,
+            anchor: facets.anchor(),
             normals,
             order: keys.into_iter().map(|(_, row)| row).collect(),
         }
@@ -91,10 +94,5 @@ impl Points {
     /// Returns whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
-    }
-
-    /// Returns the normal of a point; zero if it has none.
-    pub(crate) fn normal(&self, row: usize) -> DVec3 {
-        self.normals.get(row).copied().unwrap_or(DVec3::ZERO)
     }
 }

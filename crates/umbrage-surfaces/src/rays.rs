@@ -1,7 +1,7 @@
 //! Rays to the sun: 64-bit tests of the casters that the library's hierarchy preselects.
 
 use crate::{
-    Facets,
+    Facets, Points,
     facets::reach_of,
     frame::{Frame, cross},
 };
@@ -27,6 +27,9 @@ pub(crate) struct Answer {
 /// Facets prepared for rays from points.
 pub(crate) struct Rays<'a> {
     facets: &'a Facets,
+    points: &'a Points,
+    /// Of the points, if they were made for other facets.
+    shift: DVec3,
     margin: f64,
     /// Greatest distance between a point and the far end of a facet along an axis, metres.
     length: f64,
@@ -35,11 +38,15 @@ pub(crate) struct Rays<'a> {
 }
 
 impl<'a> Rays<'a> {
-    /// Prepares the facets for rays from points with these positions.
-    pub(crate) fn new(facets: &'a Facets, points: &[DVec3]) -> Self {
-        let reach = reach_of(points).max(reach_of(&facets.bounds()));
+    /// Prepares the facets for rays from points.
+    pub(crate) fn new(facets: &'a Facets, points: &'a Points) -> Self {
+        let shift = points.anchor - facets.anchor();
+        let points_reach = reach_of(&points.positions) + reach_of(&[shift]);
+        let reach = points_reach.max(reach_of(&facets.bounds()));
         Self {
             facets,
+            points,
+            shift,
             margin: facets.margin_within(reach),
             // The diagonal of the box of both, in all directions.
             length: 4.0 * reach,
@@ -52,10 +59,20 @@ impl<'a> Rays<'a> {
         self.margin
     }
 
-    /// Returns whether a point with a unit normal (or zero for both sides) sees the centre of the
-    /// sun. `guess` is a facet that is tested first, or [`NO_BLOCKER`].
+    /// Returns the position of a point relative to the facets' anchor, and its unit normal or zero.
+    pub(crate) fn point(&self, row: usize) -> [DVec3; 2] {
+        let normal = self.points.normals.get(row);
+        [
+            self.points.positions[row] + self.shift,
+            normal.copied().unwrap_or(DVec3::ZERO),
+        ]
+    }
+
+    /// Returns whether a point sees the centre of the sun. `guess` is a facet that is tested first,
+    /// or [`NO_BLOCKER`].
     #[inline]
-    pub(crate) fn answer(&self, p: DVec3, normal: DVec3, frame: &Frame, guess: u32) -> Answer {
+    pub(crate) fn answer(&self, row: usize, frame: &Frame, guess: u32) -> Answer {
+        let [p, normal] = self.point(row);
         let incidence = normal.dot(frame.sun);
         if normal != DVec3::ZERO && incidence <= 0.0 {
             return Answer {

@@ -186,10 +186,9 @@ impl Facets {
                 frame: self.frame_above_horizon(direction),
             });
         }
-        let rays = Rays::new(self, &points.positions);
+        let rays = Rays::new(self, points);
         let watch = Watch {
             facets: self,
-            points,
             path,
             day,
             rays,
@@ -250,7 +249,6 @@ struct PointSpans {
 /// What all points share.
 struct Watch<'a, P> {
     facets: &'a Facets,
-    points: &'a Points,
     path: &'a P,
     day: &'a Day,
     rays: Rays<'a>,
@@ -289,13 +287,10 @@ impl<P: SunPath> Watch<'_, P> {
             return (false, false);
         };
         if let Some(disc) = &self.day.half_of {
-            let [share, error] = disc_seen(&self.rays, self.points, row, frame, disc);
+            let [share, error] = disc_seen(&self.rays, row, frame, disc);
             return (share >= 0.5, (share - 0.5).abs() <= error);
         }
-        let p = self.points.positions[row];
-        let answer = self
-            .rays
-            .answer(p, self.points.normal(row), frame, *blocker);
+        let answer = self.rays.answer(row, frame, *blocker);
         if answer.blocker != NO_BLOCKER {
             *blocker = answer.blocker;
         }

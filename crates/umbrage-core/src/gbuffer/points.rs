@@ -76,7 +76,8 @@ impl PointReceivers {
             let position = exact.as_vec3();
             let loss = (exact - position.as_dvec3()).abs().max_element();
             // False if a number is not finite.
-            if !(loss <= f64::from(max_error_m)) {
+            let is_held = loss <= f64::from(max_error_m);
+            if !is_held {
                 let why = format!(
                     "is {} and loses {loss:.1e} m in 32 bits",
                     points[row as usize]

@@ -2,7 +2,7 @@
 
 use crate::{
     meshes::{Mesh, Random, block, city, floor, heap, lumpy_ball, options, prism, suns},
-    oracle,
+    oracle, points,
 };
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::{PI, TAU};
@@ -78,7 +78,9 @@ fn lit_areas_add_up_to_the_silhouette() {
             assert!(error < IDENTITY, "{name}: {error:.1e} towards {sun}");
             // The library's own check of it is independent, too.
             let union = oracle::union_area((0..mesh.triangles.len()).map(|i| mesh.corners(i)), sun);
-            let outline = mesh.facets(sides).silhouette_area(sun);
+            let outline = mesh
+                .facets(sides)
+                .silhouette_areas(&Suns::new(&[sun]).expect("a sun"))[0];
             assert!(
                 (outline / union - 1.0).abs() < IDENTITY,
                 "{name}: {outline} for {union}"
@@ -158,16 +160,11 @@ fn each_facet_agrees_with_its_rays() {
                     [u, v] = [1.0 - u, 1.0 - v];
                 }
                 let p = a + (b - a) * u + (c - a) * v;
-                let others = (0..mesh.triangles.len()).filter(|&other| other != row);
-                let precedes = |other| other < row;
-                lit += u32::from(!others.into_iter().any(|o| {
-                    crate::points::hits(
-                        p,
-                        sun,
-                        mesh.corners(o),
-                        if precedes(o) { -1e-9 } else { 1e-9 },
-                    )
-                }));
+                let mut others = (0..mesh.triangles.len()).filter(|&other| other != row);
+                // Of facets in the same plane, those before this one are above it.
+                let beyond = |other: usize| if other < row { -1e-9 } else { 1e-9 };
+                let is_dark = others.any(|o| points::hits(p, sun, mesh.corners(o), beyond(o)));
+                lit += u32::from(!is_dark);
             }
             let sampled = f64::from(lit) / f64::from(GRID * GRID);
             differences.push((sampled - facet.fraction).abs());
@@ -410,7 +407,7 @@ fn random_meshes_have_sound_answers() {
         let sun = suns.directions()[0];
         let union = oracle::union_area((0..mesh.triangles.len()).map(|row| mesh.corners(row)), sun);
         let error = (projected(&areas) - union).abs();
-        let outline = facets.silhouette_area(sun);
+        let outline = facets.silhouette_areas(&suns)[0];
         let sum = projected(&areas);
         assert!(
             error < 1e-9 * union.max(1.0),
