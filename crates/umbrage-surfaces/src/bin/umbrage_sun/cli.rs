@@ -60,12 +60,7 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "place", conflicts_with_all = ["area", "suns"])]
     pub(crate) half_disc: bool,
     /// File of directions `x y z [weight]` towards suns, one a line, in the model's axes
-    #[arg(
-        long,
-        value_name = "FILE",
-        conflicts_with = "place",
-        required_unless_present = "place"
-    )]
+    #[arg(long, value_name = "FILE", conflicts_with = "place")]
     pub(crate) suns: Option<PathBuf>,
     /// Exact lit areas, instead of the facets' centres
     #[arg(long)]
