@@ -3,7 +3,7 @@
 use crate::meshes::options;
 use std::{fs, path::Path, process::Command};
 use umbrage_surfaces::{
-    Facets, Sides, Suns,
+    Facets, Sides, Stated, Suns,
     glam::{DVec3, dvec3},
 };
 
@@ -20,7 +20,7 @@ fn run(folder: &Path, arguments: &[&str]) -> (bool, String) {
     let mut command = Command::new(program);
     command.current_dir(folder).arg("model.obj").args(arguments);
     let output = command.output().expect("the program starts");
-    let [out, error] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes));
+    let [out, error] = [output.stdout, output.stderr].map(String::from_utf8);
     (
         output.status.success(),
         out.expect("text") + &error.expect("text"),
@@ -38,18 +38,8 @@ fn column(csv: &str, name: &str) -> Vec<f64> {
         .collect()
 }
 
-#[test]
-fn areas_of_directions_are_those_of_the_library_in_all_formats() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name);
-    fs::write(at("suns.txt"), "# up, and aslant\n0 0 1\n1, 0, 2, 3\n").expect("a folder");
-    let outs = ["a.csv", "a.npy", "a.glb", "a.png"];
-    let mut arguments = vec!["--suns", "suns.txt", "--area"];
-    arguments.extend(outs.iter().flat_map(|out| ["--out", out]));
-    let (good, report) = run(folder.path(), &arguments);
-    assert!(good, "{report}");
-
-    // Compute the same by the library.
+/// Returns the weighted mean of the lit areas of the model's facets, by the library.
+fn mean_lit_areas() -> (Vec<f64>, Stated) {
     let vertices: Vec<DVec3> = MODEL
         .lines()
         .filter_map(|line| line.strip_prefix("v "))
@@ -72,6 +62,21 @@ fn areas_of_directions_are_those_of_the_library_in_all_formats() {
             lit[row] += area.area * suns.weights()[sun] * 0.25;
         }
     });
+    (lit, stated)
+}
+
+#[test]
+fn areas_of_directions_are_those_of_the_library_in_all_formats() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("suns.txt"), "# up, and aslant\n0 0 1\n1, 0, 2, 3\n").expect("a folder");
+    let outs = ["a.csv", "a.npy", "a.glb", "a.png"];
+    let mut arguments = vec!["--suns", "suns.txt", "--area"];
+    arguments.extend(outs.iter().flat_map(|out| ["--out", out]));
+    let (good, report) = run(folder.path(), &arguments);
+    assert!(good, "{report}");
+
+    let (lit, stated) = mean_lit_areas();
     let csv = fs::read_to_string(at("a.csv")).expect("a file");
     assert_eq!(column(&csv, "lit_m2"), lit);
     // The plate shades 1 m² of the floor's 16.

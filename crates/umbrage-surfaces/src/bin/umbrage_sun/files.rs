@@ -127,18 +127,7 @@ fn glb(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
         let near = (y_up(p) - middle).as_vec3();
         positions.extend(near.to_array().into_iter().flat_map(f32::to_le_bytes));
     }
-    let scale = picture::Scale::of_answer(answer);
-    let mut colors = Vec::with_capacity(4 * count);
-    let mut values = Vec::with_capacity(4 * count);
-    for &value in &answer.shades {
-        // Colours at corners are linear.
-        let linear = |encoded: u8| ((f64::from(encoded) / 255.0).powf(2.2) * 255.0).round() as u8;
-        let [r, g, b] = scale.color(value).map(linear);
-        for _ in 0..3 {
-            colors.extend([r, g, b, 255]);
-            values.extend((value as f32).to_le_bytes());
-        }
-    }
+    let [colors, values] = colors_and_values(answer);
     let [lengths, offsets] = [
         [positions.len(), colors.len(), values.len()],
         [0, positions.len(), positions.len() + colors.len()],
@@ -166,13 +155,35 @@ fn glb(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
         "bufferViews": [view(0), view(1), view(2)],
         "buffers": [{"byteLength": binary.len()}],
     });
-    let mut text = serde_json::to_vec(&document)?;
+    glb_of_chunks(serde_json::to_vec(&document)?, &binary)
+}
+
+/// Returns the colours (four bytes, linear) and the numbers (32 bits) of all facets' corners.
+fn colors_and_values(answer: &Answer) -> [Vec<u8>; 2] {
+    let scale = picture::Scale::of_answer(answer);
+    let mut colors = Vec::with_capacity(12 * answer.shades.len());
+    let mut values = Vec::with_capacity(12 * answer.shades.len());
+    for &value in &answer.shades {
+        // Colours at corners are linear.
+        let linear = |encoded: u8| ((f64::from(encoded) / 255.0).powf(2.2) * 255.0).round() as u8;
+        let [r, g, b] = scale.color(value).map(linear);
+        for _ in 0..3 {
+            colors.extend([r, g, b, 255]);
+            values.extend((value as f32).to_le_bytes());
+        }
+    }
+    [colors, values]
+}
+
+/// Returns the file of a glTF document and its numbers.
+fn glb_of_chunks(mut text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+    // Chunks fill multiples of four bytes.
     text.resize(text.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + text.len() + 8 + binary.len();
     let length = u32::try_from(length).context("exceeds 4 GB")?;
     let mut out = b"glTF".to_vec();
     out.extend([2, length].into_iter().flat_map(u32::to_le_bytes));
-    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &binary)] {
+    for (kind, chunk) in [(b"JSON", &text[..]), (b"BIN\0", binary)] {
         out.extend((chunk.len() as u32).to_le_bytes());
         out.extend(kind);
         out.extend(chunk);

@@ -158,6 +158,10 @@ fn fill(pixels: &mut [u8], depths: &mut [f64], corners: [DVec3; 3], color: [u8; 
     let high = a.max(b).max(c);
     let edge = |p: DVec3, q: DVec3, at: DVec2| (q - p).truncate().perp_dot(at - p.truncate());
     let twice_area = edge(a, b, c.truncate());
+    // Facets that are edge-on have no pixels.
+    if twice_area == 0.0 {
+        return;
+    }
     let range = |axis: usize| {
         let first = (low[axis] - 0.5).ceil().max(0.0) as usize;
         let last = (high[axis] - 0.5).floor().min(SIZE[axis] as f64 - 1.0);
@@ -167,8 +171,7 @@ fn fill(pixels: &mut [u8], depths: &mut [f64], corners: [DVec3; 3], color: [u8; 
         for x in range(0) {
             let at = DVec2::new(x as f64, y as f64) + 0.5;
             let weights = DVec3::new(edge(b, c, at), edge(c, a, at), edge(a, b, at)) / twice_area;
-            // Weights are NaN for triangles without an area on the image.
-            if !(weights.min_element() >= 0.0) {
+            if weights.min_element() < 0.0 {
                 continue;
             }
             let depth = weights.dot(DVec3::new(a.z, b.z, c.z));
