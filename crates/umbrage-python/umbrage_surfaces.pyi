@@ -51,6 +51,7 @@ class Stated:
     step_s: float | None
     bisected_s: float | None
     hash: int
+    text: str
 
 class LitAreas:
     fraction: Floats

@@ -51,13 +51,8 @@ pub(crate) fn wheel() -> Result<()> {
         .to_str()
         .context("the path of the wheel is not UTF-8")?;
     create_environment(&fresh, &["numpy", wheel])?;
-    run(cargo().args([
-        "build",
-        "--package",
-        "umbrage-surfaces",
-        "--all-features",
-        "--bins",
-    ]))?;
+    // Tests have built this program with the same features.
+    run(cargo().args(["build", "--all-features", "--bin", "umbrage-sun"]))?;
     let mut test = Command::new(program(&fresh, "python"));
     test.arg(root().join("crates/umbrage-python/tests/test_wheel.py"));
     test.arg(target.join("debug").join("umbrage-sun"));
