@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Plays lookups of `exact` in turn with rays of Embree 4, on all cores: prints the table that docs/measured.md shows.
+# Times lookups of `exact` in turn with rays of Embree 4, on all cores: prints the table that docs/measured.md shows.
 #
 #   examples/rivals/embree.sh [SCENE]...
 #

@@ -19,21 +19,33 @@ pub(crate) enum Program {
     Measure,
     /// The program that tests and checks.
     Upkeep,
+    /// The program `umbrage-sun`, which is a command of its own.
+    Sun,
 }
 
 impl Program {
-    /// Returns the name of the package, and of its program.
-    pub(crate) fn package(self) -> &'static str {
+    /// Returns the name of the program.
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Measure => "xtask-measure",
             Self::Upkeep => "xtask-upkeep",
+            Self::Sun => "umbrage-sun",
+        }
+    }
+
+    /// Returns cargo's options for the program's package.
+    pub(crate) fn package(self) -> &'static [&'static str] {
+        match self {
+            Self::Measure => &["--package", "xtask-measure"],
+            Self::Upkeep => &["--package", "xtask-upkeep"],
+            Self::Sun => &["--package", "umbrage-surfaces", "--features", "cli"],
         }
     }
 
     /// Returns cargo's option for the profile that the program is built in.
     pub(crate) fn profile(self) -> &'static [&'static str] {
         match self {
-            Self::Measure => &["--profile", "measure"],
+            Self::Measure | Self::Sun => &["--profile", "measure"],
             Self::Upkeep => &[],
         }
     }
@@ -41,7 +53,7 @@ impl Program {
     /// Returns the folder in cargo's target folder for that profile.
     pub(crate) fn folder(self) -> &'static str {
         match self {
-            Self::Measure => "measure",
+            Self::Measure | Self::Sun => "measure",
             Self::Upkeep => "debug",
         }
     }
@@ -89,7 +101,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> XtaskCommand {
     }
 }
 
-pub(crate) const COMMANDS: [XtaskCommand; 16] = [
+pub(crate) const COMMANDS: [XtaskCommand; 17] = [
     measure("compare", include_str!("../help/compare.snap")),
     measure("stability", include_str!("../help/stability.snap")),
     measure("plan", include_str!("../help/plan.snap")),
@@ -99,6 +111,11 @@ pub(crate) const COMMANDS: [XtaskCommand; 16] = [
     measure("bench", include_str!("../help/bench.snap")),
     measure("card", include_str!("../help/card.snap")),
     measure("wgsl", include_str!("../help/wgsl.snap")),
+    XtaskCommand {
+        name: "sun",
+        program: Program::Sun,
+        kept_help: "Hours of sun and lit areas of a model's facets, as numbers (`umbrage-sun`)",
+    },
     upkeep("test", "Run all tests, with a graphics adapter"),
     upkeep(
         "bless",

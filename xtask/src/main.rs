@@ -1,5 +1,5 @@
-//! Starts the repository's commands. Each is part of one of two programs, which are built on first
-//! use: `xtask-measure` (optimised) and `xtask-upkeep`.
+//! Starts the repository's commands. Most are part of one of two programs, which are built on first
+//! use: `xtask-measure` (optimised) and `xtask-upkeep`. One is a program of its own, `umbrage-sun`.
 
 #[path = "../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]
@@ -51,13 +51,17 @@ fn main() -> ExitCode {
 fn run(command: &XtaskCommand, built: bool, arguments: &[OsString]) -> std::io::Result<i32> {
     let mut cargo = process::Command::new(cargo());
     cargo.arg("run").args(command.program.profile());
-    cargo.args(["--package", command.program.package()]);
+    cargo.args(command.program.package());
     cargo
         .arg("--manifest-path")
         .arg(repository().join("Cargo.toml"));
-    cargo.arg("--").args(arguments);
+    // `umbrage-sun` has no commands: drop the name.
+    let first = usize::from(command.program == Program::Sun);
+    cargo.arg("--").args(&arguments[first..]);
     if built {
         cargo.env("CARGO_TERM_QUIET", "true");
+    } else if command.program == Program::Sun {
+        println!("building umbrage-sun (release): this takes some minutes the first time");
     } else if command.program == Program::Measure {
         println!("building the benchmark tools (release): this takes some minutes the first time");
     }
@@ -78,7 +82,7 @@ fn repository() -> &'static Path {
 /// Reports whether the program has been built before. Cargo puts it into a folder next to this
 /// program's, or into the same one.
 fn is_built(program: Program) -> bool {
-    let file = format!("{}{}", program.package(), env::consts::EXE_SUFFIX);
+    let file = format!("{}{}", program.name(), env::consts::EXE_SUFFIX);
     target_folder().is_some_and(|target| target.join(program.folder()).join(file).is_file())
 }
 

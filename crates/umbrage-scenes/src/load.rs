@@ -1,7 +1,7 @@
 //! Common entry points for all kinds of scenes.
 
 use crate::{
-    Files, FilesOnDisk, SceneError, all, file, find, gltf,
+    Files, FilesOnDisk, ModelTriangles, SceneError, all, file, find, gltf, model_triangles,
     nearest::{list_words, nearest},
     obj,
     scene_of_file::SceneOfFile,
@@ -79,6 +79,24 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
         Some(FileKind::Obj) => obj::read_scene(path, files),
         Some(FileKind::Gltf(wanted)) => gltf::read_scene(&wanted, files),
         None => Err(neither(path)),
+    }
+}
+
+/// Loads the triangles of a model (`.obj`; with the feature `gltf` also `.glb` and `.gltf`), without
+/// a floor, a camera or a sun.
+///
+/// # Errors
+/// Returns an error if the file is no model, or can't be read or parsed.
+pub fn load_triangles(path: impl AsRef<Path>) -> Result<ModelTriangles, SceneError> {
+    let path = path.as_ref();
+    match FileKind::of_path(path) {
+        Some(FileKind::Obj) => obj::read_triangles(path, &FilesOnDisk),
+        Some(FileKind::Gltf(wanted)) => model_triangles::of_gltf(&wanted, &FilesOnDisk),
+        Some(FileKind::SceneFile) | None => Err(SceneError::Unreadable {
+            file: path.display().to_string(),
+            why: "is not a model".to_owned(),
+            help: "use an .obj, .glb or .gltf file".to_owned(),
+        }),
     }
 }
 

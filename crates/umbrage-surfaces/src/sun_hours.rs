@@ -135,7 +135,7 @@ impl SunHours {
     /// # Panics
     /// Panics if there is no such row.
     pub fn minutes(&self, row: usize) -> f64 {
-        self.lengths(row).sum()
+        self.lengths(row).fold(0.0, |sum, length| sum + length)
     }
 
     /// Returns the length of the longest span of a point, minutes.

@@ -3,7 +3,7 @@
 use crate::{
     cli::{CiOptions, DriverTests, TestOptions},
     run::{cargo, metadata, root, run},
-    test, tidy,
+    test, tidy, wheel,
 };
 use anyhow::{Context as _, Result, bail};
 use comfy_table::Table;
@@ -71,6 +71,7 @@ fn steps(options: &CiOptions) -> Vec<Step> {
     steps.push(("clippy", Box::new(|| run(cargo().args(CLIPPY)))));
     steps.push(("browser", Box::new(browser)));
     steps.push(("doc", Box::new(doc)));
+    steps.push(("wheel", Box::new(wheel::wheel)));
     steps.push(("package", Box::new(package)));
     steps
 }

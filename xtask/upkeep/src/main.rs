@@ -19,6 +19,7 @@ mod test;
 mod tidy;
 mod tools;
 mod web;
+mod wheel;
 
 use clap::Parser as _;
 use cli::{Cli, Command};

@@ -17,8 +17,10 @@ use crate::{
     framing::frame,
     lone_model,
     model_part::ModelPart,
+    model_triangles::ModelTriangles,
     polygon::triangulate,
 };
+use clean::CleanText;
 use parts::Model;
 use std::io::BufRead;
 use std::path::Path;
@@ -98,12 +100,49 @@ pub(crate) fn add(
     parts::add(model, path, has_looks.then_some(textures), scene)
 }
 
+/// Reads the triangles of a model, in 64 bits.
+pub(crate) fn read_triangles(path: &Path, files: &dyn Files) -> Result<ModelTriangles, SceneError> {
+    let unreadable = |e: &std::io::Error| SceneError::unreadable_file(path, e, files);
+    let source = files.open(path).map_err(|e| unreadable(&e))?;
+    let (clean, mesh) = parse_faces(path, source, &unreadable)?;
+    let vertices: Vec<DVec3> = mesh
+        .positions
+        .chunks_exact(3)
+        .map(DVec3::from_slice)
+        .collect();
+    let (near, _) = far::near_origin(&vertices);
+    let (triangles, _) = triangles(&mesh, &near);
+    Ok(ModelTriangles {
+        vertices,
+        triangles,
+        notices: clean.notices,
+    })
+}
+
 /// Reads a model. `unreadable` creates the error of a source that fails.
 fn parse(
     path: &Path,
     source: impl BufRead,
     unreadable: &dyn Fn(&std::io::Error) -> SceneError,
 ) -> Result<Model, SceneError> {
+    let (clean, mesh) = parse_faces(path, source, unreadable)?;
+    let mut notices = clean.notices;
+    let (mesh, face, offset) = convert(name_of(path), &mesh, &mut notices);
+    Ok(Model {
+        mesh,
+        offset,
+        face,
+        looks: clean.looks,
+        notices,
+    })
+}
+
+/// Returns the statements and the faces of a model, of which there is at least one.
+fn parse_faces(
+    path: &Path,
+    source: impl BufRead,
+    unreadable: &dyn Fn(&std::io::Error) -> SceneError,
+) -> Result<(CleanText, tobj::Mesh), SceneError> {
     let clean = clean::clean(source, path, unreadable)?;
     let fault = |why: String, help: &str| SceneError::Fault {
         place: Place {
@@ -125,17 +164,7 @@ fn parse(
         parsed.map_err(|e| fault(format!("can't be parsed: {e}"), "export the model again"))?;
     // There is one mesh, since no statement that would split it was kept.
     match models.into_iter().next() {
-        Some(model) if clean.faces > 0 => {
-            let mut notices = clean.notices;
-            let (mesh, face, offset) = convert(name_of(path), &model.mesh, &mut notices);
-            Ok(Model {
-                mesh,
-                offset,
-                face,
-                looks: clean.looks,
-                notices,
-            })
-        }
+        Some(model) if clean.faces > 0 => Ok((clean, model.mesh)),
         _ => Err(fault(
             "has no face".to_owned(),
             "export the model with its faces (`f` lines)",

@@ -1,0 +1,98 @@
+//! Arguments of the command.
+
+use clap::{Parser, ValueEnum};
+use std::path::PathBuf;
+use umbrage_surfaces::{Sides, Unit};
+
+/// Hours of sun and lit areas of the facets of a model, each with its stated error
+#[derive(Parser, Clone, Debug)]
+#[command(
+    version,
+    after_help = "Examples:
+  umbrage-sun city.obj --where 48.1,11.6 --on 2026-03-21 --zone 1 --window 8-16 --out sun.csv
+      minutes of sun of each facet's centre in Munich, between 8 and 16 o'clock
+  umbrage-sun model.glb --up z --unit cm --where 48.1,11.6 --on 2026-03-21 --step 5m --area --out sun.png
+      exact lit areas every 5 minutes, and an image coloured by hours
+  umbrage-sun satellite.obj --unit m --suns directions.txt --area --out lit.npy --out lit.glb
+      mean lit and projected areas towards the directions `x y z weight` of a file"
+)]
+pub(crate) struct Arguments {
+    /// Model: .obj, .glb or .gltf; nothing is added to it
+    pub(crate) model: PathBuf,
+    /// Axis that points up [default: y for glTF, z for OBJ]
+    #[arg(long, value_enum)]
+    pub(crate) up: Option<Axis>,
+    /// Unit of the model: m, cm, mm, km, ft, in, or the metres of one unit [default: metres; improbable sizes are an error]
+    #[arg(long, value_parser = |text: &str| text.parse::<Unit>())]
+    pub(crate) unit: Option<Unit>,
+    /// Sides that receive and cast; `front` needs closed bodies and is faster
+    #[arg(long, value_enum, default_value = "both")]
+    pub(crate) sides: SidesArgument,
+    /// Latitude (north) and longitude (east), degrees
+    #[arg(
+        long = "where",
+        value_name = "LAT,LON",
+        requires = "on",
+        allow_hyphen_values = true
+    )]
+    pub(crate) place: Option<String>,
+    /// Day
+    #[arg(long, value_name = "YYYY-MM-DD", requires = "place")]
+    pub(crate) on: Option<String>,
+    /// Hours that local time is ahead of UTC
+    #[arg(
+        long,
+        value_name = "HOURS",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    pub(crate) zone: f64,
+    /// Step in time: 1m, 30s, or seconds
+    #[arg(long, default_value = "1m")]
+    pub(crate) step: String,
+    /// Hours that count, local time; may be repeated [default: all of the day]
+    #[arg(long, value_name = "FROM-TO")]
+    pub(crate) window: Vec<String>,
+    /// Include refraction in the Sun's heights
+    #[arg(long, requires = "place")]
+    pub(crate) refraction: bool,
+    /// A point is lit while it sees half of the Sun's disc, instead of its centre
+    #[arg(long, requires = "place", conflicts_with_all = ["area", "suns"])]
+    pub(crate) half_disc: bool,
+    /// File of directions `x y z [weight]` towards suns, one a line, in the model's axes
+    #[arg(long, value_name = "FILE", conflicts_with = "place")]
+    pub(crate) suns: Option<PathBuf>,
+    /// Exact lit areas, instead of the facets' centres
+    #[arg(long)]
+    pub(crate) area: bool,
+    /// Output: .csv, .npy, .glb or .png; may be repeated
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Vec<PathBuf>,
+}
+
+/// An axis that points up.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Axis {
+    /// y up, z south: glTF
+    Y,
+    /// z up, y north: CAD, GIS
+    Z,
+}
+
+/// Sides on the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum SidesArgument {
+    /// Fronts of closed bodies
+    Front,
+    /// Both sides
+    Both,
+}
+
+impl From<SidesArgument> for Sides {
+    fn from(sides: SidesArgument) -> Self {
+        match sides {
+            SidesArgument::Front => Self::Front,
+            SidesArgument::Both => Self::Both,
+        }
+    }
+}
