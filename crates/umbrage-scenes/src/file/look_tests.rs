@@ -179,7 +179,7 @@ fn faults_name_the_line_and_the_key() {
         ),
         ("texture = \"none.png\"", "`object.texture`: "),
         ("texture = \"broken.png\"", "`object.texture`: "),
-        ("texture = \"color.jpg\"", "`object.texture`: is `"),
+        ("texture = \"color.gif\"", "`object.texture`: is `"),
         ("texture = 3", "`object.texture`: is an integer, not text"),
         (
             "displacement = 0.1",
