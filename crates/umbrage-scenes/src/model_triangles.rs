@@ -10,7 +10,7 @@ pub struct ModelTriangles {
     pub vertices: Vec<DVec3>,
     /// Three vertices each, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// What the file has and the reader ignores, one line each.
+    /// Ignored contents of the file, one line each.
     pub notices: Vec<String>,
 }
 

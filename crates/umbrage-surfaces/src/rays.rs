@@ -14,9 +14,9 @@ use umbrage_core::{
 /// Mark for no blocker.
 pub(crate) const NO_BLOCKER: u32 = u32::MAX;
 
-/// Whether a point is lit.
+/// Light of a point from one sun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Answer {
+pub(crate) struct PointLight {
     pub(crate) is_lit: bool,
     /// True if a shift of coordinates by the margin may change the answer.
     pub(crate) is_undecided: bool,
@@ -71,11 +71,11 @@ impl<'a> Rays<'a> {
     /// Returns whether a point sees the centre of the sun. `guess` is a facet that is tested first,
     /// or [`NO_BLOCKER`].
     #[inline]
-    pub(crate) fn answer(&self, row: usize, frame: &Frame, guess: u32) -> Answer {
+    pub(crate) fn answer(&self, row: usize, frame: &Frame, guess: u32) -> PointLight {
         let [p, normal] = self.point(row);
         let incidence = normal.dot(frame.sun);
         if normal != DVec3::ZERO && incidence <= 0.0 {
-            return Answer {
+            return PointLight {
                 is_lit: false,
                 // Normals have some roundings.
                 is_undecided: incidence > -1e-12,
@@ -94,7 +94,7 @@ impl<'a> Rays<'a> {
             self.visit_casters(p, frame.sun, 0.0, |id| search.test(id));
         }
         let is_certain = search.blocker != NO_BLOCKER;
-        Answer {
+        PointLight {
             is_lit: !is_certain && !search.is_hit,
             is_undecided: !is_certain && (search.is_hit || search.is_near),
             blocker: search.blocker,

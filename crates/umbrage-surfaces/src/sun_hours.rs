@@ -41,7 +41,7 @@ pub struct Day {
     pub windows: Vec<[f64; 2]>,
     /// A point is lit while it sees at least half of this disc; `None` for the disc's centre.
     pub half_of: Option<Disc>,
-    /// True if the path includes refraction. It is stated in the answer, no more.
+    /// True if the path includes refraction. Only [`Stated`] uses it.
     pub refraction: bool,
 }
 

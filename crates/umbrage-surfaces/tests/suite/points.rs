@@ -188,7 +188,7 @@ fn shares_of_the_disc_have_their_closed_form() {
     let disc = Disc::default();
     let radius = disc.radius_degrees.to_radians().tan();
     for offset in [-0.9, -0.3, 0.0, 0.5, 0.99] {
-        // A wall at the distance 7 along y, whose edge is beside the sun's centre.
+        // A wall 7 along y. Its edge is next to the sun's centre.
         let edge = 7.0 * radius * offset;
         let mut mesh = Mesh::default();
         mesh.push([[edge, -5.0], [edge, 5.0], [edge + 9.0, 0.0]].map(|[x, z]| dvec3(x, 7.0, z)));

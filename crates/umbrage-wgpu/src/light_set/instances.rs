@@ -12,8 +12,8 @@ const STRIDE: u64 = size_of::<Columns>() as u64;
 /// Greatest number of unchanged instances between changed ones that are written along: a separate
 /// write costs about as much as 12 kB.
 const GREATEST_GAP: u32 = 256;
-/// Greatest number of bytes that the next encoder copies. `Queue::write_buffer` creates a buffer for
-/// each write: for few bytes this takes longer than copying them from a buffer that is kept.
+/// Greatest number of bytes that the next encoder copies. `Queue::write_buffer` creates a buffer
+/// for each write: for few bytes this takes longer than copying them from a buffer that is kept.
 const MOST_STAGED: u64 = 1 << 16;
 /// Casts read instances as vertices, and the passes that list casters read them as a table.
 const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);

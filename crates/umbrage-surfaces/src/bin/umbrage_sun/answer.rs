@@ -12,9 +12,9 @@ use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, SunSpan, Suns, glam::D
 /// Names and values of a column; a value for each facet.
 type Column = (&'static str, Vec<f64>);
 
-/// An answer for each facet.
-pub(crate) struct Answer {
-    /// What was computed, in words.
+/// Results for each facet.
+pub(crate) struct FacetTable {
+    /// Description of the computed quantity.
     pub(crate) title: String,
     /// Columns of numbers.
     pub(crate) columns: Vec<Column>,
@@ -26,7 +26,7 @@ pub(crate) struct Answer {
     pub(crate) stated: Stated,
 }
 
-impl Answer {
+impl FacetTable {
     pub(crate) fn compute(facets: &Facets, sky: &Sky, arguments: &Arguments) -> Result<Self> {
         match sky {
             Sky::Day(day) if !arguments.area => Self::times(facets, day, arguments),

@@ -1,7 +1,7 @@
 //! Output files. They are written next to their place and renamed, so that a killed run leaves
 //! neither half a file nor a changed one.
 
-use crate::{answer::Answer, picture};
+use crate::{answer::FacetTable, picture};
 use anyhow::{Context as _, Result, bail};
 use serde_json::json;
 use std::{fmt::Write as _, fs, path::Path};
@@ -30,7 +30,7 @@ impl Format {
 }
 
 /// Writes the answer in the format of the path.
-pub(crate) fn write(path: &Path, facets: &Facets, answer: &Answer) -> Result<()> {
+pub(crate) fn write(path: &Path, facets: &Facets, answer: &FacetTable) -> Result<()> {
     let bytes = match Format::of_path(path)? {
         Format::Csv => csv(facets, answer)?.into_bytes(),
         Format::Npy => {
@@ -60,7 +60,7 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 /// Returns comments, a line of names, and a line for each facet: its centre, area and columns.
-fn csv(facets: &Facets, answer: &Answer) -> Result<String> {
+fn csv(facets: &Facets, answer: &FacetTable) -> Result<String> {
     let mut out = String::new();
     for line in answer.report(facets) {
         writeln!(out, "# {line}")?;
@@ -91,7 +91,7 @@ fn csv(facets: &Facets, answer: &Answer) -> Result<String> {
 }
 
 /// Returns a matrix of 64-bit numbers, facets by columns, in NumPy's format 1.0.
-fn npy(answer: &Answer) -> Vec<u8> {
+fn npy(answer: &FacetTable) -> Vec<u8> {
     let rows = answer.shades.len();
     let shape = format!("({rows}, {})", answer.columns.len());
     let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
@@ -110,7 +110,7 @@ fn npy(answer: &Answer) -> Vec<u8> {
 
 /// Returns a glTF model with the facets' colours at their corners, and their numbers as
 /// `_VALUE`.
-fn glb(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
+fn glb(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
     let up = facets.options().up;
     let y_up = |p: DVec3| match up {
         Up::Y => p,
@@ -159,7 +159,7 @@ fn glb(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
 }
 
 /// Returns the colours (four bytes, linear) and the numbers (32 bits) of all facets' corners.
-fn colors_and_values(answer: &Answer) -> [Vec<u8>; 2] {
+fn colors_and_values(answer: &FacetTable) -> [Vec<u8>; 2] {
     let scale = picture::Scale::of_answer(answer);
     let mut colors = Vec::with_capacity(12 * answer.shades.len());
     let mut values = Vec::with_capacity(12 * answer.shades.len());

@@ -60,7 +60,7 @@ fn run(arguments: &cli::Arguments) -> Result<()> {
     };
     let facets = Facets::new(&model.vertices, &model.triangles, &options)?;
     // Compute and write the answer.
-    let answer = answer::Answer::compute(&facets, &sky, arguments)?;
+    let answer = answer::FacetTable::compute(&facets, &sky, arguments)?;
     for out in &arguments.out {
         files::write(out, &facets, &answer)
             .with_context(|| format!("{} can't be written", out.display()))?;

@@ -1,6 +1,6 @@
 //! An image of the facets, coloured by an answer, with a legend.
 
-use crate::answer::Answer;
+use crate::answer::FacetTable;
 use anyhow::{Context as _, Result};
 use kuva::{
     backend::png::PngBackend,
@@ -28,7 +28,7 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    pub(crate) fn of_answer(answer: &Answer) -> Self {
+    pub(crate) fn of_answer(answer: &FacetTable) -> Self {
         let most = answer.shades.iter().copied().fold(0.0, f64::max);
         // All facets may be dark.
         Self {
@@ -46,7 +46,7 @@ impl Scale {
 }
 
 /// Returns the image as a PNG, whose text chunk has the totals and the stated accuracy.
-pub(crate) fn png(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
+pub(crate) fn png(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
     let scale = Scale::of_answer(answer);
     let report = answer.report(facets);
     let mut pixels = legend(&scale, answer, &report)?;
@@ -61,7 +61,7 @@ pub(crate) fn png(facets: &Facets, answer: &Answer) -> Result<Vec<u8>> {
 }
 
 /// Returns a white image with the legend and the report, three bytes a pixel.
-fn legend(scale: &Scale, answer: &Answer, report: &[String]) -> Result<Vec<u8>> {
+fn legend(scale: &Scale, answer: &FacetTable, report: &[String]) -> Result<Vec<u8>> {
     let mut drawing = Drawing::new(SIZE[0] as f64, SIZE[1] as f64);
     drawing.background_color = Some("white".to_owned());
     let top = (SIZE[1] - LEGEND) as f64;
@@ -122,7 +122,7 @@ fn legend(scale: &Scale, answer: &Answer, report: &[String]) -> Result<Vec<u8>> 
 }
 
 /// Draws facets with a depth buffer, in a parallel projection.
-fn draw_facets(pixels: &mut [u8], facets: &Facets, answer: &Answer, scale: &Scale) {
+fn draw_facets(pixels: &mut [u8], facets: &Facets, answer: &FacetTable, scale: &Scale) {
     let up = facets.options().up;
     let eye = direction_at(EYE[0], EYE[1], up);
     let right = direction_at(EYE[0], EYE[1] + 90.0, up).cross(eye);
