@@ -8,9 +8,9 @@
 //! and where they cross. Each point across the light is therefore lit on one facet only, and the
 //! lit areas add up to that of the silhouette.
 
-use crate::{frame::cross, tree::Projected};
+use crate::{frame::cross, grid::Rectangle, tree::Projected};
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::Cell;
 
 /// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
 /// halved first, so that each half has fewer.
@@ -112,9 +112,9 @@ pub(crate) struct Receiver<'a> {
     /// Sides of the receiver, inner to the left.
     sides: [HalfPlane; 3],
     size: f64,
-    margin: f64,
+    pub(crate) margin: f64,
     /// True if a facet was found that is in the same plane and overlaps.
-    pub(crate) has_coplanar: AtomicBool,
+    pub(crate) has_coplanar: Cell<bool>,
 }
 
 impl<'a> Receiver<'a> {
@@ -133,8 +133,30 @@ impl<'a> Receiver<'a> {
             sides: [(a, b), (b, c), (c, a)].map(|(a, b)| HalfPlane::left_of(a, b, 1.0)),
             size,
             margin,
-            has_coplanar: AtomicBool::new(false),
+            has_coplanar: Cell::new(false),
         }
+    }
+
+    /// Returns the part of the receiver within a rectangle of the frame.
+    pub(crate) fn part_within(&self, rectangle: Rectangle) -> Vec<DVec2> {
+        let [low, high] = rectangle.map(|corner| corner - self.origin);
+        let sides = [
+            (DVec2::X, -low.x),
+            (DVec2::Y, -low.y),
+            (DVec2::NEG_X, high.x),
+            (DVec2::NEG_Y, high.y),
+        ];
+        let mut part = self.corners.to_vec();
+        for (normal, offset) in sides {
+            let slack = 0.0;
+            let plane = HalfPlane {
+                normal,
+                offset,
+                slack,
+            };
+            [part, _] = split(&part, &plane);
+        }
+        part
     }
 
     /// Returns points relative to the origin, on the receiver, in the frame.
@@ -179,7 +201,7 @@ impl<'a> Receiver<'a> {
             Order::Below => None,
             Order::Above => Some(blocker),
             Order::Coplanar => {
-                self.has_coplanar.store(true, Ordering::Relaxed);
+                self.has_coplanar.set(true);
                 (row < self.row).then_some(blocker)
             }
             Order::Crossing { from, to } => {
@@ -289,7 +311,7 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
 
 /// Returns the moments of a convex polygon: six times the integrals of x and of y, and twice the
 /// area.
-pub(crate) fn moments(polygon: &[DVec2]) -> DVec3 {
+fn moments(polygon: &[DVec2]) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for pair in polygon.windows(2) {
         let twice_area = cross(pair[0] - polygon[0], pair[1] - polygon[0]);
@@ -325,12 +347,12 @@ pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32
 
 /// Returns whether halves have so few casters that halving is worth it: not if most casters meet in
 /// a point or along a line.
-pub(crate) fn separates<T>(halves: &[Vec<T>; 2], whole: usize) -> bool {
+fn separates<T>(halves: &[Vec<T>; 2], whole: usize) -> bool {
     2 * (halves[0].len() + halves[1].len()) < 3 * whole
 }
 
 /// Returns the halves of a convex polygon, cut across the longer side of its box.
-pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
     let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
         [low.min(*p), high.max(*p)]
     });

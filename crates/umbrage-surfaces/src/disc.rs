@@ -3,7 +3,7 @@
 use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
     frame::{Frame, cross},
-    lit_area::add_areas,
+    lit_area::{TILE, add_areas},
     outline,
     rays::Rays,
     stated::AnswerHash,
@@ -161,7 +161,7 @@ impl Facets {
         let mut sums = vec![LitArea::default(); self.len()];
         for point in points {
             let direction = frame.unproject(point.extend(1.0)).normalize();
-            let part = self.lit_areas_towards(direction).areas;
+            let part = self.lit_areas_towards(direction, TILE).areas;
             for (sum, part) in sums.iter_mut().zip(&part) {
                 sum.fraction += part.fraction * weight;
                 sum.area += part.area * weight;

@@ -39,6 +39,7 @@ mod clip;
 mod disc;
 mod facets;
 mod frame;
+mod grid;
 mod lit;
 mod lit_area;
 mod morton;
