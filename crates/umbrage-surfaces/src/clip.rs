@@ -16,7 +16,7 @@ use std::cell::Cell;
 /// halved first, so that each half has fewer.
 const CASTERS_AT_ONCE: usize = 12;
 /// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
-pub(crate) const MAX_HALVINGS: u32 = 24;
+const MAX_HALVINGS: u32 = 24;
 
 /// Points on the inner side have positive values of `normal.dot(p) + offset`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -320,74 +320,103 @@ fn moments(polygon: &[DVec2]) -> DVec3 {
     sum
 }
 
-/// Returns the moments of the part of a convex polygon that no blocker darkens. It is halved up to
-/// `halvings` times while that separates many blockers.
-pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32) -> DVec3 {
-    if blockers.len() <= CASTERS_AT_ONCE || halvings == 0 {
-        return cut_all(polygon, blockers);
-    }
-    let halves = halve(polygon);
-    let lists = [0, 1].map(|half| -> Vec<Blocker> {
-        let inside = blockers.iter();
-        inside
-            .filter_map(|blocker| blocker.within(&halves[half]))
-            .collect()
-    });
-    if !separates(&lists, blockers.len()) {
-        return cut_all(polygon, blockers);
-    }
-    let lit_half = |half: usize| {
-        if lists[half].iter().any(Blocker::covers_all) {
-            return DVec3::ZERO;
-        }
-        lit_moments(&halves[half], &lists[half], halvings - 1)
-    };
-    lit_half(0) + lit_half(1)
-}
+/// A convex polygon, the blockers that darken parts of it, and how often it may be halved.
+type LitTask = (Vec<DVec2>, Vec<Blocker>, u32);
 
-/// Returns whether halves have so few casters that halving is worth it: not if most casters meet in
-/// a point or along a line.
-fn separates<T>(halves: &[Vec<T>; 2], whole: usize) -> bool {
-    2 * (halves[0].len() + halves[1].len()) < 3 * whole
-}
-
-/// Returns the halves of a convex polygon, cut across the longer side of its box.
-fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
-    let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
-        [low.min(*p), high.max(*p)]
-    });
-    let size = high - low;
-    let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
-    let plane = HalfPlane {
-        normal,
-        offset: -normal.dot(low.midpoint(high)),
-        slack: 0.0,
-    };
-    split(polygon, &plane)
-}
-
-/// Returns the moments of what is left of a polygon, cut by one blocker after another.
-fn cut_all(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
+/// Returns the moments of the part of a convex polygon that no blocker darkens.
+pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
     let mut lit = DVec3::ZERO;
-    // Pieces, each with the first blocker that it has not been cut by.
-    let mut pieces = vec![(polygon.to_vec(), 0)];
-    while let Some((piece, first)) = pieces.pop() {
-        let mut next = first..blockers.len();
-        let overlapping = next.find_map(|i| Some((i, blockers[i].within(&piece)?)));
-        let Some((i, part)) = overlapping else {
-            lit += moments(&piece);
-            continue;
-        };
-        let mut inner = piece;
-        for plane in part.planes() {
-            let [inside, outside] = split(&inner, plane);
-            if outside.len() > 2 {
-                pieces.push((outside, i + 1));
+    let mut tasks: Vec<LitTask> = vec![(polygon.to_vec(), blockers.to_vec(), MAX_HALVINGS)];
+    while let Some((polygon, blockers, halvings)) = tasks.pop() {
+        if blockers.len() > CASTERS_AT_ONCE && halvings > 0 {
+            let size = extent(&polygon);
+            let [long, short] = if size.x >= size.y {
+                [DVec2::X, DVec2::Y]
+            } else {
+                [DVec2::Y, DVec2::X]
+            };
+            let halves = separated_halves(&polygon, &blockers, long)
+                .or_else(|| separated_halves(&polygon, &blockers, short));
+            if let Some(halves) = halves {
+                tasks.extend(halves.map(|(half, inside)| (half, inside, halvings - 1)));
+                continue;
             }
-            inner = inside;
+        }
+        // Cut by some blockers, and each piece by those of the others that it overlaps.
+        let (first, others) = blockers.split_at(CASTERS_AT_ONCE.min(blockers.len()));
+        for piece in lit_pieces(polygon, first) {
+            let rest = blockers_within(others, &piece);
+            if rest.is_empty() {
+                lit += moments(&piece);
+            } else if !rest.iter().any(Blocker::covers_all) {
+                tasks.push((piece, rest, halvings));
+            }
         }
     }
     lit
+}
+
+/// Returns the parts of blockers within a convex polygon.
+fn blockers_within(blockers: &[Blocker], polygon: &[DVec2]) -> Vec<Blocker> {
+    let parts = blockers.iter();
+    parts
+        .filter_map(|blocker| blocker.within(polygon))
+        .collect()
+}
+
+fn extent(polygon: &[DVec2]) -> DVec2 {
+    let [low, high] = bounds(polygon);
+    high - low
+}
+
+/// Returns the halves of a convex polygon across an axis with their blockers, but for dark ones;
+/// `None` if halving isn't worth it, as most blockers meet in a point or along a line.
+fn separated_halves(
+    polygon: &[DVec2],
+    blockers: &[Blocker],
+    axis: DVec2,
+) -> Option<Vec<(Vec<DVec2>, Vec<Blocker>)>> {
+    let [low, high] = bounds(polygon);
+    let plane = HalfPlane {
+        normal: axis,
+        offset: -axis.dot(low.midpoint(high)),
+        slack: 0.0,
+    };
+    let halves = split(polygon, &plane).map(|half| {
+        let inside = blockers_within(blockers, &half);
+        (half, inside)
+    });
+    let sum: usize = halves.iter().map(|half| half.1.len()).sum();
+    (2 * sum < 3 * blockers.len()).then(|| {
+        let halves = halves.into_iter();
+        halves
+            .filter(|(_, inside)| !inside.iter().any(Blocker::covers_all))
+            .collect()
+    })
+}
+
+/// Returns what is left of a polygon, cut by one blocker after another.
+fn lit_pieces(polygon: Vec<DVec2>, blockers: &[Blocker]) -> Vec<Vec<DVec2>> {
+    let mut pieces = vec![polygon];
+    for blocker in blockers {
+        let mut lit = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let Some(part) = blocker.within(&piece) else {
+                lit.push(piece);
+                continue;
+            };
+            let mut inner = piece;
+            for plane in part.planes() {
+                let [inside, outside] = split(&inner, plane);
+                if outside.len() > 2 {
+                    lit.push(outside);
+                }
+                inner = inside;
+            }
+        }
+        pieces = lit;
+    }
+    pieces
 }
 
 /// Returns the inner and the outer part of a convex polygon. Corners within the slack are of both.
