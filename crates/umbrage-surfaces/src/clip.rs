@@ -8,13 +8,18 @@
 //! and where they cross. Each point across the light is therefore lit on one facet only, and the
 //! lit areas add up to that of the silhouette.
 
-use crate::{frame::cross, grid::Rectangle, tree::Projected};
+use crate::{
+    frame::cross,
+    grid::Rectangle,
+    tree::{self, Limits, Projected},
+};
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use std::cell::Cell;
 
-/// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
-/// halved first, so that each half has fewer.
-const CASTERS_AT_ONCE: usize = 12;
+/// With more blockers, a polygon is halved first, so that each half has fewer.
+const HALVED: usize = 12;
+/// Blockers that cut one after another. The others are first reduced to those that overlap a piece.
+const CUTS_AT_ONCE: usize = 64;
 /// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
 const MAX_HALVINGS: u32 = 24;
 
@@ -112,7 +117,7 @@ pub(crate) struct Receiver<'a> {
     /// Sides of the receiver, inner to the left.
     sides: [HalfPlane; 3],
     size: f64,
-    pub(crate) margin: f64,
+    margin: f64,
     /// True if a facet was found that is in the same plane and overlaps.
     pub(crate) has_coplanar: Cell<bool>,
 }
@@ -159,18 +164,16 @@ impl<'a> Receiver<'a> {
         part
     }
 
-    /// Returns points relative to the origin, on the receiver, in the frame.
-    pub(crate) fn in_frame(&self, polygon: &[DVec2]) -> Vec<DVec3> {
+    /// Returns a query for facets that may darken a part of the receiver.
+    pub(crate) fn query_above(&self, polygon: &[DVec2]) -> Limits {
         let [a, b, c] = self.facet.corners;
         let [_, p, q] = self.corners;
-        let height = |point: &DVec2| {
+        let in_frame = polygon.iter().map(|point| {
             let weights = [cross(*point, q), cross(p, *point)].map(|area| area / self.twice_area);
-            a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1]
-        };
-        let points = polygon.iter();
-        points
-            .map(|p| (*p + self.origin).extend(height(p)))
-            .collect()
+            let height = a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1];
+            (*point + self.origin).extend(height)
+        });
+        tree::query_above(in_frame, self.margin)
     }
 
     /// Returns what a caster darkens; `None` if that is nothing.
@@ -326,24 +329,27 @@ type LitTask = (Vec<DVec2>, Vec<Blocker>, u32);
 /// Returns the moments of the part of a convex polygon that no blocker darkens.
 pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
     let mut lit = DVec3::ZERO;
+    if blockers.len() <= HALVED {
+        let pieces = lit_pieces(polygon.to_vec(), blockers);
+        return pieces.iter().fold(lit, |sum, piece| sum + moments(piece));
+    }
     let mut tasks: Vec<LitTask> = vec![(polygon.to_vec(), blockers.to_vec(), MAX_HALVINGS)];
     while let Some((polygon, blockers, halvings)) = tasks.pop() {
-        if blockers.len() > CASTERS_AT_ONCE && halvings > 0 {
-            let size = extent(&polygon);
-            let [long, short] = if size.x >= size.y {
-                [DVec2::X, DVec2::Y]
-            } else {
-                [DVec2::Y, DVec2::X]
-            };
-            let halves = separated_halves(&polygon, &blockers, long)
-                .or_else(|| separated_halves(&polygon, &blockers, short));
+        if blockers.len() > HALVED && halvings > 0 {
+            // Few blockers are cut sooner than separated along the other axis.
+            let axes = if blockers.len() > CUTS_AT_ONCE { 2 } else { 1 };
+            let halves = long_axis_first(&polygon)
+                .into_iter()
+                .take(axes)
+                .find_map(|axis| separated_halves(&polygon, &blockers, axis));
             if let Some(halves) = halves {
+                let halves = halves.into_iter();
                 tasks.extend(halves.map(|(half, inside)| (half, inside, halvings - 1)));
                 continue;
             }
         }
         // Cut by some blockers, and each piece by those of the others that it overlaps.
-        let (first, others) = blockers.split_at(CASTERS_AT_ONCE.min(blockers.len()));
+        let (first, others) = blockers.split_at(CUTS_AT_ONCE.min(blockers.len()));
         for piece in lit_pieces(polygon, first) {
             let rest = blockers_within(others, &piece);
             if rest.is_empty() {
@@ -364,25 +370,51 @@ fn blockers_within(blockers: &[Blocker], polygon: &[DVec2]) -> Vec<Blocker> {
         .collect()
 }
 
-fn extent(polygon: &[DVec2]) -> DVec2 {
+/// Returns the axes, first the one along the longer side of a polygon's box.
+fn long_axis_first(polygon: &[DVec2]) -> [DVec2; 2] {
     let [low, high] = bounds(polygon);
-    high - low
+    let size = high - low;
+    if size.x >= size.y {
+        [DVec2::X, DVec2::Y]
+    } else {
+        [DVec2::Y, DVec2::X]
+    }
 }
 
-/// Returns the halves of a convex polygon across an axis with their blockers, but for dark ones;
-/// `None` if halving isn't worth it, as most blockers meet in a point or along a line.
-fn separated_halves(
-    polygon: &[DVec2],
-    blockers: &[Blocker],
-    axis: DVec2,
-) -> Option<Vec<(Vec<DVec2>, Vec<Blocker>)>> {
+/// Returns the least and the greatest coordinates of a polygon.
+fn bounds(polygon: &[DVec2]) -> Rectangle {
+    let low = polygon.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
+    let high = polygon
+        .iter()
+        .fold(-DVec2::INFINITY, |high, p| high.max(*p));
+    [low, high]
+}
+
+/// Returns the halves of a convex polygon, cut across the longer side of its box.
+pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+    let [long, _] = long_axis_first(polygon);
+    halve_across(polygon, long)
+}
+
+/// Returns the halves of a convex polygon along an axis.
+fn halve_across(polygon: &[DVec2], axis: DVec2) -> [Vec<DVec2>; 2] {
     let [low, high] = bounds(polygon);
     let plane = HalfPlane {
         normal: axis,
         offset: -axis.dot(low.midpoint(high)),
         slack: 0.0,
     };
-    let halves = split(polygon, &plane).map(|half| {
+    split(polygon, &plane)
+}
+
+/// Returns the halves of a convex polygon along an axis with their blockers, but for dark ones;
+/// `None` if halving isn't worth it, as most blockers meet in a point or along a line.
+fn separated_halves(
+    polygon: &[DVec2],
+    blockers: &[Blocker],
+    axis: DVec2,
+) -> Option<Vec<(Vec<DVec2>, Vec<Blocker>)>> {
+    let halves = halve_across(polygon, axis).map(|half| {
         let inside = blockers_within(blockers, &half);
         (half, inside)
     });
@@ -397,26 +429,26 @@ fn separated_halves(
 
 /// Returns what is left of a polygon, cut by one blocker after another.
 fn lit_pieces(polygon: Vec<DVec2>, blockers: &[Blocker]) -> Vec<Vec<DVec2>> {
-    let mut pieces = vec![polygon];
-    for blocker in blockers {
-        let mut lit = Vec::with_capacity(pieces.len());
-        for piece in pieces {
-            let Some(part) = blocker.within(&piece) else {
-                lit.push(piece);
-                continue;
-            };
-            let mut inner = piece;
-            for plane in part.planes() {
-                let [inside, outside] = split(&inner, plane);
-                if outside.len() > 2 {
-                    lit.push(outside);
-                }
-                inner = inside;
+    let mut lit = Vec::new();
+    // Pieces, each with the first blocker that it has not been cut by.
+    let mut pieces = vec![(polygon, 0)];
+    while let Some((piece, first)) = pieces.pop() {
+        let mut next = first..blockers.len();
+        let overlapping = next.find_map(|i| Some((i, blockers[i].within(&piece)?)));
+        let Some((i, part)) = overlapping else {
+            lit.push(piece);
+            continue;
+        };
+        let mut inner = piece;
+        for plane in part.planes() {
+            let [inside, outside] = split(&inner, plane);
+            if outside.len() > 2 {
+                pieces.push((outside, i + 1));
             }
+            inner = inside;
         }
-        pieces = lit;
     }
-    pieces
+    lit
 }
 
 /// Returns the inner and the outer part of a convex polygon. Corners within the slack are of both.

@@ -7,7 +7,7 @@ use crate::{
     grid::{Grid, Rectangle},
     outline,
     stated::AnswerHash,
-    tree::{self, Projected, Scene, Stack, bounds_across},
+    tree::{Projected, Scene, Stack, bounds_across},
 };
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -15,6 +15,10 @@ use rayon::prelude::*;
 /// Most facets with their centre in a tile, if it has more than one cell. A tile's memory is some
 /// 150 bytes a facet, with those that reach into it.
 pub(crate) const TILE: u32 = 1 << 20;
+/// Blockers above which a receiver is halved.
+const MOST_BLOCKERS: usize = 128;
+/// Halvings of a receiver, or of its part in a cell, at most: casters may overlap or meet.
+const MAX_HALVINGS: u32 = 12;
 
 /// The lit part of a facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -257,12 +261,13 @@ impl Search {
     ) -> LitPart {
         let facet = &scene.facets[index as usize];
         let receiver = Receiver::new(facet, scene.row(index), margin);
-        let part = cell.map(|cell| receiver.part_within(cell));
-        let polygon = part.as_deref().unwrap_or(&receiver.corners);
-        let moments = if polygon.len() < 3 {
-            DVec3::ZERO
-        } else {
-            self.lit_moments(scene, index, &receiver, polygon)
+        let whole = receiver.corners;
+        let moments = match cell {
+            None => self.lit_moments(scene, index, &receiver, &whole, MAX_HALVINGS),
+            Some(cell) => {
+                let part = receiver.part_within(cell);
+                self.lit_moments(scene, index, &receiver, &part, MAX_HALVINGS)
+            }
         };
         LitPart {
             row: scene.row(index),
@@ -271,19 +276,30 @@ impl Search {
         }
     }
 
-    /// Returns the moments of the lit part of a polygon on a facet.
+    /// Returns the moments of the lit part of a convex polygon on a facet, which is halved up to
+    /// `halvings` times.
     fn lit_moments(
         &mut self,
         scene: &Scene,
         index: u32,
         receiver: &Receiver<'_>,
         polygon: &[DVec2],
+        halvings: u32,
     ) -> DVec3 {
-        let query = tree::query_above(&receiver.in_frame(polygon), receiver.margin);
+        if polygon.len() < 3 {
+            return DVec3::ZERO;
+        }
+        let most = if halvings > 0 {
+            MOST_BLOCKERS
+        } else {
+            usize::MAX
+        };
+        let query = receiver.query_above(polygon);
         let blockers = &mut self.blockers;
         blockers.clear();
         // The search ends at the first caster that darkens all. Wide ones are first.
-        let is_dark = scene.visit_overlapping(&query, &mut self.stack, |candidate| {
+        let mut is_dark = false;
+        let is_ended = scene.visit_overlapping(&query, &mut self.stack, |candidate| {
             if candidate == index {
                 return false;
             }
@@ -293,11 +309,19 @@ impl Search {
                 return false;
             };
             blockers.push(part);
-            part.covers_all()
+            is_dark = part.covers_all();
+            is_dark || blockers.len() > most
         });
         if is_dark {
             return DVec3::ZERO;
         }
-        clip::lit_moments(polygon, blockers, clip::MAX_HALVINGS)
+        if !is_ended {
+            return clip::lit_moments(polygon, blockers);
+        }
+        // Search again for each half, which is more probably dark by one caster.
+        let [first, second] = clip::halve(polygon);
+        let mut lit_half =
+            |half: &[DVec2]| self.lit_moments(scene, index, receiver, half, halvings - 1);
+        lit_half(&first) + lit_half(&second)
     }
 }

@@ -52,7 +52,7 @@ impl OutlineSearch {
             let Some(within) = within else {
                 continue;
             };
-            let query = tree::query_all(&within.map(|fraction| from.lerp(to, fraction)));
+            let query = tree::query_all(within.map(|fraction| from.lerp(to, fraction)));
             let side = [from.xy() - origin, to.xy() - origin];
             let covered = &mut self.covered;
             covered.clear();

@@ -40,27 +40,27 @@ pub(crate) type Stack = Vec<(u32, u32)>;
 /// the negative greatest x, y and height.
 pub(crate) type Limits = [f32; 5];
 
-fn limits_of(corners: &[DVec3]) -> Limits {
-    let low = corners.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-    let high = corners
-        .iter()
-        .fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+fn limits_of(corners: impl Iterator<Item = DVec3>) -> Limits {
+    let [low, high] = box_around(corners);
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
+}
+
+fn box_around(corners: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)])
 }
 
 /// Returns a query for facets that overlap these corners and reach above the least height, less the
 /// margin.
-pub(crate) fn query_above(corners: &[DVec3], margin: f64) -> Limits {
-    let [x, y, end_x, end_y, _] = limits_of(corners);
-    let least = corners
-        .iter()
-        .fold(f64::INFINITY, |least, p| least.min(p.z));
-    [-end_x, -end_y, -x, -y, -round_down(least - margin)]
+pub(crate) fn query_above(corners: impl Iterator<Item = DVec3>, margin: f64) -> Limits {
+    let [low, high] = box_around(corners);
+    let limits = [-high.x, -high.y, low.x, low.y, low.z - margin];
+    limits.map(|limit| -round_down(limit))
 }
 
 /// Returns a query for facets that overlap these corners, at any height.
-pub(crate) fn query_all(corners: &[DVec3]) -> Limits {
-    query_above(corners, f64::INFINITY)
+pub(crate) fn query_all(corners: [DVec3; 2]) -> Limits {
+    query_above(corners.into_iter(), f64::INFINITY)
 }
 
 fn round_down(x: f64) -> f32 {
@@ -154,7 +154,13 @@ impl Scene {
         receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| Node::new(group.iter().map(|facet| limits_of(&facet.corners))))
+            .map(|group| {
+                Node::new(
+                    group
+                        .iter()
+                        .map(|facet| limits_of(facet.corners.into_iter())),
+                )
+            })
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
@@ -208,7 +214,7 @@ impl Scene {
         stack: &mut Stack,
         mut visit: impl FnMut(u32),
     ) {
-        let query = query_all(&rectangle.map(|p| p.extend(0.0)));
+        let query = query_all(rectangle.map(|p| p.extend(0.0)));
         self.visit_overlapping(&query, stack, |index| {
             // Wide ones are first.
             let is_wide = index < self.wide;
