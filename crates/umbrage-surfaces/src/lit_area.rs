@@ -53,7 +53,8 @@ impl Facets {
         let mut hash = AnswerHash::new();
         for (i, &sun) in suns.directions().iter().enumerate() {
             let lit = self.lit_areas_towards(sun, TILE);
-            stated.add_undecided(i, lit.undecided);
+            let undecided = lit.undecided.iter().map(|&row| (i as u32, row));
+            stated.add_undecided(undecided);
             stated.identity = stated
                 .identity
                 .zip(lit.identity)
@@ -61,23 +62,9 @@ impl Facets {
             add_areas(&mut hash, &lit.areas);
             visit(i, &lit.areas);
         }
+        stated.keep_listed();
         stated.hash = hash.finish();
         stated
-    }
-
-    /// Returns the area of the facets' silhouette towards each sun, square metres. It is computed
-    /// from the outlines, independently of lit areas.
-    pub fn silhouette_areas(&self, suns: &Suns) -> Vec<f64> {
-        let area = |&sun| {
-            let mut area = 0.0;
-            self.visit_tiles(&Frame::new(sun), TILE, |scene| {
-                for part in outline::outline_integrals(scene, self.margin_m()) {
-                    area += part;
-                }
-            });
-            area
-        };
-        suns.directions().iter().map(area).collect()
     }
 
     /// Returns the lit areas towards a sun, with at most a number of facets' centres in a tile.
@@ -121,6 +108,7 @@ impl Facets {
                 (seen.is_none() && self.is_edge_on(row, &frame)).then_some(row)
             })
             .collect();
+        // A facet may have been computed in several cells.
         undecided.extend(edge_on);
         undecided.sort_unstable();
         undecided.dedup();
@@ -228,6 +216,7 @@ pub(crate) fn add_areas(hash: &mut AnswerHash, areas: &[LitArea]) {
 }
 
 /// The lit areas towards one sun.
+#[derive(Debug, PartialEq)]
 pub(crate) struct LitAreas {
     pub(crate) areas: Vec<LitArea>,
     pub(crate) undecided: Vec<u32>,
@@ -323,5 +312,46 @@ impl Search {
         let mut lit_half =
             |half: &[DVec2]| self.lit_moments(scene, index, receiver, half, halvings - 1);
         lit_half(&first) + lit_half(&second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Options, Unit};
+
+    /// A heap of small and large triangles, in one tile and in many.
+    #[test]
+    fn tiles_leave_all_bits_as_they_are() {
+        // Pseudorandom numbers in 0..1.
+        let at = |k: i32| {
+            let phases = DVec3::new(12.9, 78.2, 37.7) * f64::from(k);
+            (phases.sin() * 43_758.5).fract_gl()
+        };
+        let mut vertices = Vec::new();
+        for i in 0..5000 {
+            let size = if i % 50 == 0 { 0.8 } else { 0.04 };
+            vertices.extend([1, 2, 3].map(|k| at(i) + at(5000 * k + i) * size));
+        }
+        let triangles: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let options = Options {
+            unit: Unit::Metres(1.0),
+            certify: true,
+            ..Options::default()
+        };
+        let facets = Facets::new(&vertices, &triangles, &options).expect("good facets");
+        for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
+            let frame = Frame::new(sun);
+            let mut tiles = 0;
+            facets.visit_tiles(&frame, 300, |_| tiles += 1);
+            assert!(tiles > 6, "{tiles} tiles");
+            let tiled = facets.lit_areas_towards(sun, 300);
+            assert!(
+                tiled == facets.lit_areas_towards(sun, TILE),
+                "towards {sun}"
+            );
+            let identity = tiled.identity.expect("certified");
+            assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::meshes::{Mesh, block, floor, options};
 use umbrage_surfaces::{
-    Day, Disc, Facets, Options, Points, Sides, Suns, Unit, Up,
+    Day, Disc, Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -144,20 +144,23 @@ fn unusable_points_suns_and_days_are_named() {
         "{error}"
     );
     assert!(Suns::new(&[DVec3::splat(1e-300), DVec3::splat(1e300)]).is_ok());
-    let north = Suns::from_azimuth_height(&[[0.0, 0.0], [90.0, 0.0]], Up::Y).expect("angles");
-    assert!((north.directions()[0] + DVec3::Z).length() < 1e-15);
-    assert!((north.directions()[1] - DVec3::X).length() < 1e-15);
+    let [north, east] = [0.0, 90.0].map(|azimuth| direction_at(azimuth, 0.0, Up::Y));
+    assert!((north + DVec3::Z).length() < 1e-15 && (east - DVec3::X).length() < 1e-15);
 
     let at = Points::new(&facets, &two, None).expect("points");
     let still = |_: f64| DVec3::ZERO;
-    assert!(facets.sun_hours(&at, &still, &Day::default()).is_err());
+    assert!(
+        facets
+            .sun_hours(&at, &still, &Day::default(), |_| ())
+            .is_err()
+    );
     let backwards = Day {
         end_s: -1.0,
         ..Day::default()
     };
     assert!(
         facets
-            .sun_hours(&at, &|_: f64| DVec3::Z, &backwards)
+            .sun_hours(&at, &|_: f64| DVec3::Z, &backwards, |_| ())
             .is_err()
     );
     let overlapping = Day {
@@ -166,7 +169,7 @@ fn unusable_points_suns_and_days_are_named() {
     };
     assert!(
         facets
-            .sun_hours(&at, &|_: f64| DVec3::Z, &overlapping)
+            .sun_hours(&at, &|_: f64| DVec3::Z, &overlapping, |_| ())
             .is_err()
     );
     let wide = Disc {

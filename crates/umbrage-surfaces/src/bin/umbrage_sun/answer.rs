@@ -6,8 +6,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
-use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, SunSpan, Suns, glam::DVec3};
+use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, Suns, glam::DVec3};
 
 /// Names and values of a column; a value for each facet.
 type Column = (&'static str, Vec<f64>);
@@ -76,10 +75,12 @@ impl FacetTable {
             refraction: arguments.refraction,
             ..Day::default()
         };
-        let progress = progress(None, "hours of sun");
+        let progress = progress(facets.len(), "points");
         let up = facets.options().up;
         let path = |second: f64| local.direction(second, up);
-        let hours = facets.sun_hours(&Points::centres_of(facets), &path, &day)?;
+        let hours = facets.sun_hours(&Points::centres_of(facets), &path, &day, |count| {
+            progress.set_position(count as u64);
+        })?;
         progress.finish_and_clear();
         let rows = 0..facets.len();
         let minutes: Vec<f64> = rows.clone().map(|row| hours.minutes(row)).collect();
@@ -98,7 +99,7 @@ impl FacetTable {
     /// Sums the lit areas of all suns by their weights, times a scale.
     fn areas(facets: &Facets, suns: &Suns, scale: f64, names: [&'static str; 3]) -> Self {
         let mut sums = names.map(|name| (name, vec![0.0; facets.len()]));
-        let progress = progress(Some(suns.len()), "suns");
+        let progress = progress(suns.len(), "suns");
         let stated = facets.lit_area(suns, |sun, areas| {
             let weight = suns.weights()[sun] * scale;
             for (row, lit) in areas.iter().enumerate() {
@@ -121,8 +122,10 @@ impl FacetTable {
 
     /// Sums the suns that light the facets' centres by their weights, times a scale.
     fn centres(facets: &Facets, suns: &Suns, scale: f64) -> Self {
-        let progress = progress(None, "centres");
-        let lit = facets.lit(&Points::centres_of(facets), suns);
+        let progress = progress(facets.len(), "points");
+        let lit = facets.lit(&Points::centres_of(facets), suns, |count| {
+            progress.set_position(count as u64);
+        });
         progress.finish_and_clear();
         let share = |row: usize| -> f64 {
             let weights = suns.weights().iter().enumerate();
@@ -174,7 +177,7 @@ fn suns(directions: &[(DVec3, f64)]) -> Result<Suns> {
 }
 
 /// Returns spans as `8:00:12-11:30:00;..`.
-fn text_of_spans(spans: &[SunSpan]) -> String {
+fn text_of_spans(spans: &[[f64; 2]]) -> String {
     let clock = |second: f64| {
         let second = second.round() as u64;
         let [hours, minutes] = [second / 3600, second / 60 % 60];
@@ -182,26 +185,16 @@ fn text_of_spans(spans: &[SunSpan]) -> String {
     };
     let spans = spans.iter();
     let texts: Vec<String> = spans
-        .map(|span| format!("{}-{}", clock(span.start_s), clock(span.end_s)))
+        .map(|&[start, end]| format!("{}-{}", clock(start), clock(end)))
         .collect();
     texts.join(";")
 }
 
-/// Returns a bar on standard error, or a clock if the number of steps is unknown. It is hidden if
-/// standard error is no terminal.
-fn progress(steps: Option<usize>, what: &'static str) -> ProgressBar {
-    let bar = match steps {
-        Some(steps) => ProgressBar::new(steps as u64),
-        None => ProgressBar::new_spinner(),
-    };
-    let template = match steps {
-        Some(_) => "{msg} {wide_bar} {pos}/{len}, {eta} left",
-        None => "{spinner} {msg}, {elapsed}",
-    };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
+/// Returns a bar on standard error. It is hidden if standard error is no terminal.
+fn progress(steps: usize, what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(steps as u64).with_message(what);
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
-    bar.set_message(what);
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }
