@@ -16,12 +16,9 @@ use crate::{
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use std::cell::Cell;
 
-/// With more blockers, a polygon is halved first, so that each half has fewer.
-const HALVED: usize = 12;
-/// Blockers that cut one after another. The others are first reduced to those that overlap a piece.
-const CUTS_AT_ONCE: usize = 64;
-/// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
-const MAX_HALVINGS: u32 = 24;
+/// Pieces are cut one caster after another up to this number of casters. With more, the polygon is
+/// halved first, so that each half has fewer.
+const CASTERS_AT_ONCE: usize = 12;
 
 /// Points on the inner side have positive values of `normal.dot(p) + offset`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -323,120 +320,35 @@ fn moments(polygon: &[DVec2]) -> DVec3 {
     sum
 }
 
-/// A convex polygon, the blockers that darken parts of it, and how often it may be halved.
-type LitTask = (Vec<DVec2>, Vec<Blocker>, u32);
-
-/// Returns the moments of the part of a convex polygon that no blocker darkens.
-pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
+/// Returns the moments of the part of a convex polygon that no blocker darkens. It is halved up to
+/// `halvings` times while that separates many blockers.
+pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32) -> DVec3 {
+    if blockers.len() > CASTERS_AT_ONCE && halvings > 0 {
+        let halves = halve(polygon);
+        let lists = halves.each_ref().map(|half| {
+            let parts = blockers.iter().filter_map(|blocker| blocker.within(half));
+            parts.collect::<Vec<Blocker>>()
+        });
+        // Halving isn't worth it if most blockers meet in a point or along a line.
+        let parts = lists[0].len() + lists[1].len();
+        if 2 * parts < 3 * blockers.len() {
+            let lit_half = |half: usize| {
+                if lists[half].iter().any(Blocker::covers_all) {
+                    return DVec3::ZERO;
+                }
+                lit_moments(&halves[half], &lists[half], halvings - 1)
+            };
+            return lit_half(0) + lit_half(1);
+        }
+    }
     let mut lit = DVec3::ZERO;
-    if blockers.len() <= HALVED {
-        let pieces = lit_pieces(polygon.to_vec(), blockers);
-        return pieces.iter().fold(lit, |sum, piece| sum + moments(piece));
-    }
-    let mut tasks: Vec<LitTask> = vec![(polygon.to_vec(), blockers.to_vec(), MAX_HALVINGS)];
-    while let Some((polygon, blockers, halvings)) = tasks.pop() {
-        if blockers.len() > HALVED && halvings > 0 {
-            // Few blockers are cut sooner than separated along the other axis.
-            let axes = if blockers.len() > CUTS_AT_ONCE { 2 } else { 1 };
-            let halves = long_axis_first(&polygon)
-                .into_iter()
-                .take(axes)
-                .find_map(|axis| separated_halves(&polygon, &blockers, axis));
-            if let Some(halves) = halves {
-                let halves = halves.into_iter();
-                tasks.extend(halves.map(|(half, inside)| (half, inside, halvings - 1)));
-                continue;
-            }
-        }
-        // Cut by some blockers, and each piece by those of the others that it overlaps.
-        let (first, others) = blockers.split_at(CUTS_AT_ONCE.min(blockers.len()));
-        for piece in lit_pieces(polygon, first) {
-            let rest = blockers_within(others, &piece);
-            if rest.is_empty() {
-                lit += moments(&piece);
-            } else if !rest.iter().any(Blocker::covers_all) {
-                tasks.push((piece, rest, halvings));
-            }
-        }
-    }
-    lit
-}
-
-/// Returns the parts of blockers within a convex polygon.
-fn blockers_within(blockers: &[Blocker], polygon: &[DVec2]) -> Vec<Blocker> {
-    let parts = blockers.iter();
-    parts
-        .filter_map(|blocker| blocker.within(polygon))
-        .collect()
-}
-
-/// Returns the axes, first the one along the longer side of a polygon's box.
-fn long_axis_first(polygon: &[DVec2]) -> [DVec2; 2] {
-    let [low, high] = bounds(polygon);
-    let size = high - low;
-    if size.x >= size.y {
-        [DVec2::X, DVec2::Y]
-    } else {
-        [DVec2::Y, DVec2::X]
-    }
-}
-
-/// Returns the least and the greatest coordinates of a polygon.
-fn bounds(polygon: &[DVec2]) -> Rectangle {
-    let low = polygon.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
-    let high = polygon
-        .iter()
-        .fold(-DVec2::INFINITY, |high, p| high.max(*p));
-    [low, high]
-}
-
-/// Returns the halves of a convex polygon, cut across the longer side of its box.
-pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
-    let [long, _] = long_axis_first(polygon);
-    halve_across(polygon, long)
-}
-
-/// Returns the halves of a convex polygon along an axis.
-fn halve_across(polygon: &[DVec2], axis: DVec2) -> [Vec<DVec2>; 2] {
-    let [low, high] = bounds(polygon);
-    let plane = HalfPlane {
-        normal: axis,
-        offset: -axis.dot(low.midpoint(high)),
-        slack: 0.0,
-    };
-    split(polygon, &plane)
-}
-
-/// Returns the halves of a convex polygon along an axis with their blockers, but for dark ones;
-/// `None` if halving isn't worth it, as most blockers meet in a point or along a line.
-fn separated_halves(
-    polygon: &[DVec2],
-    blockers: &[Blocker],
-    axis: DVec2,
-) -> Option<Vec<(Vec<DVec2>, Vec<Blocker>)>> {
-    let halves = halve_across(polygon, axis).map(|half| {
-        let inside = blockers_within(blockers, &half);
-        (half, inside)
-    });
-    let sum: usize = halves.iter().map(|half| half.1.len()).sum();
-    (2 * sum < 3 * blockers.len()).then(|| {
-        let halves = halves.into_iter();
-        halves
-            .filter(|(_, inside)| !inside.iter().any(Blocker::covers_all))
-            .collect()
-    })
-}
-
-/// Returns what is left of a polygon, cut by one blocker after another.
-fn lit_pieces(polygon: Vec<DVec2>, blockers: &[Blocker]) -> Vec<Vec<DVec2>> {
-    let mut lit = Vec::new();
     // Pieces, each with the first blocker that it has not been cut by.
-    let mut pieces = vec![(polygon, 0)];
+    let mut pieces = vec![(polygon.to_vec(), 0)];
     while let Some((piece, first)) = pieces.pop() {
         let mut next = first..blockers.len();
         let overlapping = next.find_map(|i| Some((i, blockers[i].within(&piece)?)));
         let Some((i, part)) = overlapping else {
-            lit.push(piece);
+            lit += moments(&piece);
             continue;
         };
         let mut inner = piece;
@@ -449,6 +361,21 @@ fn lit_pieces(polygon: Vec<DVec2>, blockers: &[Blocker]) -> Vec<Vec<DVec2>> {
         }
     }
     lit
+}
+
+/// Returns the halves of a convex polygon, cut across the longer side of its box.
+pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+    let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
+        [low.min(*p), high.max(*p)]
+    });
+    let size = high - low;
+    let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
+    let plane = HalfPlane {
+        normal,
+        offset: -normal.dot(low.midpoint(high)),
+        slack: 0.0,
+    };
+    split(polygon, &plane)
 }
 
 /// Returns the inner and the outer part of a convex polygon. Corners within the slack are of both.

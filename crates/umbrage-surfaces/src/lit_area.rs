@@ -17,7 +17,8 @@ use rayon::prelude::*;
 pub(crate) const TILE: u32 = 1 << 20;
 /// Blockers above which a receiver is halved.
 const MOST_BLOCKERS: usize = 128;
-/// Halvings of a receiver, or of its part in a cell, at most: casters may overlap or meet.
+/// Halvings at most, first with new searches, then with the blockers found: they may overlap or
+/// meet.
 const MAX_HALVINGS: u32 = 12;
 
 /// The lit part of a facet.
@@ -305,7 +306,7 @@ impl Search {
             return DVec3::ZERO;
         }
         if !is_ended {
-            return clip::lit_moments(polygon, blockers);
+            return clip::lit_moments(polygon, blockers, MAX_HALVINGS);
         }
         // Search again for each half, which is more probably dark by one caster.
         let [first, second] = clip::halve(polygon);
