@@ -45,8 +45,8 @@ impl Grid {
         }
     }
 
-    /// Returns the key of a facet: facets of similar size first, then its centre along the curve.
-    /// Large facets have the least keys.
+    /// Returns the key of a facet: its class of size, then its centre along the curve. Large facets
+    /// have the least keys.
     pub(crate) fn key(&self, facet: &Projected) -> u64 {
         let [low, high] = facet.bounds();
         let size = (high - low).max_element().max(f64::MIN_POSITIVE);

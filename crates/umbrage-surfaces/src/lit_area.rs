@@ -77,27 +77,16 @@ impl Facets {
         let mut undecided = Vec::new();
         let mut silhouette = 0.0;
         self.visit_tiles(&frame, tile, |scene| {
-            let cells = scene.map_cells(|search: &mut Search, cell| {
-                let mut parts = Vec::with_capacity(cell.narrow.len());
-                for &(_, index) in cell.narrow {
-                    parts.push(search.lit_part(scene, index, margin, None));
-                }
-                let mut wide = std::mem::take(&mut search.wide);
-                scene.visit_wide(cell.rectangle, &mut search.stack, |index| wide.push(index));
-                for index in wide.drain(..) {
-                    parts.push(search.lit_part(scene, index, margin, Some(cell.rectangle)));
-                }
-                search.wide = wide;
-                parts
+            let parts = scene.map_parts(|search: &mut Search, index, cell| {
+                search.lit_part(scene, index, margin, cell)
             });
-            for part in cells.iter().flatten() {
+            for part in parts.iter().flatten() {
                 areas[part.row as usize].centroid += part.moments;
                 undecided.extend(part.has_coplanar.then_some(part.row));
             }
             if self.options().certify {
-                for part in outline::outline_integrals(scene, margin) {
-                    silhouette += part;
-                }
+                let integrals = outline::outline_integrals(scene, margin);
+                silhouette = integrals.iter().flatten().fold(silhouette, |a, b| a + b);
             }
         });
         let edge_on: Vec<u32> = areas
@@ -236,7 +225,6 @@ struct LitPart {
 #[derive(Debug, Default)]
 struct Search {
     stack: Stack,
-    wide: Vec<u32>,
     blockers: Vec<Blocker>,
 }
 

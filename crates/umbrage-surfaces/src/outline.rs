@@ -12,28 +12,17 @@ use crate::{
 use glam::{DVec2, Vec3Swizzles as _};
 use std::f64::consts::{PI, TAU};
 
-/// Returns, for each cell of a tile, its part of the integral over the outline of all facets. The
-/// sum over all cells is the area of the silhouette, square metres.
-pub(crate) fn outline_integrals(scene: &Scene, margin: f64) -> Vec<f64> {
-    scene.map_cells(|search: &mut OutlineSearch, cell| {
-        let mut sum = 0.0;
-        for &(_, index) in cell.narrow {
-            sum += search.integral(scene, index, margin, None);
-        }
-        let mut wide = std::mem::take(&mut search.wide);
-        scene.visit_wide(cell.rectangle, &mut search.stack, |index| wide.push(index));
-        for index in wide.drain(..) {
-            sum += search.integral(scene, index, margin, Some(cell.rectangle));
-        }
-        search.wide = wide;
-        sum
+/// Returns the parts of the integral over the outline of all facets that are in a tile. Their sum
+/// over all tiles is the area of the silhouette, square metres.
+pub(crate) fn outline_integrals(scene: &Scene, margin: f64) -> Vec<Vec<f64>> {
+    scene.map_parts(|search: &mut OutlineSearch, index, cell| {
+        search.integral(scene, index, margin, cell)
     })
 }
 
 #[derive(Default)]
 struct OutlineSearch {
     stack: Stack,
-    wide: Vec<u32>,
     covered: Vec<[f64; 2]>,
 }
 

@@ -109,7 +109,7 @@ impl Node {
 
 /// The facets that reach into a tile, in the order of the tree: wide ones first.
 pub(crate) struct Scene {
-    pub(crate) grid: Grid,
+    grid: Grid,
     pub(crate) facets: Vec<Projected>,
     /// Keys of the grid, and the caller's rows.
     keys: Vec<(u64, u32)>,
@@ -187,42 +187,33 @@ impl Scene {
         self.keys[index as usize].1
     }
 
-    /// Computes a value for each cell of the tile, in order, with memory that is reused.
-    pub(crate) fn map_cells<M: Default + Send, T: Send>(
+    /// Computes a value for each facet of each cell of the tile, in order, with memory that is
+    /// reused. Wide facets are computed within the cell's rectangle, others as a whole.
+    pub(crate) fn map_parts<M: Default + Send, T: Send>(
         &self,
-        compute: impl Fn(&mut M, Cell<'_>) -> T + Sync,
-    ) -> Vec<T> {
+        compute: impl Fn(&mut M, u32, Option<Rectangle>) -> T + Sync,
+    ) -> Vec<Vec<T>> {
+        let parts_of = |memory: &mut M, cell: u32| {
+            let start = self.receivers.partition_point(|&(other, _)| other < cell);
+            let narrow = self.receivers[start..].iter();
+            let narrow = narrow.take_while(|&&(other, _)| other == cell);
+            let mut parts: Vec<T> = narrow
+                .map(|&(_, index)| compute(memory, index, None))
+                .collect();
+            let rectangle = self.grid.rectangle(Tile::of_cell(cell));
+            let query = query_all(rectangle.map(|p| p.extend(0.0)));
+            self.visit_overlapping(&query, &mut Stack::new(), |index| {
+                // Wide ones are first.
+                let is_wide = index < self.wide;
+                if is_wide {
+                    parts.push(compute(memory, index, Some(rectangle)));
+                }
+                !is_wide
+            });
+            parts
+        };
         let cells = self.tile.cells().into_par_iter();
-        cells
-            .map_init(M::default, |memory, cell| {
-                let start = self.receivers.partition_point(|&(other, _)| other < cell);
-                let rest = &self.receivers[start..];
-                let count = rest.partition_point(|&(other, _)| other == cell);
-                let cell = Cell {
-                    narrow: &rest[..count],
-                    rectangle: self.grid.rectangle(Tile::of_cell(cell)),
-                };
-                compute(memory, cell)
-            })
-            .collect()
-    }
-
-    /// Passes the wide facets whose boxes overlap a rectangle to `visit`.
-    pub(crate) fn visit_wide(
-        &self,
-        rectangle: Rectangle,
-        stack: &mut Stack,
-        mut visit: impl FnMut(u32),
-    ) {
-        let query = query_all(rectangle.map(|p| p.extend(0.0)));
-        self.visit_overlapping(&query, stack, |index| {
-            // Wide ones are first.
-            let is_wide = index < self.wide;
-            if is_wide {
-                visit(index);
-            }
-            !is_wide
-        });
+        cells.map_init(M::default, parts_of).collect()
     }
 
     /// Passes the facets that overlap a query to `visit`, wide ones first, until it returns true.
@@ -259,13 +250,6 @@ impl Scene {
         }
         false
     }
-}
-
-/// A cell of a tile.
-pub(crate) struct Cell<'a> {
-    /// Pairs of the cell and a facet, for facets that are computed in it as a whole.
-    pub(crate) narrow: &'a [(u32, u32)],
-    pub(crate) rectangle: Rectangle,
 }
 
 /// Returns a box across the light around a box in space.
