@@ -6,7 +6,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, Suns, glam::DVec3};
+use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, Suns};
 
 /// Names and values of a column; a value for each facet.
 type Column = (&'static str, Vec<f64>);
@@ -15,11 +15,8 @@ type Column = (&'static str, Vec<f64>);
 pub(crate) struct FacetTable {
     /// Description of the computed quantity.
     pub(crate) title: String,
-    /// Columns of numbers.
+    /// Columns of numbers. Images are coloured by the first one.
     pub(crate) columns: Vec<Column>,
-    /// Numbers that images are coloured by, and their name.
-    pub(crate) shades: Vec<f64>,
-    pub(crate) shade_name: &'static str,
     /// Spans of light as text; empty without times.
     pub(crate) spans: Vec<String>,
     pub(crate) stated: Stated,
@@ -30,7 +27,7 @@ impl FacetTable {
         match sky {
             Sky::Day(day) if !arguments.area => Self::times(facets, day, arguments),
             Sky::Day(day) => {
-                let steps = day.steps(facets.options().up);
+                let steps = day.steps(facets.options().up)?;
                 ensure!(
                     !steps.is_empty(),
                     "the Sun is below the horizon on {}; choose another day or window",
@@ -41,14 +38,13 @@ impl FacetTable {
                     "square_metre_hours",
                     "projected_square_metre_hours",
                 ];
-                let mut answer = Self::areas(facets, &suns(&steps)?, 1.0, names);
+                let mut answer = Self::areas(facets, &steps, 1.0, names);
                 answer.stated.step_s = Some(day.step_s);
                 answer.stated.refraction = Some(arguments.refraction);
                 answer.title = format!("lit areas on {}", day.title);
                 Ok(answer)
             }
-            Sky::Directions(directions) => {
-                let suns = suns(directions)?;
+            Sky::Directions(suns) => {
                 let whole: f64 = suns.weights().iter().sum();
                 ensure!(
                     whole > 0.0,
@@ -56,9 +52,9 @@ impl FacetTable {
                 );
                 let mut answer = if arguments.area {
                     let names = ["lit_share", "lit_m2", "projected_m2"];
-                    Self::areas(facets, &suns, 1.0 / whole, names)
+                    Self::areas(facets, suns, 1.0 / whole, names)
                 } else {
-                    Self::centres(facets, &suns, 1.0 / whole)
+                    Self::centres(facets, suns, 1.0 / whole)
                 };
                 answer.title = format!("{} directions, weighted mean", suns.len());
                 Ok(answer)
@@ -83,14 +79,15 @@ impl FacetTable {
         })?;
         progress.finish_and_clear();
         let rows = 0..facets.len();
-        let minutes: Vec<f64> = rows.clone().map(|row| hours.minutes(row)).collect();
-        let longest = rows.clone().map(|row| hours.longest_minutes(row)).collect();
+        let whole = rows.clone().map(|row| hours.minutes(row) / 60.0);
+        let longest = rows.clone().map(|row| hours.longest_minutes(row) / 60.0);
         let spans = rows.map(|row| text_of_spans(hours.spans(row))).collect();
         Ok(Self {
             title: format!("hours of sun of facets' centres on {}", local.title),
-            shades: minutes.iter().map(|minutes| minutes / 60.0).collect(),
-            shade_name: "hours",
-            columns: vec![("minutes", minutes), ("longest_minutes", longest)],
+            columns: vec![
+                ("hours", whole.collect()),
+                ("longest_hours", longest.collect()),
+            ],
             spans,
             stated: hours.stated,
         })
@@ -112,8 +109,6 @@ impl FacetTable {
         progress.finish_and_clear();
         Self {
             title: String::new(),
-            shades: sums[0].1.clone(),
-            shade_name: names[0],
             columns: sums.into(),
             spans: Vec::new(),
             stated,
@@ -132,11 +127,9 @@ impl FacetTable {
             let lit = weights.filter(|&(sun, _)| lit.is_lit(sun, row));
             lit.map(|(_, weight)| weight * scale).sum()
         };
-        let shares: Vec<f64> = (0..facets.len()).map(share).collect();
+        let shares = (0..facets.len()).map(share).collect();
         Self {
             title: String::new(),
-            shades: shares.clone(),
-            shade_name: "lit_share",
             columns: vec![("lit_share", shares)],
             spans: Vec::new(),
             stated: lit.stated,
@@ -147,33 +140,25 @@ impl FacetTable {
     pub(crate) fn report(&self, facets: &Facets) -> Vec<String> {
         let area: f64 = (0..facets.len()).map(|row| facets.area_m2(row)).sum();
         let weighted = |(row, shade): (usize, &f64)| shade * facets.area_m2(row);
-        let sum: f64 = self.shades.iter().enumerate().map(weighted).sum();
-        let least = self.shades.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = self.shades.iter().copied().fold(0.0, f64::max);
+        let (name, shades) = &self.columns[0];
+        let sum: f64 = shades.iter().enumerate().map(weighted).sum();
+        let least = shades.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = shades.iter().copied().fold(0.0, f64::max);
         // A model without area has no mean.
         let mean = if area > 0.0 { sum / area } else { 0.0 };
         let mut lines = vec![
             self.title.clone(),
             format!("{} facets, {area:.3} m2", facets.len()),
-            format!(
-                "{}: mean by area {mean:.4}, least {least:.4}, most {most:.4}",
-                self.shade_name
-            ),
+            format!("{name}: mean by area {mean:.4}, least {least:.4}, most {most:.4}"),
         ];
         for (name, values) in self.columns.iter().skip(1) {
-            if name.contains('m') && !name.contains("minutes") {
+            if name.contains("m2") || name.contains("metre") {
                 lines.push(format!("{name}: {:.6} in all", values.iter().sum::<f64>()));
             }
         }
         lines.push(format!("stated: {}", self.stated));
         lines
     }
-}
-
-fn suns(directions: &[(DVec3, f64)]) -> Result<Suns> {
-    let vectors: Vec<_> = directions.iter().map(|sun| sun.0).collect();
-    let weights: Vec<f64> = directions.iter().map(|sun| sun.1).collect();
-    Ok(Suns::with_weights(&vectors, &weights)?)
 }
 
 /// Returns spans as `8:00:12-11:30:00;..`.

@@ -10,7 +10,7 @@ use umbrage_surfaces::{Sides, Unit, Up};
     version,
     after_help = "Examples:
   umbrage-sun city.obj --where 48.1,11.6 --on 2026-03-21 --zone 1 --window 8-16 --out sun.csv
-      minutes of sun of each facet's centre in Munich, between 8 and 16 o'clock
+      hours of sun of each facet's centre in Munich, between 8 and 16 o'clock
   umbrage-sun model.glb --up z --unit cm --where 48.1,11.6 --on 2026-03-21 --step 5m --area --out sun.png
       exact lit areas every 5 minutes, and an image coloured by hours
   umbrage-sun satellite.obj --unit m --suns directions.txt --area --out lit.npy --out lit.glb
