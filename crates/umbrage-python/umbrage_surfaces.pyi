@@ -67,5 +67,5 @@ class Lit:
 class SunHours:
     minutes: Floats
     longest_minutes: Floats
-    spans_s: list[list[tuple[float, float]]]
+    spans_s: list[list[list[float]]]
     stated: Stated

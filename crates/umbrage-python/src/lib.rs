@@ -6,7 +6,7 @@ use numpy::{
 };
 use pyo3::{exceptions::PyValueError, prelude::*};
 use umbrage_surfaces::{
-    Day, Disc, Options, Points, Sides, Suns, Unit, Up, direction_at,
+    Day, Disc, Options, Points, Suns, Unit, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -31,15 +31,6 @@ fn vectors(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<DVec3>
         .collect())
 }
 
-/// Reads the name of an axis.
-fn up_axis(up: &str) -> PyResult<Up> {
-    match up {
-        "y" => Ok(Up::Y),
-        "z" => Ok(Up::Z),
-        _ => Err(value_error(format!("up is `{up}`; use `y` or `z`"))),
-    }
-}
-
 /// Returns unit vectors towards suns, float64 (n, 3).
 ///
 /// `azimuths`: degrees clockwise from north, float64 (n,). `heights`: degrees above the horizon,
@@ -52,7 +43,7 @@ fn directions<'py>(
     heights: Vec<f64>,
     up: &str,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let up = up_axis(up)?;
+    let up: Up = up.parse().map_err(value_error)?;
     if azimuths.len() != heights.len() {
         let [a, b] = [azimuths.len(), heights.len()];
         return Err(value_error(format!(
@@ -60,16 +51,11 @@ fn directions<'py>(
         )));
     }
     let angles = azimuths.iter().zip(&heights);
-    let rows: Vec<Vec<f64>> = angles
-        .map(|(&azimuth, &height)| direction_at(azimuth, height, up).to_array().to_vec())
+    let directions = angles.map(|(&azimuth, &height)| direction_at(azimuth, height, up));
+    let numbers: Vec<f64> = directions
+        .flat_map(|direction| direction.to_array())
         .collect();
-    table(py, rows, 3)
-}
-
-/// Returns rows as an array, also if there are none.
-fn table(py: Python<'_>, rows: Vec<Vec<f64>>, width: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let count = rows.len();
-    rows.concat().into_pyarray(py).reshape([count, width])
+    numbers.into_pyarray(py).reshape([heights.len(), 3])
 }
 
 /// Sets the number of threads, once and before the first answer. Answers don't depend on it.
@@ -140,12 +126,12 @@ struct Lit {
 }
 
 /// Times of sun: `minutes`, `longest_minutes`, float64 (points,); `spans_s`, a list of
-/// (first, last) seconds for each point.
+/// [first, last] seconds for each point.
 #[pyclass(frozen, get_all, module = "umbrage_surfaces")]
 struct SunHours {
     minutes: Py<PyArray1<f64>>,
     longest_minutes: Py<PyArray1<f64>>,
-    spans_s: Vec<Vec<(f64, f64)>>,
+    spans_s: Vec<Vec<[f64; 2]>>,
     stated: Stated,
 }
 
@@ -213,20 +199,12 @@ impl Facets {
         let rows = view.rows().into_iter();
         let triangles: Vec<[u32; 3]> = rows.map(|row| [row[0], row[1], row[2]]).collect();
         let options = Options {
-            up: up_axis(up)?,
+            up: up.parse().map_err(value_error)?,
             unit: match unit {
-                Some(unit) => unit.parse::<Unit>().map_err(value_error)?,
+                Some(unit) => unit.parse().map_err(value_error)?,
                 None => Unit::Unstated,
             },
-            sides: match sides {
-                "front" => Sides::Front,
-                "both" => Sides::Both,
-                _ => {
-                    return Err(value_error(format!(
-                        "sides is `{sides}`; use `front` or `both`"
-                    )));
-                }
-            },
+            sides: sides.parse().map_err(value_error)?,
             max_error_m,
             certify,
         };
@@ -293,7 +271,7 @@ impl Facets {
     ) -> PyResult<Lit> {
         let suns = Suns::new(&vectors("suns", &suns)?).map_err(value_error)?;
         let points = self.points(points, normals)?;
-        let lit = py.detach(|| self.0.lit(&points, &suns));
+        let lit = py.detach(|| self.0.lit(&points, &suns, |_| ()));
         let mut bits = Vec::with_capacity(suns.len() * points.len());
         for sun in 0..suns.len() {
             bits.extend((0..points.len()).map(|row| lit.is_lit(sun, row)));
@@ -355,21 +333,15 @@ impl Facets {
             suns[next - 1].lerp(suns[next], share)
         };
         let points = self.points(points, normals)?;
-        let hours = py.detach(|| self.0.sun_hours(&points, &path, &day));
+        let hours = py.detach(|| self.0.sun_hours(&points, &path, &day, |_| ()));
         let hours = hours.map_err(value_error)?;
         let rows = 0..points.len();
         let minutes: Vec<f64> = rows.clone().map(|row| hours.minutes(row)).collect();
         let longest: Vec<f64> = rows.clone().map(|row| hours.longest_minutes(row)).collect();
-        let spans = |row| {
-            hours
-                .spans(row)
-                .iter()
-                .map(|span| (span.start_s, span.end_s))
-        };
         Ok(SunHours {
             minutes: minutes.into_pyarray(py).unbind(),
             longest_minutes: longest.into_pyarray(py).unbind(),
-            spans_s: rows.map(|row| spans(row).collect()).collect(),
+            spans_s: rows.map(|row| hours.spans(row).to_vec()).collect(),
             stated: hours.stated.into(),
         })
     }

@@ -2,26 +2,29 @@
 //!
 //! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), `both` (the city
 //! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
-//! slab: the difference is the time of the slab's twelve facets).
+//! slab: the difference is the time of the slab's twelve facets). The path of a model of `v` and `f`
+//! lines (.obj) is one, too: it has both sides, and the number is the metres of its unit.
 //!
-//! Each line has the wall time of a sun, and user and system time over the number of threads, which
+//! With `certify` the sum of areas is checked, which takes longer. Each line has the wall time of a sun, and user and system time over the number of threads, which
 //! other programs on the machine disturb less.
 
-use std::{fs, time::Instant};
+use std::{error::Error, fs, time::Instant};
 use umbrage_surfaces::{
-    Facets, Options, Points, Sides, Suns, Unit, Up,
+    Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, kind, count] = &arguments[..] else {
-        eprintln!("usage: areas_speed ball|city|both|plain|houses FACETS");
-        std::process::exit(2);
+    let (kind, count, certify) = match &arguments[..] {
+        [_, kind, count] => (kind, count, false),
+        [_, kind, count, certify] if certify == "certify" => (kind, count, true),
+        _ => return Err("usage: areas_speed ball|city|both|plain|houses FACETS [certify]".into()),
     };
     let count: f64 = count.parse().unwrap_or(1e5);
     let mut mesh = Mesh::default();
     match kind.as_str() {
+        model if model.ends_with(".obj") => mesh.add_obj(model, count),
         "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
         "plain" => mesh.add_city(count, 1),
         "houses" => mesh.add_city(count, 0),
@@ -29,46 +32,32 @@ fn main() {
     }
     let options = Options {
         unit: Unit::Metres(1.0),
-        sides: if kind == "both" || kind == "plain" || kind == "houses" {
-            Sides::Both
-        } else {
-            Sides::Front
+        sides: match kind.as_str() {
+            "ball" | "city" => Sides::Front,
+            _ => Sides::Both,
         },
+        certify,
         ..Options::default()
     };
     let start = Instant::now();
-    let facets = match Facets::new(&mesh.vertices, &mesh.triangles, &options) {
-        Ok(facets) => facets,
-        Err(error) => {
-            eprintln!("{error}");
-            std::process::exit(1);
-        }
-    };
+    let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options)?;
     let prepared = start.elapsed().as_secs_f64();
     let count = facets.len();
     println!("{kind}: {count} facets, prepared in {prepared:.2} s");
     drop(mesh);
     for height in [90.0, 60.0, 30.0, 15.0, 5.0] {
-        let sun = match Suns::from_azimuth_height(&[[33.0, height]], Up::Z) {
-            Ok(sun) => sun,
-            Err(error) => panic!("{error}"),
-        };
+        let sun = Suns::new(&[direction_at(33.0, height, Up::Z)])?;
         let start = Instant::now();
         let used = seconds_used();
         let mut lit = 0.0;
-        facets.lit_area(&sun, |_, areas| {
+        let stated = facets.lit_area(&sun, |_, areas| {
             lit = areas.iter().map(|facet| facet.projected).sum()
         });
         let wall = start.elapsed().as_secs_f64();
         let used = (seconds_used() - used) / threads();
-        let start = seconds_used();
-        let silhouette = facets.silhouette_areas(&sun)[0];
-        let checked = (seconds_used() - start) / threads();
-        let identity = lit / silhouette - 1.0;
         println!(
             "{height:4} degrees: {wall:6.2} s wall, {used:6.2} s user + system / threads, \
-             {:.2} us a facet, identity {identity:.1e} \
-             in {checked:.2} s, at most {:.0} bytes a facet",
+             {:.2} us a facet, {lit:.6e} m2; at most {:.0} bytes a facet; {stated}",
             used / count as f64 * 1e6,
             peak_bytes() / count as f64,
         );
@@ -77,18 +66,17 @@ fn main() {
     let start = Instant::now();
     let used = seconds_used();
     let points = Points::centres_of(&facets);
-    let angles: Vec<[f64; 2]> = (1..=10)
-        .map(|i| [30.0 * f64::from(i), 6.0 * f64::from(i)])
+    let directions: Vec<DVec3> = (1..=10)
+        .map(|i| direction_at(30.0 * f64::from(i), 6.0 * f64::from(i), Up::Z))
         .collect();
-    if let Ok(suns) = Suns::from_azimuth_height(&angles, Up::Z) {
-        let lit = facets.lit(&points, &suns);
-        println!(
-            "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
-            start.elapsed().as_secs_f64(),
-            (seconds_used() - used) / threads(),
-            lit.stated,
-        );
-    }
+    let lit = facets.lit(&points, &Suns::new(&directions)?, |_| ());
+    println!(
+        "centres under 10 suns: {:.2} s wall, {:.2} s user + system / threads; {}",
+        start.elapsed().as_secs_f64(),
+        (seconds_used() - used) / threads(),
+        lit.stated,
+    );
+    Ok(())
 }
 
 fn threads() -> f64 {
@@ -124,6 +112,23 @@ struct Mesh {
 }
 
 impl Mesh {
+    /// Adds the triangles of a model, y up, whose unit has this many metres.
+    fn add_obj(&mut self, path: &str, unit: f64) {
+        let text = fs::read_to_string(path).unwrap_or_default();
+        for line in text.lines() {
+            let words = line.split_whitespace().skip(1);
+            if line.starts_with("v ") {
+                let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+                self.vertices
+                    .push(dvec3(numbers[0], -numbers[2], numbers[1]) * unit);
+            } else if line.starts_with("f ") {
+                let index = |word: &str| word.split('/').next()?.parse().ok();
+                let rows: Vec<u32> = words.filter_map(index).collect();
+                self.triangles.push([rows[0] - 1, rows[1] - 1, rows[2] - 1]);
+            }
+        }
+    }
+
     /// Adds the six sides of a box, each of `grid`² squares, displaced by `place`.
     fn add_box(&mut self, grid: [u32; 3], place: impl Fn(DVec3) -> DVec3) {
         for axis in 0..3 {

@@ -7,7 +7,7 @@
 
 use std::{error::Error, time::Instant};
 use umbrage_surfaces::{
-    Day, Facets, Options, Points, Sides, SunHours, Suns, Unit, Up,
+    Day, Facets, Options, Points, Sides, SunHours, Suns, Unit, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -50,7 +50,7 @@ fn compare_steps(facets: &Facets) -> Result<(), Box<dyn Error>> {
             bisect_s,
             ..Day::default()
         };
-        facets.sun_hours(&points, &equinox, &day)
+        facets.sun_hours(&points, &equinox, &day, |_| ())
     };
     let truth = hours(5.0, 0.001)?;
     let lit: Vec<usize> = (0..POINTS)
@@ -121,8 +121,8 @@ fn compare_samples(facets: &Facets) -> Result<(), Box<dyn Error>> {
     );
     println!("|---|--:|--:|--:|--:|--:|--:|");
     for height in [60.0, 30.0, 15.0, 5.0] {
-        let sun = Suns::from_azimuth_height(&[[215.0, height]], Up::Z)?;
-        let direction = sun.directions()[0];
+        let direction = direction_at(215.0, height, Up::Z);
+        let sun = Suns::new(&[direction])?;
         let faces_sun = |row: &usize| facets.normal(*row).dot(direction) > 0.0;
         let rows: Vec<usize> = (0..facets.len()).filter(faces_sun).collect();
         let mut exact = Vec::new();
@@ -138,7 +138,7 @@ fn compare_samples(facets: &Facets) -> Result<(), Box<dyn Error>> {
             let normals: Vec<DVec3> = rows.iter().flat_map(normal).collect();
             let start = Instant::now();
             let points = Points::new(facets, &positions, Some(&normals))?;
-            let lit = facets.lit(&points, &sun);
+            let lit = facets.lit(&points, &sun, |_| ());
             let time = start.elapsed().as_secs_f64() / exact_time;
             let mut off = Vec::with_capacity(rows.len());
             let mut area = 0.0;

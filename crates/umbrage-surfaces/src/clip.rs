@@ -8,15 +8,17 @@
 //! and where they cross. Each point across the light is therefore lit on one facet only, and the
 //! lit areas add up to that of the silhouette.
 
-use crate::{frame::cross, tree::Projected};
+use crate::{
+    frame::cross,
+    grid::Rectangle,
+    tree::{self, Limits, Projected},
+};
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::Cell;
 
-/// Pieces are cut one caster after another up to this number of casters. With more, the receiver is
+/// Pieces are cut one caster after another up to this number of casters. With more, the polygon is
 /// halved first, so that each half has fewer.
 const CASTERS_AT_ONCE: usize = 12;
-/// Halvings of a receiver at most: casters may meet in a point, where halving is of no use.
-pub(crate) const MAX_HALVINGS: u32 = 24;
 
 /// Points on the inner side have positive values of `normal.dot(p) + offset`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -114,7 +116,7 @@ pub(crate) struct Receiver<'a> {
     size: f64,
     margin: f64,
     /// True if a facet was found that is in the same plane and overlaps.
-    pub(crate) has_coplanar: AtomicBool,
+    pub(crate) has_coplanar: Cell<bool>,
 }
 
 impl<'a> Receiver<'a> {
@@ -133,22 +135,42 @@ impl<'a> Receiver<'a> {
             sides: [(a, b), (b, c), (c, a)].map(|(a, b)| HalfPlane::left_of(a, b, 1.0)),
             size,
             margin,
-            has_coplanar: AtomicBool::new(false),
+            has_coplanar: Cell::new(false),
         }
     }
 
-    /// Returns points relative to the origin, on the receiver, in the frame.
-    pub(crate) fn in_frame(&self, polygon: &[DVec2]) -> Vec<DVec3> {
+    /// Returns the part of the receiver within a rectangle of the frame.
+    pub(crate) fn part_within(&self, rectangle: Rectangle) -> Vec<DVec2> {
+        let [low, high] = rectangle.map(|corner| corner - self.origin);
+        let sides = [
+            (DVec2::X, -low.x),
+            (DVec2::Y, -low.y),
+            (DVec2::NEG_X, high.x),
+            (DVec2::NEG_Y, high.y),
+        ];
+        let mut part = self.corners.to_vec();
+        for (normal, offset) in sides {
+            let slack = 0.0;
+            let plane = HalfPlane {
+                normal,
+                offset,
+                slack,
+            };
+            [part, _] = split(&part, &plane);
+        }
+        part
+    }
+
+    /// Returns a query for facets that may darken a part of the receiver.
+    pub(crate) fn query_above(&self, polygon: &[DVec2]) -> Limits {
         let [a, b, c] = self.facet.corners;
         let [_, p, q] = self.corners;
-        let height = |point: &DVec2| {
+        let in_frame = polygon.iter().map(|point| {
             let weights = [cross(*point, q), cross(p, *point)].map(|area| area / self.twice_area);
-            a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1]
-        };
-        let points = polygon.iter();
-        points
-            .map(|p| (*p + self.origin).extend(height(p)))
-            .collect()
+            let height = a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1];
+            (*point + self.origin).extend(height)
+        });
+        tree::query_above(in_frame, self.margin)
     }
 
     /// Returns what a caster darkens; `None` if that is nothing.
@@ -179,7 +201,7 @@ impl<'a> Receiver<'a> {
             Order::Below => None,
             Order::Above => Some(blocker),
             Order::Coplanar => {
-                self.has_coplanar.store(true, Ordering::Relaxed);
+                self.has_coplanar.set(true);
                 (row < self.row).then_some(blocker)
             }
             Order::Crossing { from, to } => {
@@ -289,7 +311,7 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
 
 /// Returns the moments of a convex polygon: six times the integrals of x and of y, and twice the
 /// area.
-pub(crate) fn moments(polygon: &[DVec2]) -> DVec3 {
+fn moments(polygon: &[DVec2]) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for pair in polygon.windows(2) {
         let twice_area = cross(pair[0] - polygon[0], pair[1] - polygon[0]);
@@ -301,51 +323,24 @@ pub(crate) fn moments(polygon: &[DVec2]) -> DVec3 {
 /// Returns the moments of the part of a convex polygon that no blocker darkens. It is halved up to
 /// `halvings` times while that separates many blockers.
 pub(crate) fn lit_moments(polygon: &[DVec2], blockers: &[Blocker], halvings: u32) -> DVec3 {
-    if blockers.len() <= CASTERS_AT_ONCE || halvings == 0 {
-        return cut_all(polygon, blockers);
-    }
-    let halves = halve(polygon);
-    let lists = [0, 1].map(|half| -> Vec<Blocker> {
-        let inside = blockers.iter();
-        inside
-            .filter_map(|blocker| blocker.within(&halves[half]))
-            .collect()
-    });
-    if !separates(&lists, blockers.len()) {
-        return cut_all(polygon, blockers);
-    }
-    let lit_half = |half: usize| {
-        if lists[half].iter().any(Blocker::covers_all) {
-            return DVec3::ZERO;
+    if blockers.len() > CASTERS_AT_ONCE && halvings > 0 {
+        let halves = halve(polygon);
+        let lists = halves.each_ref().map(|half| {
+            let parts = blockers.iter().filter_map(|blocker| blocker.within(half));
+            parts.collect::<Vec<Blocker>>()
+        });
+        // Halving isn't worth it if most blockers meet in a point or along a line.
+        let parts = lists[0].len() + lists[1].len();
+        if 2 * parts < 3 * blockers.len() {
+            let lit_half = |half: usize| {
+                if lists[half].iter().any(Blocker::covers_all) {
+                    return DVec3::ZERO;
+                }
+                lit_moments(&halves[half], &lists[half], halvings - 1)
+            };
+            return lit_half(0) + lit_half(1);
         }
-        lit_moments(&halves[half], &lists[half], halvings - 1)
-    };
-    lit_half(0) + lit_half(1)
-}
-
-/// Returns whether halves have so few casters that halving is worth it: not if most casters meet in
-/// a point or along a line.
-pub(crate) fn separates<T>(halves: &[Vec<T>; 2], whole: usize) -> bool {
-    2 * (halves[0].len() + halves[1].len()) < 3 * whole
-}
-
-/// Returns the halves of a convex polygon, cut across the longer side of its box.
-pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
-    let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
-        [low.min(*p), high.max(*p)]
-    });
-    let size = high - low;
-    let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
-    let plane = HalfPlane {
-        normal,
-        offset: -normal.dot(low.midpoint(high)),
-        slack: 0.0,
-    };
-    split(polygon, &plane)
-}
-
-/// Returns the moments of what is left of a polygon, cut by one blocker after another.
-fn cut_all(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
+    }
     let mut lit = DVec3::ZERO;
     // Pieces, each with the first blocker that it has not been cut by.
     let mut pieces = vec![(polygon.to_vec(), 0)];
@@ -366,6 +361,21 @@ fn cut_all(polygon: &[DVec2], blockers: &[Blocker]) -> DVec3 {
         }
     }
     lit
+}
+
+/// Returns the halves of a convex polygon, cut across the longer side of its box.
+pub(crate) fn halve(polygon: &[DVec2]) -> [Vec<DVec2>; 2] {
+    let [low, high] = polygon.iter().fold([polygon[0]; 2], |[low, high], p| {
+        [low.min(*p), high.max(*p)]
+    });
+    let size = high - low;
+    let normal = if size.x >= size.y { DVec2::X } else { DVec2::Y };
+    let plane = HalfPlane {
+        normal,
+        offset: -normal.dot(low.midpoint(high)),
+        slack: 0.0,
+    };
+    split(polygon, &plane)
 }
 
 /// Returns the inner and the outer part of a convex polygon. Corners within the slack are of both.

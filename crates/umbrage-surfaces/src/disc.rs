@@ -3,7 +3,7 @@
 use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
     frame::{Frame, cross},
-    lit_area::add_areas,
+    lit_area::{TILE, add_areas},
     outline,
     rays::Rays,
     stated::AnswerHash,
@@ -161,7 +161,7 @@ impl Facets {
         let mut sums = vec![LitArea::default(); self.len()];
         for point in points {
             let direction = frame.unproject(point.extend(1.0)).normalize();
-            let part = self.lit_areas_towards(direction).areas;
+            let part = self.lit_areas_towards(direction, TILE).areas;
             for (sum, part) in sums.iter_mut().zip(&part) {
                 sum.fraction += part.fraction * weight;
                 sum.area += part.area * weight;
@@ -246,28 +246,20 @@ fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
         return None;
     }
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let square: Vec<DVec2> = square
-        .map(|corner| DVec2::from(corner) * (2.0 * radius))
-        .to_vec();
-    let below = cut_polygon(&square, |p| -frame.unproject(p.extend(1.0)).dot(normal));
-    (below.len() > 2).then_some(below)
+    let square = square.map(|corner| (DVec2::from(corner) * (2.0 * radius)).extend(1.0));
+    let below = cut_polygon(&square, |p| -frame.unproject(p).dot(normal));
+    (below.len() > 2).then(|| below.iter().map(|p| p.truncate()).collect())
 }
 
 /// Returns the image of a facet (corners relative to the point) at the distance 1 towards the sun,
 /// counter-clockwise; `None` if it doesn't overlap the disc's square.
 fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
     let corners = corners.map(|corner| frame.project(corner));
-    let sides: [fn(DVec3, f64) -> f64; 4] = [
-        |p, r| r * p.z - p.x,
-        |p, r| r * p.z + p.x,
-        |p, r| r * p.z - p.y,
-        |p, r| r * p.z + p.y,
-    ];
     // Cut the facet by the pyramid around the cone, in space: behind it there is nothing. Its sides
     // are twice as far as the disc, so that they don't touch it.
     let mut polygon = corners.to_vec();
-    for side in sides {
-        polygon = cut_polygon(&polygon, |p| side(p, 2.0 * radius));
+    for axis in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
+        polygon = cut_polygon(&polygon, |p| 2.0 * radius * p.z + axis.dot(p));
     }
     polygon.retain(|p| p.z > 0.0);
     let mut image: Vec<DVec2> = polygon.iter().map(|p| DVec2::new(p.x, p.y) / p.z).collect();
@@ -286,13 +278,7 @@ fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2
 }
 
 /// Returns the part of a convex polygon where a linear function is positive.
-fn cut_polygon<P>(polygon: &[P], value: impl Fn(P) -> f64) -> Vec<P>
-where
-    P: Copy
-        + std::ops::Add<Output = P>
-        + std::ops::Sub<Output = P>
-        + std::ops::Mul<f64, Output = P>,
-{
+fn cut_polygon(polygon: &[DVec3], value: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     let [.., last] = polygon else {
         return out;

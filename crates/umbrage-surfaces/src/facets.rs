@@ -3,7 +3,7 @@
 use crate::{FacetsError, Options, Sides, Unit};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::{collections::HashMap, sync::OnceLock};
+use std::{ops::Range, sync::OnceLock};
 use umbrage_core::{Anchor, Geometry, Instance, Mesh, Scene};
 
 /// Rows that errors name.
@@ -203,31 +203,10 @@ impl Facets {
     /// has a positive volume.
     fn check_closed(&self) -> Result<(), FacetsError> {
         let welded = self.welded_vertices();
-        let corners = |row: usize| self.triangles[row].map(|v| welded[v as usize]);
-        // Each edge from its lower vertex, with its facet and whether it is turned round.
-        let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.len())
-            .into_par_iter()
-            .flat_map_iter(|row| {
-                let [a, b, c] = corners(row);
-                // Facets with equal corners have no area and close nothing.
-                let is_flat = a == b || b == c || c == a;
-                let sides = if is_flat {
-                    vec![]
-                } else {
-                    vec![[a, b], [b, c], [c, a]]
-                };
-                sides
-                    .into_iter()
-                    .map(move |[from, to]| ([from.min(to), from.max(to)], row as u32, from > to))
-            })
-            .collect();
-        edges.par_sort_unstable();
         let mut open = Vec::new();
-        for same in edges.chunk_by(|a, b| a.0 == b.0) {
-            let turned = same.iter().filter(|edge| edge.2).count();
-            if 2 * turned != same.len() {
-                open.push(same[0].1);
-            }
+        // Edges of some vertices at once, which bounds the memory.
+        for first in (0..welded.len() as u32).step_by(1 << 20) {
+            open.extend(self.open_edges(&welded, first..first.saturating_add(1 << 20)));
         }
         if !open.is_empty() {
             let rows = &open[..open.len().min(NAMED)];
@@ -241,8 +220,32 @@ impl Facets {
                 "close the mesh, or use both sides",
             ));
         }
-        drop(edges);
         self.check_outward(&welded)
+    }
+
+    /// Returns a facet of each edge without a neighbour, among edges whose lower vertex is in a
+    /// range.
+    fn open_edges(&self, welded: &[u32], range: Range<u32>) -> Vec<u32> {
+        // Each edge from its lower vertex, with its facet and whether it is turned round.
+        let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                let [a, b, c] = self.triangles[row as usize].map(|v| welded[v as usize]);
+                // Facets with equal corners have no area and close nothing.
+                let is_flat = a == b || b == c || c == a;
+                let sides = [[a, b], [b, c], [c, a]].into_iter();
+                let sides = sides.filter(move |_| !is_flat);
+                sides.map(move |[from, to]| ([from.min(to), from.max(to)], row, from > to))
+            })
+            .filter(|(edge, ..)| range.contains(&edge[0]))
+            .collect();
+        edges.par_sort_unstable();
+        let groups = edges.chunk_by(|a, b| a.0 == b.0);
+        let is_open = |same: &&[([u32; 2], u32, bool)]| {
+            let turned = same.iter().filter(|edge| edge.2).count();
+            2 * turned != same.len()
+        };
+        groups.filter(is_open).map(|same| same[0].1).collect()
     }
 
     /// Returns an error if a connected body has a negative volume.
@@ -288,12 +291,19 @@ impl Facets {
 
     /// Returns, for each vertex, the first one at the same position.
     fn welded_vertices(&self) -> Vec<u32> {
-        let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(self.vertices.len());
-        let mut welded = Vec::with_capacity(self.vertices.len());
-        for (v, position) in self.vertices.iter().enumerate() {
-            // The sum makes the negative zero positive.
-            let key = position.to_array().map(|x| (x + 0.0).to_bits());
-            welded.push(*first.entry(key).or_insert(v as u32));
+        // The sum makes the negative zero positive.
+        let key = |v: u32| {
+            (self.vertices[v as usize] + 0.0)
+                .to_array()
+                .map(f64::to_bits)
+        };
+        let mut sorted: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        sorted.par_sort_unstable_by_key(|&v| (key(v), v));
+        let mut welded = vec![0; sorted.len()];
+        for same in sorted.chunk_by(|&a, &b| key(a) == key(b)) {
+            for &v in same {
+                welded[v as usize] = same[0];
+            }
         }
         welded
     }

@@ -39,6 +39,7 @@ mod clip;
 mod disc;
 mod facets;
 mod frame;
+mod grid;
 mod lit;
 mod lit_area;
 mod morton;
@@ -59,7 +60,7 @@ pub use lit_area::LitArea;
 pub use options::{Options, Sides, Unit, Up};
 pub use points::Points;
 pub use stated::Stated;
-pub use sun_hours::{Day, SunHours, SunPath, SunSpan};
+pub use sun_hours::{Day, SunHours};
 pub use suns::{Suns, direction_at};
 /// Error of facets, points, suns or days: what is wrong, why, and what to do. It names rows, which
 /// count from 0.

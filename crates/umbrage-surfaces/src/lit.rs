@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 /// Points per task.
 const TASK: usize = 256;
+/// Pairs of a sun and a point that are computed at once: a byte each.
+const MOST_PAIRS: usize = 1 << 26;
 
 /// Which points are lit, one bit for each sun and point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,56 +42,21 @@ impl Lit {
         let count = self.points.div_ceil(64);
         &self.bits[sun * count..(sun + 1) * count]
     }
-
-    /// Returns the number of lit points under a sun.
-    ///
-    /// # Panics
-    /// Panics if there is no such sun.
-    pub fn count(&self, sun: usize) -> usize {
-        self.words(sun)
-            .iter()
-            .map(|word| word.count_ones() as usize)
-            .sum()
-    }
 }
 
 impl Facets {
-    /// Returns which points see the centre of each sun.
+    /// Returns which points see the centre of each sun. `progress` receives the number of computed
+    /// points from time to time.
     ///
     /// Facets within the margin of a point don't shade it, so points may be on facets. Undecided
     /// are points whose ray to the sun passes an edge within the margin, unless another facet
     /// shades them.
-    pub fn lit(&self, points: &Points, suns: &Suns) -> Lit {
+    pub fn lit(&self, points: &Points, suns: &Suns, mut progress: impl FnMut(usize)) -> Lit {
         let rays = Rays::new(self, points);
         let frames: Vec<Frame> = suns
             .directions()
             .iter()
             .map(|&sun| Frame::new(sun))
-            .collect();
-        // Per task: two bits for each sun and point, whether it is lit and whether undecided.
-        let tasks: Vec<Vec<u8>> = points
-            .order
-            .par_chunks(TASK)
-            .map(|rows| {
-                let mut out = Vec::with_capacity(rows.len() * frames.len());
-                // The blocker of each point under the sun before, which probably shades it still.
-                let mut blockers = vec![NO_BLOCKER; rows.len()];
-                for frame in &frames {
-                    let mut neighbours = NO_BLOCKER;
-                    for (&row, blocker) in rows.iter().zip(&mut blockers) {
-                        let guess = if *blocker == NO_BLOCKER {
-                            neighbours
-                        } else {
-                            *blocker
-                        };
-                        let answer = rays.answer(row as usize, frame, guess);
-                        out.push(u8::from(answer.is_lit) | u8::from(answer.is_undecided) << 1);
-                        *blocker = answer.blocker;
-                        neighbours = answer.blocker;
-                    }
-                }
-                out
-            })
             .collect();
         let words = points.len().div_ceil(64);
         let mut lit = Lit {
@@ -100,20 +67,26 @@ impl Facets {
                 ..Stated::default()
             },
         };
-        for sun in 0..suns.len() {
-            let mut undecided = Vec::new();
-            for (rows, flags) in points.order.chunks(TASK).zip(&tasks) {
-                let flags = &flags[sun * rows.len()..(sun + 1) * rows.len()];
-                for (&row, flag) in rows.iter().zip(flags) {
-                    lit.bits[sun * words + row as usize / 64] |= u64::from(flag & 1) << (row % 64);
-                    if flag & 2 != 0 {
-                        undecided.push(row);
+        let block = (MOST_PAIRS / suns.len().max(1)).clamp(16 * TASK, 256 * TASK);
+        let mut computed = 0;
+        for block in points.order.chunks(block) {
+            let tasks = block.par_chunks(TASK);
+            let flags: Vec<Vec<u8>> = tasks.map(|rows| flags_of(rows, &rays, &frames)).collect();
+            for (rows, flags) in block.chunks(TASK).zip(&flags) {
+                for (sun, flags) in flags.chunks(rows.len()).enumerate() {
+                    for (&row, flag) in rows.iter().zip(flags) {
+                        let word = &mut lit.bits[sun * words + row as usize / 64];
+                        *word |= u64::from(flag & 1) << (row % 64);
+                        let is_undecided = flag & 2 != 0;
+                        let pair = is_undecided.then_some((sun as u32, row));
+                        lit.stated.add_undecided(pair);
                     }
                 }
             }
-            undecided.sort_unstable();
-            lit.stated.add_undecided(sun, undecided);
+            computed += block.len();
+            progress(computed);
         }
+        lit.stated.keep_listed();
         let mut hash = AnswerHash::new();
         for &word in &lit.bits {
             hash.add_bits(word);
@@ -121,4 +94,26 @@ impl Facets {
         lit.stated.hash = hash.finish();
         lit
     }
+}
+
+/// Returns two bits for each sun and point: whether it is lit, and whether that is undecided.
+fn flags_of(rows: &[u32], rays: &Rays<'_>, frames: &[Frame]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(rows.len() * frames.len());
+    // The blocker of each point under the sun before, which probably shades it still.
+    let mut blockers = vec![NO_BLOCKER; rows.len()];
+    for frame in frames {
+        let mut neighbours = NO_BLOCKER;
+        for (&row, blocker) in rows.iter().zip(&mut blockers) {
+            let guess = if *blocker == NO_BLOCKER {
+                neighbours
+            } else {
+                *blocker
+            };
+            let answer = rays.answer(row as usize, frame, guess);
+            out.push(u8::from(answer.is_lit) | u8::from(answer.is_undecided) << 1);
+            *blocker = answer.blocker;
+            neighbours = answer.blocker;
+        }
+    }
+    out
 }

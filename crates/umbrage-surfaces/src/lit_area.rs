@@ -2,25 +2,24 @@
 
 use crate::{
     Facets, Sides, Stated, Suns,
-    clip::{self, Receiver},
+    clip::{self, Blocker, Receiver},
     frame::{Frame, cross},
+    grid::{Grid, Rectangle},
     outline,
     stated::AnswerHash,
-    tree::{self, Scene, bounds_across},
+    tree::{Projected, Scene, Stack, bounds_across},
 };
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-/// Facets per task.
-const TASK: usize = 256;
-/// Candidates above which a receiver is halved.
-const TILED: usize = 256;
-/// The largest candidates, which may darken all of a tile.
-const LARGEST: usize = 4;
-/// Candidates from which halves are computed on several threads.
-const CASTERS_FOR_THREADS: usize = 1024;
-/// Mark of rows that the sun doesn't see.
-const UNSEEN: u32 = u32::MAX;
+/// Most facets with their centre in a tile, if it has more than one cell. A tile's memory is some
+/// 150 bytes a facet, with those that reach into it.
+pub(crate) const TILE: u32 = 1 << 20;
+/// Blockers above which a receiver is halved.
+const MOST_BLOCKERS: usize = 128;
+/// Halvings at most, first with new searches, then with the blockers found: they may overlap or
+/// meet.
+const MAX_HALVINGS: u32 = 12;
 
 /// The lit part of a facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,8 +53,9 @@ impl Facets {
         };
         let mut hash = AnswerHash::new();
         for (i, &sun) in suns.directions().iter().enumerate() {
-            let lit = self.lit_areas_towards(sun);
-            stated.add_undecided(i, lit.undecided);
+            let lit = self.lit_areas_towards(sun, TILE);
+            let undecided = lit.undecided.iter().map(|&row| (i as u32, row));
+            stated.add_undecided(undecided);
             stated.identity = stated
                 .identity
                 .zip(lit.identity)
@@ -63,76 +63,76 @@ impl Facets {
             add_areas(&mut hash, &lit.areas);
             visit(i, &lit.areas);
         }
+        stated.keep_listed();
         stated.hash = hash.finish();
         stated
     }
 
-    /// Returns the area of the facets' silhouette towards each sun, square metres. It is computed
-    /// from the outlines, independently of lit areas.
-    pub fn silhouette_areas(&self, suns: &Suns) -> Vec<f64> {
-        let area =
-            |&sun| outline::union_area(&self.scene_towards(&Frame::new(sun)), self.margin_m());
-        suns.directions().iter().map(area).collect()
-    }
-
-    pub(crate) fn lit_areas_towards(&self, sun: DVec3) -> LitAreas {
+    /// Returns the lit areas towards a sun, with at most a number of facets' centres in a tile.
+    pub(crate) fn lit_areas_towards(&self, sun: DVec3, tile: u32) -> LitAreas {
         let frame = Frame::new(sun);
-        let scene = self.scene_towards(&frame);
         let margin = self.margin_m();
-        let mut parts = vec![LitPart::default(); scene.facets.len()];
-        parts.par_chunks_mut(TASK).enumerate().for_each_init(
-            Search::default,
-            |search, (task, parts)| {
-                for (i, part) in parts.iter_mut().enumerate() {
-                    *part = search.lit_part(&scene, task * TASK + i, margin);
-                }
-            },
-        );
-        let certify = self.options().certify;
-        let silhouette = certify.then(|| outline::union_area(&scene, margin));
-        let mut place = vec![UNSEEN; self.len()];
-        for (i, &row) in scene.rows.iter().enumerate() {
-            place[row as usize] = i as u32;
-        }
-        // Free the largest memory before the answer needs its own.
-        drop(scene);
-        let part_of = |row: u32| parts.get(place[row as usize] as usize);
-        let rows = (0..self.len() as u32).into_par_iter();
-        let area_of = |row| self.lit_area_of(row, &frame, part_of(row));
-        let areas: Vec<LitArea> = rows.clone().map(area_of).collect();
-        let is_undecided = |&row: &u32| match part_of(row) {
-            Some(part) => part.has_coplanar,
-            None => self.is_edge_on(row, &frame),
-        };
+        // Sum the moments of lit parts in the place of centroids, which saves memory.
+        let mut areas = vec![LitArea::default(); self.len()];
+        let mut undecided = Vec::new();
+        let mut silhouette = 0.0;
+        self.visit_tiles(&frame, tile, |scene| {
+            let parts = scene.map_parts(|search: &mut Search, index, cell| {
+                search.lit_part(scene, index, margin, cell)
+            });
+            for part in parts.iter().flatten() {
+                areas[part.row as usize].centroid += part.moments;
+                undecided.extend(part.has_coplanar.then_some(part.row));
+            }
+            if self.options().certify {
+                let integrals = outline::outline_integrals(scene, margin);
+                silhouette = integrals.iter().flatten().fold(silhouette, |a, b| a + b);
+            }
+        });
+        let edge_on: Vec<u32> = areas
+            .par_iter_mut()
+            .zip(0..self.len() as u32)
+            .filter_map(|(area, row)| {
+                let seen = self.seen(row, &frame);
+                *area = self.lit_area_of(row, &frame, seen.as_ref(), area.centroid);
+                (seen.is_none() && self.is_edge_on(row, &frame)).then_some(row)
+            })
+            .collect();
+        // A facet may have been computed in several cells.
+        undecided.extend(edge_on);
+        undecided.sort_unstable();
+        undecided.dedup();
         LitAreas {
-            undecided: rows.filter(is_undecided).collect(),
-            identity: silhouette.map(|silhouette| {
+            identity: self.options().certify.then(|| {
                 let lit: f64 = areas.iter().map(|facet| facet.projected).sum();
                 (lit - silhouette).abs() / silhouette.max(f64::MIN_POSITIVE)
             }),
+            undecided,
             areas,
         }
     }
 
-    /// Returns the facets that the sun sees and that cast shadows.
-    fn scene_towards(&self, frame: &Frame) -> Scene {
-        let bounds = bounds_across(frame, self.bounds());
-        let corners = |row| self.corners_towards(row, frame);
-        Scene::new(self.len(), corners, bounds)
+    /// Passes all tiles towards a sun to `visit`, one after another.
+    fn visit_tiles(&self, frame: &Frame, tile: u32, mut visit: impl FnMut(&Scene)) {
+        let rows = self.len() as u32;
+        let grid = Grid::new(bounds_across(frame, self.bounds()), self.len());
+        let seen = |row| self.seen(row, frame);
+        for tile in grid.tiles(rows, tile, &seen) {
+            visit(&Scene::new(grid, tile, rows, &seen));
+        }
     }
 
-    /// Returns the corners of a facet in a frame, counter-clockwise as the sun sees them; `None` if
-    /// the sun doesn't see it.
-    fn corners_towards(&self, row: u32, frame: &Frame) -> Option<[DVec3; 3]> {
+    /// Returns a facet as the sun sees it; `None` if it doesn't, and the facet casts no shadow.
+    fn seen(&self, row: u32, frame: &Frame) -> Option<Projected> {
         let [a, b, c] = self.local_corners(row).map(|corner| frame.project(corner));
         let twice_area = cross((b - a).xy(), (c - a).xy());
-        let is_seen = twice_area.abs() > self.least_twice_area(a, b, c);
-        match self.options().sides {
-            _ if !is_seen => None,
-            Sides::Front => (twice_area > 0.0).then_some([a, b, c]),
-            Sides::Both if twice_area > 0.0 => Some([a, b, c]),
-            Sides::Both => Some([a, c, b]),
-        }
+        let corners = match self.options().sides {
+            _ if twice_area.abs() <= self.least_twice_area(a, b, c) => return None,
+            _ if twice_area > 0.0 => [a, b, c],
+            Sides::Both => [a, c, b],
+            Sides::Front => return None,
+        };
+        Some(Projected { corners })
     }
 
     /// Returns twice the area across the light below which a facet is edge-on: as wide as the
@@ -146,14 +146,10 @@ impl Facets {
     fn is_edge_on(&self, row: u32, frame: &Frame) -> bool {
         let [a, b, c] = self.local_corners(row);
         let twice_area = (b - a).cross(c - a).length();
-        let longest = (b - a)
-            .abs()
-            .max((c - a).abs())
-            .max((c - b).abs())
-            .max_element();
-        let [a, b, c] = [a, b, c].map(|corner| frame.project(corner));
-        twice_area > self.margin_m() * longest
-            && cross((b - a).xy(), (c - a).xy()).abs() <= self.least_twice_area(a, b, c)
+        let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
+        let [p, q, r] = [a, b, c].map(|corner| frame.project(corner));
+        twice_area > self.margin_m() * longest.max_element()
+            && cross((q - p).xy(), (r - p).xy()).abs() <= self.least_twice_area(p, q, r)
     }
 
     pub(crate) fn centre(&self, row: usize) -> DVec3 {
@@ -161,18 +157,24 @@ impl Facets {
         self.to_world((a + b + c) / 3.0)
     }
 
-    /// Returns the lit area of a row, given its lit part across the light.
-    fn lit_area_of(&self, row: u32, frame: &Frame, part: Option<&LitPart>) -> LitArea {
+    /// Returns the lit area of a row, given the moments of its lit part across the light.
+    fn lit_area_of(
+        &self,
+        row: u32,
+        frame: &Frame,
+        seen: Option<&Projected>,
+        moments: DVec3,
+    ) -> LitArea {
         let unlit = LitArea {
             centroid: self.centre(row as usize),
             ..LitArea::default()
         };
-        let Some([a, b, c]) = self.corners_towards(row, frame) else {
+        let Some(facet) = seen else {
             return unlit;
         };
+        let [a, b, c] = facet.corners;
         let [p, q] = [b - a, c - a];
         let twice_area = cross(p.xy(), q.xy());
-        let moments = part.map_or(DVec3::ZERO, |part| part.moments);
         let lit = moments.z.clamp(0.0, twice_area);
         if lit == 0.0 {
             return unlit;
@@ -204,97 +206,141 @@ pub(crate) fn add_areas(hash: &mut AnswerHash, areas: &[LitArea]) {
 }
 
 /// The lit areas towards one sun.
+#[derive(Debug, PartialEq)]
 pub(crate) struct LitAreas {
     pub(crate) areas: Vec<LitArea>,
     pub(crate) undecided: Vec<u32>,
     identity: Option<f64>,
 }
 
-/// The lit part of a facet across the light.
-#[derive(Clone, Copy, Debug, Default)]
+/// The lit part of a facet across the light, or of its part within a cell.
 struct LitPart {
-    /// As of [`clip::moments`].
-    moments: DVec3,
+    row: u32,
     has_coplanar: bool,
+    /// As of [`clip::lit_moments`].
+    moments: DVec3,
 }
 
 /// Memory of a search, reused from facet to facet.
 #[derive(Debug, Default)]
 struct Search {
-    stack: Vec<(u32, u32)>,
-    candidates: Vec<u32>,
+    stack: Stack,
+    blockers: Vec<Blocker>,
 }
 
 impl Search {
-    fn lit_part(&mut self, scene: &Scene, index: usize, margin: f64) -> LitPart {
-        let facet = &scene.facets[index];
-        let receiver = Receiver::new(facet, scene.rows[index], margin);
-        self.candidates.clear();
-        let query = tree::query_above(&facet.corners, margin);
-        scene.overlapping(&query, &mut self.stack, &mut self.candidates);
-        self.candidates
-            .retain(|&candidate| candidate as usize != index);
-        let tile = Tile {
-            scene,
-            receiver: &receiver,
-            margin,
+    /// Returns the lit part of a facet, within a cell if one is given.
+    fn lit_part(
+        &mut self,
+        scene: &Scene,
+        index: u32,
+        margin: f64,
+        cell: Option<Rectangle>,
+    ) -> LitPart {
+        let facet = &scene.facets[index as usize];
+        let receiver = Receiver::new(facet, scene.row(index), margin);
+        let whole = receiver.corners;
+        let moments = match cell {
+            None => self.lit_moments(scene, index, &receiver, &whole, MAX_HALVINGS),
+            Some(cell) => {
+                let part = receiver.part_within(cell);
+                self.lit_moments(scene, index, &receiver, &part, MAX_HALVINGS)
+            }
         };
         LitPart {
-            moments: tile.lit_moments(&receiver.corners, &self.candidates, clip::MAX_HALVINGS),
-            has_coplanar: receiver.has_coplanar.into_inner(),
+            row: scene.row(index),
+            has_coplanar: receiver.has_coplanar.get(),
+            moments,
         }
+    }
+
+    /// Returns the moments of the lit part of a convex polygon on a facet, which is halved up to
+    /// `halvings` times.
+    fn lit_moments(
+        &mut self,
+        scene: &Scene,
+        index: u32,
+        receiver: &Receiver<'_>,
+        polygon: &[DVec2],
+        halvings: u32,
+    ) -> DVec3 {
+        if polygon.len() < 3 {
+            return DVec3::ZERO;
+        }
+        let most = if halvings > 0 {
+            MOST_BLOCKERS
+        } else {
+            usize::MAX
+        };
+        let query = receiver.query_above(polygon);
+        let blockers = &mut self.blockers;
+        blockers.clear();
+        // The search ends at the first caster that darkens all. Wide ones are first.
+        let mut is_dark = false;
+        let is_ended = scene.visit_overlapping(&query, &mut self.stack, |candidate| {
+            if candidate == index {
+                return false;
+            }
+            let caster = &scene.facets[candidate as usize];
+            let blocker = receiver.blocker(caster, scene.row(candidate));
+            let Some(part) = blocker.and_then(|blocker| blocker.within(polygon)) else {
+                return false;
+            };
+            blockers.push(part);
+            is_dark = part.covers_all();
+            is_dark || blockers.len() > most
+        });
+        if is_dark {
+            return DVec3::ZERO;
+        }
+        if !is_ended {
+            return clip::lit_moments(polygon, blockers, MAX_HALVINGS);
+        }
+        // Search again for each half, which is more probably dark by one caster.
+        let [first, second] = clip::halve(polygon);
+        let mut lit_half =
+            |half: &[DVec2]| self.lit_moments(scene, index, receiver, half, halvings - 1);
+        lit_half(&first) + lit_half(&second)
     }
 }
 
-/// A receiver and its casters, of which large receivers are cut into tiles.
-struct Tile<'a> {
-    scene: &'a Scene,
-    receiver: &'a Receiver<'a>,
-    margin: f64,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Options, Unit};
 
-impl Tile<'_> {
-    /// Returns the moments of the lit part of a convex part of the receiver. Candidates are casters
-    /// that may darken it, large ones first. It is halved up to `halvings` times.
-    fn lit_moments(&self, polygon: &[DVec2], candidates: &[u32], halvings: u32) -> DVec3 {
-        let blocker = |&candidate: &u32| {
-            let caster = &self.scene.facets[candidate as usize];
-            let row = self.scene.rows[candidate as usize];
-            self.receiver.blocker(caster, row)?.within(polygon)
+    /// A heap of small and large triangles, in one tile and in many.
+    #[test]
+    fn tiles_leave_all_bits_as_they_are() {
+        // Pseudorandom numbers in 0..1.
+        let at = |k: i32| {
+            let phases = DVec3::new(12.9, 78.2, 37.7) * f64::from(k);
+            (phases.sin() * 43_758.5).fract_gl()
         };
-        if candidates.len() > TILED && halvings > 0 {
-            let largest = candidates[..LARGEST].iter();
-            if largest
-                .filter_map(blocker)
-                .any(|blocker| blocker.covers_all())
-            {
-                return DVec3::ZERO;
-            }
-            let halves = clip::halve(polygon);
-            let lists = [0, 1].map(|half| {
-                let corners = self.receiver.in_frame(&halves[half]);
-                let query = tree::query_above(&corners, self.margin);
-                let inside = candidates.iter().copied();
-                inside
-                    .filter(|&c| self.scene.overlaps(c, &query))
-                    .collect::<Vec<u32>>()
-            });
-            if clip::separates(&lists, candidates.len()) {
-                let half = |i: usize| self.lit_moments(&halves[i], &lists[i], halvings - 1);
-                if candidates.len() < CASTERS_FOR_THREADS {
-                    return half(0) + half(1);
-                }
-                let (first, second) = rayon::join(|| half(0), || half(1));
-                return first + second;
-            }
+        let mut vertices = Vec::new();
+        for i in 0..5000 {
+            let size = if i % 50 == 0 { 0.8 } else { 0.04 };
+            vertices.extend([1, 2, 3].map(|k| at(i) + at(5000 * k + i) * size));
         }
-        let mut blockers = Vec::new();
-        for blocker in candidates.iter().filter_map(blocker) {
-            if blocker.covers_all() {
-                return DVec3::ZERO;
-            }
-            blockers.push(blocker);
+        let triangles: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let options = Options {
+            unit: Unit::Metres(1.0),
+            certify: true,
+            ..Options::default()
+        };
+        let facets = Facets::new(&vertices, &triangles, &options).expect("good facets");
+        for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
+            let frame = Frame::new(sun);
+            let mut tiles = 0;
+            facets.visit_tiles(&frame, 300, |_| tiles += 1);
+            assert!(tiles > 6, "{tiles} tiles");
+            let tiled = facets.lit_areas_towards(sun, 300);
+            assert!(
+                tiled == facets.lit_areas_towards(sun, TILE),
+                "towards {sun}"
+            );
+            let identity = tiled.identity.expect("certified");
+            assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
         }
-        clip::lit_moments(polygon, &blockers, clip::MAX_HALVINGS)
     }
 }

@@ -3,20 +3,31 @@
 use std::str::FromStr;
 
 /// The axis that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Up {
     /// y is up, z is south, x is east: glTF, OBJ.
     Y,
     /// z is up, y is north, x is east: CAD, GIS, IFC.
-    #[default]
     Z,
 }
 
+/// Reads `y` or `z`.
+impl FromStr for Up {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "y" => Ok(Self::Y),
+            "z" => Ok(Self::Z),
+            _ => Err(format!("up is `{text}`; use `y` or `z`")),
+        }
+    }
+}
+
 /// The unit of the caller's coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unit {
     /// Metres, but not stated: lengths that metres make improbable are an error.
-    #[default]
     Unstated,
     /// A unit of this many metres, as stated by the caller. Any length is accepted.
     Metres(f64),
@@ -57,15 +68,27 @@ impl FromStr for Unit {
 }
 
 /// The sides of facets that receive light and cast shadows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
     /// The front, from which corners are counter-clockwise. Facets that face away from the sun are
     /// dark and are not searched for. It needs closed bodies that face outwards, and is about twice
     /// as fast as both sides.
     Front,
     /// Both sides, for meshes that may be open.
-    #[default]
     Both,
+}
+
+/// Reads `front` or `both`.
+impl FromStr for Sides {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "front" => Ok(Self::Front),
+            "both" => Ok(Self::Both),
+            _ => Err(format!("sides is `{text}`; use `front` or `both`")),
+        }
+    }
 }
 
 /// Settings of [`Facets`](crate::Facets).
@@ -88,9 +111,9 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            up: Up::default(),
-            unit: Unit::default(),
-            sides: Sides::default(),
+            up: Up::Z,
+            unit: Unit::Unstated,
+            sides: Sides::Both,
             max_error_m: 1e-5,
             certify: false,
         }

@@ -6,70 +6,80 @@
 
 use crate::{
     frame::cross,
-    tree::{self, Scene},
+    grid::Rectangle,
+    tree::{self, Scene, Stack},
 };
 use glam::{DVec2, Vec3Swizzles as _};
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Facets per task.
-const TASK: usize = 256;
-
-/// Returns the area of the union of all facets across the light, square metres.
-pub(crate) fn union_area(scene: &Scene, margin: f64) -> f64 {
-    let tasks: Vec<f64> = (0..scene.facets.len())
-        .into_par_iter()
-        .step_by(TASK)
-        .map(|first| {
-            let mut search = OutlineSearch::default();
-            let end = (first + TASK).min(scene.facets.len());
-            (first..end)
-                .map(|i| search.outline_integral(scene, i, margin))
-                .sum()
-        })
-        .collect();
-    // One order of the sum on any number of threads.
-    tasks.iter().sum()
+/// Returns the parts of the integral over the outline of all facets that are in a tile. Their sum
+/// over all tiles is the area of the silhouette, square metres.
+pub(crate) fn outline_integrals(scene: &Scene, margin: f64) -> Vec<Vec<f64>> {
+    scene.map_parts(|search: &mut OutlineSearch, index, cell| {
+        search.integral(scene, index, margin, cell)
+    })
 }
 
 #[derive(Default)]
 struct OutlineSearch {
-    stack: Vec<(u32, u32)>,
-    candidates: Vec<u32>,
+    stack: Stack,
     covered: Vec<[f64; 2]>,
 }
 
 impl OutlineSearch {
-    /// Returns the integral over the uncovered parts of a facet's sides.
-    fn outline_integral(&mut self, scene: &Scene, index: usize, margin: f64) -> f64 {
-        let facet = &scene.facets[index];
-        self.candidates.clear();
-        let query = tree::query_all(&facet.corners);
-        scene.overlapping(&query, &mut self.stack, &mut self.candidates);
-        let origin = facet.corners[0].xy();
-        let [a, b, c] = facet.corners.map(|c| c.xy() - origin);
+    /// Returns the integral over the uncovered parts of a facet's sides, within a cell if one is
+    /// given.
+    fn integral(&mut self, scene: &Scene, index: u32, margin: f64, cell: Option<Rectangle>) -> f64 {
+        let corners = scene.facets[index as usize].corners;
+        let origin = corners[0].xy();
         let mut integral = 0.0;
-        for side in [[a, b], [b, c], [c, a]] {
-            self.covered.clear();
-            for &other in self
-                .candidates
-                .iter()
-                .filter(|&&other| other as usize != index)
-            {
+        for [from, to] in [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|i| corners[i])) {
+            let within = match cell {
+                None => Some([0.0, 1.0]),
+                Some(cell) => inside_rectangle([from.xy(), to.xy()], cell),
+            };
+            let Some(within) = within else {
+                continue;
+            };
+            let query = tree::query_all(within.map(|fraction| from.lerp(to, fraction)));
+            let side = [from.xy() - origin, to.xy() - origin];
+            let covered = &mut self.covered;
+            covered.clear();
+            scene.visit_overlapping(&query, &mut self.stack, |other| {
+                if other == index {
+                    return false;
+                }
                 let polygon = scene.facets[other as usize]
                     .corners
                     .map(|c| c.xy() - origin);
-                let precedes = (other as usize) < index;
-                let part = covered_part(side, &polygon, precedes, margin);
-                self.covered.extend(part);
-                if part == Some([0.0, 1.0]) {
-                    break;
-                }
-            }
-            integral += side_integral(side.map(|p| p + origin), [0.0, 1.0], &mut self.covered);
+                let part = covered_part(side, &polygon, other < index, margin);
+                covered.extend(part);
+                part.is_some_and(|part| part[0] <= within[0] && part[1] >= within[1])
+            });
+            integral += side_integral([from.xy(), to.xy()], within, covered);
         }
         integral
     }
+}
+
+/// Returns the fractions of a side between which it is inside a rectangle, whose greatest
+/// coordinates are outside.
+fn inside_rectangle(side: [DVec2; 2], rectangle: Rectangle) -> Option<[f64; 2]> {
+    let [from, to] = side.map(|p| p.to_array());
+    let [low, high] = rectangle.map(|p| p.to_array());
+    let mut within = [0.0_f64, 1.0_f64];
+    for axis in 0..2 {
+        let step = to[axis] - from[axis];
+        if step == 0.0 {
+            let is_inside = low[axis] <= from[axis] && from[axis] < high[axis];
+            within[1] = if is_inside { within[1] } else { 0.0 };
+            continue;
+        }
+        let ends = [low[axis], high[axis]].map(|end| (end - from[axis]) / step);
+        within[0] = within[0].max(ends[0].min(ends[1]));
+        within[1] = within[1].min(ends[0].max(ends[1]));
+    }
+    (within[0] < within[1]).then_some(within)
 }
 
 /// Returns the fractions of a side between which a convex polygon covers the points just to the

@@ -37,14 +37,21 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// Adds undecided rows of a sun.
-    pub(crate) fn add_undecided(&mut self, sun: usize, rows: impl IntoIterator<Item = u32>) {
-        for row in rows {
+    /// Adds undecided answers in any order.
+    pub(crate) fn add_undecided(&mut self, answers: impl IntoIterator<Item = (u32, u32)>) {
+        for answer in answers {
             self.undecided += 1;
-            if self.undecided_rows.len() < LISTED {
-                self.undecided_rows.push((sun as u32, row));
+            self.undecided_rows.push(answer);
+            if self.undecided_rows.len() == 2 * LISTED {
+                self.keep_listed();
             }
         }
+    }
+
+    /// Ends the list of undecided answers.
+    pub(crate) fn keep_listed(&mut self) {
+        self.undecided_rows.sort_unstable();
+        self.undecided_rows.truncate(LISTED);
     }
 }
 

@@ -14,18 +14,6 @@ use rayon::prelude::*;
 /// Points per task, at least.
 const TASK: usize = 64;
 
-/// The Sun's way across the sky. Closures from seconds to vectors are paths.
-pub trait SunPath: Sync {
-    /// Returns the vector of any length towards the sun at a time (seconds), in the caller's axes.
-    fn direction(&self, second: f64) -> DVec3;
-}
-
-impl<F: Fn(f64) -> DVec3 + Sync> SunPath for F {
-    fn direction(&self, second: f64) -> DVec3 {
-        self(second)
-    }
-}
-
 /// A span of time, and conventions for the sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Day {
@@ -84,20 +72,11 @@ impl Day {
     }
 }
 
-/// A span of time in which a point is lit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SunSpan {
-    /// First time, seconds.
-    pub start_s: f64,
-    /// Last time, seconds.
-    pub end_s: f64,
-}
-
 /// Times at which points are lit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SunHours {
     /// Spans of all points, row by row, rising.
-    spans: Vec<SunSpan>,
+    spans: Vec<[f64; 2]>,
     /// End of each row in `spans`.
     ends: Vec<usize>,
     /// Accuracy, conventions and hash.
@@ -115,11 +94,11 @@ impl SunHours {
         self.ends.is_empty()
     }
 
-    /// Returns the spans in which a point is lit, rising.
+    /// Returns the spans in which a point is lit (start and end, seconds), rising.
     ///
     /// # Panics
     /// Panics if there is no such row.
-    pub fn spans(&self, row: usize) -> &[SunSpan] {
+    pub fn spans(&self, row: usize) -> &[[f64; 2]] {
         let start = if row == 0 { 0 } else { self.ends[row - 1] };
         &self.spans[start..self.ends[row]]
     }
@@ -127,7 +106,7 @@ impl SunHours {
     /// Returns the lengths of the spans of a point, minutes.
     fn lengths(&self, row: usize) -> impl Iterator<Item = f64> {
         let spans = self.spans(row).iter();
-        spans.map(|span| (span.end_s - span.start_s) / 60.0)
+        spans.map(|span| (span[1] - span[0]) / 60.0)
     }
 
     /// Returns the time for which a point is lit, minutes.
@@ -158,7 +137,9 @@ impl Facets {
     /// Returns the spans in which points are lit: samples in steps, and bisection between samples
     /// that differ. The sun is dark below the horizon, the plane across the up axis.
     ///
-    /// Undecided are points with an undecided sample.
+    /// `path` returns a vector of any length towards the sun at a time (seconds), in the caller's
+    /// axes. `progress` receives the number of computed points from time to time. Undecided are
+    /// points with an undecided sample.
     ///
     /// # Errors
     /// Errors if a setting of the day is out of range, or with the first sample at which the path's
@@ -166,8 +147,9 @@ impl Facets {
     pub fn sun_hours(
         &self,
         points: &Points,
-        path: &impl SunPath,
+        path: &(impl Fn(f64) -> DVec3 + Sync),
         day: &Day,
+        mut progress: impl FnMut(usize),
     ) -> Result<SunHours, FacetsError> {
         day.check()?;
         let steps = ((day.end_s - day.start_s) / day.step_s).ceil();
@@ -175,7 +157,7 @@ impl Facets {
         let mut samples = Vec::new();
         for i in 0..=steps as usize {
             let second = day.start_s + step * i as f64;
-            let direction = path.direction(second);
+            let direction = path(second);
             if !direction.is_finite() || direction == DVec3::ZERO {
                 let why = format!("is {direction} at {second} s");
                 let help = "return finite vectors, not zero";
@@ -193,13 +175,18 @@ impl Facets {
             day,
             rays,
         };
-        let rows = points.order.par_iter().with_min_len(TASK);
-        let sorted: Vec<PointSpans> = rows
-            .map(|&row| watch.spans_of(row as usize, &samples))
-            .collect();
         let mut by_row = vec![PointSpans::default(); points.len()];
-        for (&row, spans) in points.order.iter().zip(sorted) {
-            by_row[row as usize] = spans;
+        let mut computed = 0;
+        for block in points.order.chunks(256 * TASK) {
+            let rows = block.par_iter().with_min_len(TASK);
+            let spans: Vec<PointSpans> = rows
+                .map(|&row| watch.spans_of(row as usize, &samples))
+                .collect();
+            for (&row, spans) in block.iter().zip(spans) {
+                by_row[row as usize] = spans;
+            }
+            computed += block.len();
+            progress(computed);
         }
         let mut hours = SunHours {
             stated: Stated {
@@ -212,19 +199,19 @@ impl Facets {
             },
             ..SunHours::default()
         };
-        let undecided = |row: &u32| by_row[*row as usize].is_undecided;
-        let rows = 0..points.len() as u32;
-        hours.stated.add_undecided(0, rows.filter(undecided));
         let mut hash = AnswerHash::new();
-        for point in by_row {
+        for (row, point) in by_row.into_iter().enumerate() {
+            let undecided = point.is_undecided.then_some((0, row as u32));
+            hours.stated.add_undecided(undecided);
             hash.add_bits(point.spans.len() as u64);
             for span in &point.spans {
-                hash.add(span.start_s);
-                hash.add(span.end_s);
+                hash.add(span[0]);
+                hash.add(span[1]);
             }
             hours.spans.extend(point.spans);
             hours.ends.push(hours.spans.len());
         }
+        hours.stated.keep_listed();
         hours.stated.hash = hash.finish();
         Ok(hours)
     }
@@ -242,7 +229,7 @@ impl Facets {
 /// The spans of a point.
 #[derive(Clone, Debug, Default)]
 struct PointSpans {
-    spans: Vec<SunSpan>,
+    spans: Vec<[f64; 2]>,
     is_undecided: bool,
 }
 
@@ -254,7 +241,7 @@ struct Watch<'a, P> {
     rays: Rays<'a>,
 }
 
-impl<P: SunPath> Watch<'_, P> {
+impl<P: Fn(f64) -> DVec3 + Sync> Watch<'_, P> {
     fn spans_of(&self, row: usize, samples: &[Sample]) -> PointSpans {
         let mut out = PointSpans::default();
         let mut blocker = NO_BLOCKER;
@@ -306,7 +293,7 @@ impl<P: SunPath> Watch<'_, P> {
             if middle <= low || middle >= high {
                 break;
             }
-            let direction = self.path.direction(middle);
+            let direction = (self.path)(middle);
             let frame = self.facets.frame_above_horizon(direction);
             let (is_lit, _) = self.is_lit(row, frame.as_ref(), blocker);
             if is_lit == was_lit {
@@ -319,16 +306,13 @@ impl<P: SunPath> Watch<'_, P> {
     }
 
     /// Appends the parts of a span within the windows.
-    fn add_span(&self, spans: &mut Vec<SunSpan>, start_s: f64, end_s: f64) {
+    fn add_span(&self, spans: &mut Vec<[f64; 2]>, start_s: f64, end_s: f64) {
         if self.day.windows.is_empty() {
-            spans.push(SunSpan { start_s, end_s });
+            spans.push([start_s, end_s]);
         }
-        for &[window_start, window_end] in &self.day.windows {
-            let span = SunSpan {
-                start_s: start_s.max(window_start),
-                end_s: end_s.min(window_end),
-            };
-            if span.start_s < span.end_s {
+        for window in &self.day.windows {
+            let span = [start_s.max(window[0]), end_s.min(window[1])];
+            if span[0] < span[1] {
                 spans.push(span);
             }
         }

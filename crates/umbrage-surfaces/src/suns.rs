@@ -50,19 +50,6 @@ impl Suns {
         })
     }
 
-    /// Returns suns at azimuths (degrees, clockwise from north) and heights above the horizon
-    /// (degrees), with weight 1.
-    ///
-    /// # Errors
-    /// Errors with the first angle that is not finite.
-    pub fn from_azimuth_height(angles: &[[f64; 2]], up: Up) -> Result<Self, FacetsError> {
-        let directions: Vec<_> = angles
-            .iter()
-            .map(|&[azimuth, height]| direction_at(azimuth, height, up))
-            .collect();
-        Self::new(&directions)
-    }
-
     /// Returns the number of suns.
     pub fn len(&self) -> usize {
         self.directions.len()

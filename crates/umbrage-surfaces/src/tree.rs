@@ -1,9 +1,9 @@
 //! A tree of boxes over facets in a frame along the light: an implicit eight-way tree over facets
-//! in Morton order, large ones first.
+//! in Morton order, wide ones first.
 
 use crate::{
     frame::{Frame, cross},
-    morton,
+    grid::{Grid, Rectangle, Tile},
 };
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 const CHILDREN: usize = 8;
 
 /// A facet in a frame: corners as (x, y, height), counter-clockwise as the sun sees them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Projected {
     pub(crate) corners: [DVec3; 3],
 }
@@ -24,33 +24,43 @@ impl Projected {
         let [a, b, c] = self.corners;
         cross((b - a).xy(), (c - a).xy())
     }
+
+    /// Returns the box across the light.
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> Rectangle {
+        let [a, b, c] = self.corners;
+        [a.min(b).min(c).xy(), a.max(b).max(c).xy()]
+    }
 }
+
+/// Memory of a search: levels and nodes.
+pub(crate) type Stack = Vec<(u32, u32)>;
 
 /// A box across the light and the greatest height inside, all as lower limits: least x and y, and
 /// the negative greatest x, y and height.
 pub(crate) type Limits = [f32; 5];
 
-fn limits_of(corners: &[DVec3]) -> Limits {
-    let low = corners.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-    let high = corners
-        .iter()
-        .fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+fn limits_of(corners: impl Iterator<Item = DVec3>) -> Limits {
+    let [low, high] = box_around(corners);
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
+}
+
+fn box_around(corners: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)])
 }
 
 /// Returns a query for facets that overlap these corners and reach above the least height, less the
 /// margin.
-pub(crate) fn query_above(corners: &[DVec3], margin: f64) -> Limits {
-    let [x, y, end_x, end_y, _] = limits_of(corners);
-    let least = corners
-        .iter()
-        .fold(f64::INFINITY, |least, p| least.min(p.z));
-    [-end_x, -end_y, -x, -y, -round_down(least - margin)]
+pub(crate) fn query_above(corners: impl Iterator<Item = DVec3>, margin: f64) -> Limits {
+    let [low, high] = box_around(corners);
+    let limits = [-high.x, -high.y, low.x, low.y, low.z - margin];
+    limits.map(|limit| -round_down(limit))
 }
 
 /// Returns a query for facets that overlap these corners, at any height.
-pub(crate) fn query_all(corners: &[DVec3]) -> Limits {
-    query_above(corners, f64::INFINITY)
+pub(crate) fn query_all(corners: [DVec3; 2]) -> Limits {
+    query_above(corners.into_iter(), f64::INFINITY)
 }
 
 fn round_down(x: f64) -> f32 {
@@ -97,49 +107,60 @@ impl Node {
     }
 }
 
-/// Facets in a frame along the light, in the order of the tree.
+/// The facets that reach into a tile, in the order of the tree: wide ones first.
 pub(crate) struct Scene {
+    grid: Grid,
     pub(crate) facets: Vec<Projected>,
-    /// The caller's row of each facet.
-    pub(crate) rows: Vec<u32>,
+    /// Keys of the grid, and the caller's rows.
+    keys: Vec<(u64, u32)>,
+    /// Number of facets wider than a cell.
+    wide: u32,
+    tile: Tile,
+    /// Cells of the tile, and the facets that are computed in them, but for wide ones: rising.
+    receivers: Vec<(u32, u32)>,
     /// Nodes of each level, from the leaves' parents to the root.
     levels: Vec<Vec<Node>>,
 }
 
 impl Scene {
-    /// Builds the tree over the facets (row, corners in the frame) that are seen by the sun.
-    /// `corners` returns the corners of a row if it is seen; `rows` is the number of rows.
+    /// Builds the tree over the facets that reach into a tile. `seen` returns one of `rows` facets
+    /// as the sun sees it.
     pub(crate) fn new(
-        rows: usize,
-        corners: impl Fn(u32) -> Option<[DVec3; 3]> + Sync,
-        bounds: [DVec2; 2],
+        grid: Grid,
+        tile: Tile,
+        rows: u32,
+        seen: &(impl Fn(u32) -> Option<Projected> + Sync),
     ) -> Self {
-        let [low, high] = bounds;
-        let extent = (high - low).max_element().max(f64::MIN_POSITIVE);
-        let scale = morton::STEPS / extent;
-        let key = |[a, b, c]: [DVec3; 3]| {
-            let least = a.min(b).min(c).truncate();
-            let most = a.max(b).max(c).truncate();
-            let size = (most - least).max_element().max(f64::MIN_POSITIVE);
-            // Nodes are tight if their facets are of similar size: within a factor of four.
-            let class = ((extent / size).log2() / 2.0).clamp(0.0, 31.0) as u64;
-            let centre = (least.midpoint(most) - low) * scale;
-            class << 42 | morton::code_2d(centre.clamp(DVec2::ZERO, DVec2::splat(morton::STEPS)))
+        let [low, high] = grid.with_halo(tile);
+        let key_of = |row: u32| {
+            let facet = seen(row)?;
+            let [least, most] = facet.bounds();
+            let is_inside = least.cmple(high).all() && most.cmpge(low).all();
+            is_inside.then(|| (grid.key(&facet), row))
         };
-        let mut keys: Vec<(u64, u32)> = (0..rows as u32)
-            .into_par_iter()
-            .filter_map(|row| corners(row).map(|corners| (key(corners), row)))
-            .collect();
+        let mut keys: Vec<(u64, u32)> = (0..rows).into_par_iter().filter_map(key_of).collect();
         keys.par_sort_unstable();
         let facets: Vec<Projected> = keys
             .par_iter()
-            .map(|&(_, row)| Projected {
-                corners: corners(row).unwrap_or_default(),
-            })
+            .map(|&(_, row)| seen(row).unwrap_or_default())
             .collect();
+        let wide = keys.partition_point(|&(key, _)| grid.is_wide(key)) as u32;
+        let cells = tile.cells();
+        let mut receivers: Vec<(u32, u32)> = (wide..keys.len() as u32)
+            .into_par_iter()
+            .map(|i| (grid.cell_of(keys[i as usize].0), i))
+            .filter(|(cell, _)| cells.contains(cell))
+            .collect();
+        receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| Node::new(group.iter().map(|facet| limits_of(&facet.corners))))
+            .map(|group| {
+                Node::new(
+                    group
+                        .iter()
+                        .map(|facet| limits_of(facet.corners.into_iter())),
+                )
+            })
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
@@ -150,30 +171,60 @@ impl Scene {
             levels.push(level);
         }
         Self {
+            grid,
             facets,
-            rows: keys.par_iter().map(|&(_, row)| row).collect(),
+            keys,
+            wide,
+            tile,
+            receivers,
             levels,
         }
     }
 
-    /// Returns whether a facet overlaps a query.
+    /// Returns the caller's row of a facet.
     #[inline(always)]
-    pub(crate) fn overlaps(&self, index: u32, query: &Limits) -> bool {
-        let [node, child] = [index as usize / CHILDREN, index as usize % CHILDREN];
-        let limits = &self.levels[0][node].0;
-        limits
-            .iter()
-            .zip(query)
-            .all(|(all, end)| all[child] <= *end)
+    pub(crate) fn row(&self, index: u32) -> u32 {
+        self.keys[index as usize].1
     }
 
-    /// Appends the indices of the facets that overlap a query, large ones first.
-    pub(crate) fn overlapping(
+    /// Computes a value for each facet of each cell of the tile, in order, with memory that is
+    /// reused. Wide facets are computed within the cell's rectangle, others as a whole.
+    pub(crate) fn map_parts<M: Default + Send, T: Send>(
+        &self,
+        compute: impl Fn(&mut M, u32, Option<Rectangle>) -> T + Sync,
+    ) -> Vec<Vec<T>> {
+        let parts_of = |memory: &mut M, cell: u32| {
+            let start = self.receivers.partition_point(|&(other, _)| other < cell);
+            let narrow = self.receivers[start..].iter();
+            let narrow = narrow.take_while(|&&(other, _)| other == cell);
+            let mut parts: Vec<T> = narrow
+                .map(|&(_, index)| compute(memory, index, None))
+                .collect();
+            let rectangle = self.grid.rectangle(Tile::of_cell(cell));
+            let query = query_all(rectangle.map(|p| p.extend(0.0)));
+            self.visit_overlapping(&query, &mut Stack::new(), |index| {
+                // Wide ones are first.
+                let is_wide = index < self.wide;
+                if is_wide {
+                    parts.push(compute(memory, index, Some(rectangle)));
+                }
+                !is_wide
+            });
+            parts
+        };
+        let cells = self.tile.cells().into_par_iter();
+        cells.map_init(M::default, parts_of).collect()
+    }
+
+    /// Passes the facets that overlap a query to `visit`, wide ones first, until it returns true.
+    /// Returns whether it did.
+    #[inline(always)]
+    pub(crate) fn visit_overlapping(
         &self,
         query: &Limits,
-        stack: &mut Vec<(u32, u32)>,
-        out: &mut Vec<u32>,
-    ) {
+        stack: &mut Stack,
+        mut visit: impl FnMut(u32) -> bool,
+    ) -> bool {
         stack.clear();
         if !self.facets.is_empty() {
             stack.push((self.levels.len() as u32 - 1, 0));
@@ -183,7 +234,9 @@ impl Scene {
             let first = node * CHILDREN as u32;
             if level == 0 {
                 while bits != 0 {
-                    out.push(first + bits.trailing_zeros());
+                    if visit(first + bits.trailing_zeros()) {
+                        return true;
+                    }
                     bits &= bits - 1;
                 }
                 continue;
@@ -195,11 +248,12 @@ impl Scene {
                 bits ^= 1 << child;
             }
         }
+        false
     }
 }
 
 /// Returns a box across the light around a box in space.
-pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> [DVec2; 2] {
+pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> Rectangle {
     let [low, high] = bounds;
     let corners = (0..8).map(|i| {
         let pick = |bit: u32, axis: usize| {

@@ -134,9 +134,9 @@ fn hours_of_a_day_are_those_of_the_place() {
     let (good, report) = run(folder.path(), &[&day[..], &["--out", "h.csv"]].concat());
     assert!(good, "{report}");
     let csv = fs::read_to_string(folder.path().join("h.csv")).expect("a file");
-    let minutes = column(&csv, "minutes");
+    let hours = column(&csv, "hours");
     // By pvlib 0.16.1, the centre rises at 6:19:46 and sets at 18:22:37, without refraction.
-    assert!((minutes[2] - 722.85).abs() < 2.0 / 60.0, "{minutes:?}");
+    assert!((hours[2] - 722.85 / 60.0).abs() < 2.0 / 3600.0, "{hours:?}");
     assert!(csv.contains(",6:19:4") && csv.contains("-18:22:3"), "{csv}");
     let window = [
         "--window", "8-16", "--area", "--step", "10m", "--out", "a.csv",

@@ -2,7 +2,7 @@
 
 use crate::meshes::{Mesh, block, floor, options};
 use umbrage_surfaces::{
-    Day, Disc, Facets, Options, Points, Sides, Suns, Unit, Up,
+    Day, Disc, Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -62,14 +62,7 @@ fn improbable_units_have_a_suspect() {
         let error = error_of(&floor(side, 1), &unstated);
         assert!(error.contains(suspect), "{side}: {error}");
         // Stated units are trusted.
-        assert!(
-            Facets::new(
-                &floor(side, 1).vertices,
-                &[[0, 1, 2]],
-                &options(Sides::Both)
-            )
-            .is_ok()
-        );
+        floor(side, 1).facets(Sides::Both);
     }
     let mesh = floor(3721.0, 1);
     let centimetres = Options {
@@ -144,31 +137,25 @@ fn unusable_points_suns_and_days_are_named() {
         "{error}"
     );
     assert!(Suns::new(&[DVec3::splat(1e-300), DVec3::splat(1e300)]).is_ok());
-    let north = Suns::from_azimuth_height(&[[0.0, 0.0], [90.0, 0.0]], Up::Y).expect("angles");
-    assert!((north.directions()[0] + DVec3::Z).length() < 1e-15);
-    assert!((north.directions()[1] - DVec3::X).length() < 1e-15);
+    let [north, east] = [0.0, 90.0].map(|azimuth| direction_at(azimuth, 0.0, Up::Y));
+    assert!((north + DVec3::Z).length() < 1e-15 && (east - DVec3::X).length() < 1e-15);
 
     let at = Points::new(&facets, &two, None).expect("points");
-    let still = |_: f64| DVec3::ZERO;
-    assert!(facets.sun_hours(&at, &still, &Day::default()).is_err());
+    let hours_fail = |direction: DVec3, day: &Day| {
+        let hours = facets.sun_hours(&at, &|_: f64| direction, day, |_| ());
+        assert!(hours.is_err(), "{direction} {day:?}");
+    };
+    hours_fail(DVec3::ZERO, &Day::default());
     let backwards = Day {
         end_s: -1.0,
         ..Day::default()
     };
-    assert!(
-        facets
-            .sun_hours(&at, &|_: f64| DVec3::Z, &backwards)
-            .is_err()
-    );
+    hours_fail(DVec3::Z, &backwards);
     let overlapping = Day {
         windows: vec![[0.0, 9.0], [8.0, 10.0]],
         ..Day::default()
     };
-    assert!(
-        facets
-            .sun_hours(&at, &|_: f64| DVec3::Z, &overlapping)
-            .is_err()
-    );
+    hours_fail(DVec3::Z, &overlapping);
     let wide = Disc {
         radius_degrees: 90.0,
         ..Disc::default()

@@ -1,7 +1,7 @@
 //! Meshes for tests, in metres, z up.
 
 use umbrage_surfaces::{
-    Facets, Options, Sides, Suns, Unit,
+    Facets, Options, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -193,10 +193,8 @@ pub(crate) fn lumpy_ball(grid: u32) -> Mesh {
 
 /// Suns at these heights (degrees), each at another azimuth.
 pub(crate) fn suns(heights: &[f64]) -> Suns {
-    let angles: Vec<_> = heights
-        .iter()
-        .enumerate()
-        .map(|(i, &height)| [17.0 + 71.0 * i as f64, height])
-        .collect();
-    Suns::from_azimuth_height(&angles, umbrage_surfaces::Up::Z).expect("good angles")
+    let heights = heights.iter().enumerate();
+    let directions =
+        heights.map(|(i, &height)| direction_at(17.0 + 71.0 * i as f64, height, Up::Z));
+    Suns::new(&directions.collect::<Vec<_>>()).expect("directions")
 }

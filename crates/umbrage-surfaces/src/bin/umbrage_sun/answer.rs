@@ -6,8 +6,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
-use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, SunSpan, Suns, glam::DVec3};
+use umbrage_surfaces::{Day, Disc, Facets, Points, Stated, Suns};
 
 /// Names and values of a column; a value for each facet.
 type Column = (&'static str, Vec<f64>);
@@ -16,11 +15,8 @@ type Column = (&'static str, Vec<f64>);
 pub(crate) struct FacetTable {
     /// Description of the computed quantity.
     pub(crate) title: String,
-    /// Columns of numbers.
+    /// Columns of numbers. Images are coloured by the first one.
     pub(crate) columns: Vec<Column>,
-    /// Numbers that images are coloured by, and their name.
-    pub(crate) shades: Vec<f64>,
-    pub(crate) shade_name: &'static str,
     /// Spans of light as text; empty without times.
     pub(crate) spans: Vec<String>,
     pub(crate) stated: Stated,
@@ -31,7 +27,7 @@ impl FacetTable {
         match sky {
             Sky::Day(day) if !arguments.area => Self::times(facets, day, arguments),
             Sky::Day(day) => {
-                let steps = day.steps(facets.options().up);
+                let steps = day.steps(facets.options().up)?;
                 ensure!(
                     !steps.is_empty(),
                     "the Sun is below the horizon on {}; choose another day or window",
@@ -42,14 +38,13 @@ impl FacetTable {
                     "square_metre_hours",
                     "projected_square_metre_hours",
                 ];
-                let mut answer = Self::areas(facets, &suns(&steps)?, 1.0, names);
+                let mut answer = Self::areas(facets, &steps, 1.0, names);
                 answer.stated.step_s = Some(day.step_s);
                 answer.stated.refraction = Some(arguments.refraction);
                 answer.title = format!("lit areas on {}", day.title);
                 Ok(answer)
             }
-            Sky::Directions(directions) => {
-                let suns = suns(directions)?;
+            Sky::Directions(suns) => {
                 let whole: f64 = suns.weights().iter().sum();
                 ensure!(
                     whole > 0.0,
@@ -57,9 +52,9 @@ impl FacetTable {
                 );
                 let mut answer = if arguments.area {
                     let names = ["lit_share", "lit_m2", "projected_m2"];
-                    Self::areas(facets, &suns, 1.0 / whole, names)
+                    Self::areas(facets, suns, 1.0 / whole, names)
                 } else {
-                    Self::centres(facets, &suns, 1.0 / whole)
+                    Self::centres(facets, suns, 1.0 / whole)
                 };
                 answer.title = format!("{} directions, weighted mean", suns.len());
                 Ok(answer)
@@ -76,20 +71,23 @@ impl FacetTable {
             refraction: arguments.refraction,
             ..Day::default()
         };
-        let progress = progress(None, "hours of sun");
+        let progress = progress(facets.len(), "points");
         let up = facets.options().up;
         let path = |second: f64| local.direction(second, up);
-        let hours = facets.sun_hours(&Points::centres_of(facets), &path, &day)?;
+        let hours = facets.sun_hours(&Points::centres_of(facets), &path, &day, |count| {
+            progress.set_position(count as u64);
+        })?;
         progress.finish_and_clear();
         let rows = 0..facets.len();
-        let minutes: Vec<f64> = rows.clone().map(|row| hours.minutes(row)).collect();
-        let longest = rows.clone().map(|row| hours.longest_minutes(row)).collect();
+        let whole = rows.clone().map(|row| hours.minutes(row) / 60.0);
+        let longest = rows.clone().map(|row| hours.longest_minutes(row) / 60.0);
         let spans = rows.map(|row| text_of_spans(hours.spans(row))).collect();
         Ok(Self {
             title: format!("hours of sun of facets' centres on {}", local.title),
-            shades: minutes.iter().map(|minutes| minutes / 60.0).collect(),
-            shade_name: "hours",
-            columns: vec![("minutes", minutes), ("longest_minutes", longest)],
+            columns: vec![
+                ("hours", whole.collect()),
+                ("longest_hours", longest.collect()),
+            ],
             spans,
             stated: hours.stated,
         })
@@ -98,7 +96,7 @@ impl FacetTable {
     /// Sums the lit areas of all suns by their weights, times a scale.
     fn areas(facets: &Facets, suns: &Suns, scale: f64, names: [&'static str; 3]) -> Self {
         let mut sums = names.map(|name| (name, vec![0.0; facets.len()]));
-        let progress = progress(Some(suns.len()), "suns");
+        let progress = progress(suns.len(), "suns");
         let stated = facets.lit_area(suns, |sun, areas| {
             let weight = suns.weights()[sun] * scale;
             for (row, lit) in areas.iter().enumerate() {
@@ -111,8 +109,6 @@ impl FacetTable {
         progress.finish_and_clear();
         Self {
             title: String::new(),
-            shades: sums[0].1.clone(),
-            shade_name: names[0],
             columns: sums.into(),
             spans: Vec::new(),
             stated,
@@ -121,19 +117,19 @@ impl FacetTable {
 
     /// Sums the suns that light the facets' centres by their weights, times a scale.
     fn centres(facets: &Facets, suns: &Suns, scale: f64) -> Self {
-        let progress = progress(None, "centres");
-        let lit = facets.lit(&Points::centres_of(facets), suns);
+        let progress = progress(facets.len(), "points");
+        let lit = facets.lit(&Points::centres_of(facets), suns, |count| {
+            progress.set_position(count as u64);
+        });
         progress.finish_and_clear();
         let share = |row: usize| -> f64 {
             let weights = suns.weights().iter().enumerate();
             let lit = weights.filter(|&(sun, _)| lit.is_lit(sun, row));
             lit.map(|(_, weight)| weight * scale).sum()
         };
-        let shares: Vec<f64> = (0..facets.len()).map(share).collect();
+        let shares = (0..facets.len()).map(share).collect();
         Self {
             title: String::new(),
-            shades: shares.clone(),
-            shade_name: "lit_share",
             columns: vec![("lit_share", shares)],
             spans: Vec::new(),
             stated: lit.stated,
@@ -144,21 +140,19 @@ impl FacetTable {
     pub(crate) fn report(&self, facets: &Facets) -> Vec<String> {
         let area: f64 = (0..facets.len()).map(|row| facets.area_m2(row)).sum();
         let weighted = |(row, shade): (usize, &f64)| shade * facets.area_m2(row);
-        let sum: f64 = self.shades.iter().enumerate().map(weighted).sum();
-        let least = self.shades.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = self.shades.iter().copied().fold(0.0, f64::max);
+        let (name, shades) = &self.columns[0];
+        let sum: f64 = shades.iter().enumerate().map(weighted).sum();
+        let least = shades.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = shades.iter().copied().fold(0.0, f64::max);
         // A model without area has no mean.
         let mean = if area > 0.0 { sum / area } else { 0.0 };
         let mut lines = vec![
             self.title.clone(),
             format!("{} facets, {area:.3} m2", facets.len()),
-            format!(
-                "{}: mean by area {mean:.4}, least {least:.4}, most {most:.4}",
-                self.shade_name
-            ),
+            format!("{name}: mean by area {mean:.4}, least {least:.4}, most {most:.4}"),
         ];
         for (name, values) in self.columns.iter().skip(1) {
-            if name.contains('m') && !name.contains("minutes") {
+            if name.contains("m2") || name.contains("metre") {
                 lines.push(format!("{name}: {:.6} in all", values.iter().sum::<f64>()));
             }
         }
@@ -167,14 +161,8 @@ impl FacetTable {
     }
 }
 
-fn suns(directions: &[(DVec3, f64)]) -> Result<Suns> {
-    let vectors: Vec<_> = directions.iter().map(|sun| sun.0).collect();
-    let weights: Vec<f64> = directions.iter().map(|sun| sun.1).collect();
-    Ok(Suns::with_weights(&vectors, &weights)?)
-}
-
 /// Returns spans as `8:00:12-11:30:00;..`.
-fn text_of_spans(spans: &[SunSpan]) -> String {
+fn text_of_spans(spans: &[[f64; 2]]) -> String {
     let clock = |second: f64| {
         let second = second.round() as u64;
         let [hours, minutes] = [second / 3600, second / 60 % 60];
@@ -182,26 +170,16 @@ fn text_of_spans(spans: &[SunSpan]) -> String {
     };
     let spans = spans.iter();
     let texts: Vec<String> = spans
-        .map(|span| format!("{}-{}", clock(span.start_s), clock(span.end_s)))
+        .map(|&[start, end]| format!("{}-{}", clock(start), clock(end)))
         .collect();
     texts.join(";")
 }
 
-/// Returns a bar on standard error, or a clock if the number of steps is unknown. It is hidden if
-/// standard error is no terminal.
-fn progress(steps: Option<usize>, what: &'static str) -> ProgressBar {
-    let bar = match steps {
-        Some(steps) => ProgressBar::new(steps as u64),
-        None => ProgressBar::new_spinner(),
-    };
-    let template = match steps {
-        Some(_) => "{msg} {wide_bar} {pos}/{len}, {eta} left",
-        None => "{spinner} {msg}, {elapsed}",
-    };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
+/// Returns a bar on standard error. It is hidden if standard error is no terminal.
+fn progress(steps: usize, what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(steps as u64).with_message(what);
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
-    bar.set_message(what);
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }

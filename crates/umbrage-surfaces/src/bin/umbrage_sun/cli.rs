@@ -1,8 +1,8 @@
 //! Arguments of the command.
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use std::path::PathBuf;
-use umbrage_surfaces::{Sides, Unit};
+use umbrage_surfaces::{Sides, Unit, Up};
 
 /// Hours of sun and lit areas of the facets of a model, each with its stated error
 #[derive(Parser, Clone, Debug)]
@@ -10,7 +10,7 @@ use umbrage_surfaces::{Sides, Unit};
     version,
     after_help = "Examples:
   umbrage-sun city.obj --where 48.1,11.6 --on 2026-03-21 --zone 1 --window 8-16 --out sun.csv
-      minutes of sun of each facet's centre in Munich, between 8 and 16 o'clock
+      hours of sun of each facet's centre in Munich, between 8 and 16 o'clock
   umbrage-sun model.glb --up z --unit cm --where 48.1,11.6 --on 2026-03-21 --step 5m --area --out sun.png
       exact lit areas every 5 minutes, and an image coloured by hours
   umbrage-sun satellite.obj --unit m --suns directions.txt --area --out lit.npy --out lit.glb
@@ -19,15 +19,15 @@ use umbrage_surfaces::{Sides, Unit};
 pub(crate) struct Arguments {
     /// Model: .obj, .glb or .gltf; nothing is added to it
     pub(crate) model: PathBuf,
-    /// Axis that points up [default: y for glTF, z for OBJ]
-    #[arg(long, value_enum)]
-    pub(crate) up: Option<Axis>,
+    /// Axis that points up: y (-z is north: glTF) or z (y is north: CAD, GIS) [default: y for glTF, z for OBJ]
+    #[arg(long)]
+    pub(crate) up: Option<Up>,
     /// Unit of the model: m, cm, mm, km, ft, in, or the metres of one unit [default: metres; improbable sizes are an error]
-    #[arg(long, value_parser = |text: &str| text.parse::<Unit>())]
+    #[arg(long)]
     pub(crate) unit: Option<Unit>,
-    /// Sides that receive and cast; `front` needs closed bodies and is faster
-    #[arg(long, value_enum, default_value = "both")]
-    pub(crate) sides: SidesArgument,
+    /// Sides that receive and cast: front or both; front needs closed bodies and is faster
+    #[arg(long, default_value = "both")]
+    pub(crate) sides: Sides,
     /// Latitude (north) and longitude (east), degrees
     #[arg(
         long = "where",
@@ -68,31 +68,4 @@ pub(crate) struct Arguments {
     /// Output: .csv, .npy, .glb or .png; may be repeated
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Vec<PathBuf>,
-}
-
-/// An axis that points up.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Axis {
-    /// y up, z south: glTF
-    Y,
-    /// z up, y north: CAD, GIS
-    Z,
-}
-
-/// Sides on the command line.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum SidesArgument {
-    /// Fronts of closed bodies
-    Front,
-    /// Both sides
-    Both,
-}
-
-impl From<SidesArgument> for Sides {
-    fn from(sides: SidesArgument) -> Self {
-        match sides {
-            SidesArgument::Front => Self::Front,
-            SidesArgument::Both => Self::Both,
-        }
-    }
 }

@@ -10,7 +10,6 @@ use anyhow::{Context as _, Result};
 use clap::Parser as _;
 use std::{
     io::{ErrorKind, Write as _},
-    path::Path,
     process::ExitCode,
 };
 use umbrage_surfaces::{Facets, Options, Unit, Up};
@@ -46,16 +45,14 @@ fn run(arguments: &cli::Arguments) -> Result<()> {
     for notice in &model.notices {
         writeln!(std::io::stderr(), "{notice}")?;
     }
-    let up = match arguments.up {
-        Some(cli::Axis::Y) => Up::Y,
-        Some(cli::Axis::Z) => Up::Z,
-        None if is_obj(&arguments.model) => Up::Z,
-        None => Up::Y,
-    };
+    // Models of .obj have no axes of their own; glTF prescribes y up.
+    let extension = arguments.model.extension();
+    let is_obj = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
+    let own_up = if is_obj { Up::Z } else { Up::Y };
     let options = Options {
-        up,
+        up: arguments.up.unwrap_or(own_up),
         unit: arguments.unit.unwrap_or(Unit::Unstated),
-        sides: arguments.sides.into(),
+        sides: arguments.sides,
         ..Options::default()
     };
     let facets = Facets::new(&model.vertices, &model.triangles, &options)?;
@@ -70,10 +67,4 @@ fn run(arguments: &cli::Arguments) -> Result<()> {
         writeln!(out, "{line}")?;
     }
     Ok(())
-}
-
-/// Reports whether a model has no axes of its own: glTF prescribes y up.
-fn is_obj(model: &Path) -> bool {
-    let extension = model.extension();
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }

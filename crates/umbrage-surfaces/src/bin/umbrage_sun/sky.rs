@@ -6,7 +6,7 @@ use solar_positioning::{
     Location, RefractionCorrection, SolarPositions, delta_t, time::JulianDate,
 };
 use std::fs;
-use umbrage_surfaces::{Up, direction_at, glam::DVec3};
+use umbrage_surfaces::{Suns, Up, direction_at, glam::DVec3};
 
 /// Seconds of a day.
 const DAY_S: f64 = 86_400.0;
@@ -17,7 +17,7 @@ pub(crate) enum Sky {
     /// A day at a place.
     Day(LocalDay),
     /// Directions with weights.
-    Directions(Vec<(DVec3, f64)>),
+    Directions(Suns),
 }
 
 /// A day at a place. Times are seconds after local midnight.
@@ -50,25 +50,30 @@ impl Sky {
 }
 
 /// Reads lines `x y z [weight]`, separated by spaces or commas. Lines that begin with # are skipped.
-fn directions(text: &str) -> Result<Vec<(DVec3, f64)>> {
-    let mut out = Vec::new();
+fn directions(text: &str) -> Result<Suns> {
+    let mut directions = Vec::new();
+    let mut weights = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         if line.trim().is_empty() || line.starts_with('#') {
             continue;
         }
         let words = line.split([' ', ',', '\t']).filter(|word| !word.is_empty());
         let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        match numbers.as_deref() {
-            Ok(&[x, y, z]) => out.push((DVec3::new(x, y, z), 1.0)),
-            Ok(&[x, y, z, weight]) => out.push((DVec3::new(x, y, z), weight)),
-            _ => bail!("line {number}: `{line}` is not `x y z` or `x y z weight`"),
-        }
+        let Ok(&[x, y, z, ref weight @ ..]) = numbers.as_deref() else {
+            bail!("line {number}: `{line}` is not `x y z` or `x y z weight`");
+        };
+        ensure!(
+            weight.len() < 2,
+            "line {number}: `{line}` has more than four numbers"
+        );
+        directions.push(DVec3::new(x, y, z));
+        weights.push(weight.first().copied().unwrap_or(1.0));
     }
     ensure!(
-        !out.is_empty(),
+        !directions.is_empty(),
         "has no directions; write `x y z` on a line"
     );
-    Ok(out)
+    Ok(Suns::with_weights(&directions, &weights)?)
 }
 
 impl LocalDay {
@@ -147,7 +152,7 @@ impl LocalDay {
 
     /// Returns the directions at the middles of all steps with the Sun above the horizon, with the
     /// hours of each step that are within the windows.
-    pub(crate) fn steps(&self, up: Up) -> Vec<(DVec3, f64)> {
+    pub(crate) fn steps(&self, up: Up) -> Result<Suns> {
         let steps = (DAY_S / self.step_s).ceil();
         let step = DAY_S / steps;
         let whole = [[0.0, DAY_S]];
@@ -156,7 +161,8 @@ impl LocalDay {
         } else {
             &self.windows
         };
-        let mut out = Vec::new();
+        let mut directions = Vec::new();
+        let mut weights = Vec::new();
         for i in 0..steps as usize {
             let start = step * i as f64;
             let within = |window: &[f64; 2]| {
@@ -170,10 +176,11 @@ impl LocalDay {
                 Up::Z => direction.z,
             };
             if hours > 0.0 && height > 0.0 {
-                out.push((direction, hours));
+                directions.push(direction);
+                weights.push(hours);
             }
         }
-        out
+        Ok(Suns::with_weights(&directions, &weights)?)
     }
 }
 
