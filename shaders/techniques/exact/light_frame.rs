@@ -18,7 +18,7 @@
 
 use umbrage_core::{
     Aabb, Geometry, Light,
-    glam::{DVec3, UVec2, UVec4, Vec2, Vec3, Vec4},
+    glam::{DVec2, DVec3, UVec2, UVec4, Vec2, Vec3, Vec4},
     light_sample::LightSampler,
     math::dot3,
     uniforms,
@@ -27,6 +27,10 @@ use umbrage_core::{
 /// Least margin, in units of frame space across the rays: 64 roundings of 1. Coordinates and
 /// outline functions have an error of some eight of them.
 pub(super) const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
+
+/// Least margin of a directional light's positions on a device, as a fraction of the casters'
+/// distance from the origin: 16 roundings. A position has an error of some five.
+pub(super) const POSITION_MARGIN: f32 = 1.0 / 1_048_576.0;
 
 /// Greatest error of the ray-triangle test, as a fraction of the farthest distance in the scene: 32
 /// roundings of 2^-24, four times the bound in `ray_triangle.rs`.
@@ -102,8 +106,7 @@ uniforms! {
         /// Half the size of a face, across and down; tiles per unit of a direction; the reach
         /// of receivers, metres: [`Geometry::receiver_reach`](umbrage_core::Geometry::receiver_reach).
         pub grid: Vec4,
-        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
-        /// lists the casters itself.
+        /// Number of tiles of a face, across and down; 1 if the light has a position; w is unused.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
@@ -165,7 +168,7 @@ impl LightFrame {
     fn along_sun(to_light: Vec3, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         // Measure the casters along the light's axes.
         let away = -to_light.as_dvec3();
-        let (across, down) = away.any_orthonormal_pair();
+        let (across, down) = upright_pair(away);
         let origin = casters.center();
         let corners: Vec<DVec3> = casters.corners().map(|c| (c - origin).as_dvec3()).collect();
         let extent = |axis: DVec3| {
@@ -367,6 +370,16 @@ impl LightFrame {
             f32::INFINITY
         }
     }
+}
+
+/// Returns two unit vectors across a unit vector and each other. The world's vertical has no part
+/// along the first one, so upright edges, which most scenes have, have narrow boxes.
+fn upright_pair(away: DVec3) -> (DVec3, DVec3) {
+    let (across, down) = away.any_orthonormal_pair();
+    let Some(up) = DVec2::new(across.y, down.y).try_normalize() else {
+        return (across, down);
+    };
+    (across * up.y - down * up.x, across * up.x + down * up.y)
 }
 
 /// Returns the number of tiles along the longer side of a face.

@@ -150,8 +150,8 @@ pub struct SetReport {
     pub planned: u32,
     /// Number of layers that this frame draws.
     pub redrawn: u32,
-    /// Number of lights whose caster lists this frame builds.
-    pub listed: u32,
+    /// Number of lights whose hierarchies of casters this frame builds.
+    pub hierarchies: u32,
     /// Number of layers that wait for one of the next frames because of
     /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     pub waiting: u32,
