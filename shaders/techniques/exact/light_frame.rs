@@ -15,6 +15,27 @@
 //! cell may be found to hit. The triangle test has an error of some roundings of its distances
 //! (`ray_triangle.rs` of `umbrage-core`), as does the rounding of coordinates. Boxes and depths are
 //! widened by more than that.
+//!
+//! **Margins of a device's hierarchy** (`on_device/`) are those of lists under a point light. Under
+//! a directional light they follow the distances, so that they are small in large scenes. `u = 2^-24`
+//! is the greatest relative error of one rounding, `w` a caster's longest side, and `D` the depth
+//! from the caster to a receiver in its shadow.
+//!
+//! * A position relative to the origin is rounded, then three products and their sum: an error of at
+//!   most `5u` of its length across the rays, and `7u` along them. A caster is at most `R` from the
+//!   origin, half the diagonal of the casters' box, and the receiver at most `R + D`. Together they
+//!   err by at most `14u R + 7u D`. [`POSITION_MARGIN`] is `16u`, times `R`.
+//! * By `ray_triangle.rs`, a ray that hits passes the caster within `6u (D + w)` along each of two
+//!   axes: `8.5u (D + w)`, and some roundings of `w`. `TEST_ERROR` in WGSL is `32u`. Its part with w is
+//!   added to the caster's rectangle. The part with D, and that of the receiver's position, is added
+//!   by the lookup, times the depth below the node's nearest caster, which is at least D.
+//! * The depth of a hit is a sum of the corners' depths relative to the receiver, with weights of one
+//!   sign. It keeps its sign if all corners are behind the receiver. Otherwise it has an error of
+//!   some roundings of w, which the margin contains.
+//! * A strip has its own least depth. A hit has the depth of the point with the computed weights.
+//!   Each weight has an error of at most `9u w^2`, of a sum that is at least `w^2 / 512` (`GRAZING`). So the
+//!   point is at most `27u * 512 w`, or `w / 1,200`, from the exact one, and strips are a 512th of their
+//!   length longer. Casters of less area have the least depth of all their corners.
 
 use umbrage_core::{
     Aabb, Geometry, Light,

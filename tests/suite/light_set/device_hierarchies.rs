@@ -1,27 +1,29 @@
 //! Tests of hierarchies that a device builds, against rays.
 
 use super::alike::{World, count_differing};
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Kernel, Light, NO_TRIANGLE, Scene, ShadowTechnique, Uniforms,
+    Backend, Camera, DeviceHierarchy, Instance, Kernel, Light, Mesh, NO_TRIANGLE, Scene,
+    ShadowTechnique, Uniforms, join,
     light_sample::{LightSampler, ray_origin, segment},
     math::dot3,
 };
-use umbrage_techniques::{Exact, ExactUniforms};
+use umbrage_techniques::{Exact, ExactUniforms, LightView};
 use umbrage_tests::{
     driver_model::{is_chosen, nth_case},
     gpu::gpu,
+    layouts::check,
     light_program::Forward,
     light_stage::{Stage, spot},
     random_scene,
 };
-use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, Unserved};
+use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, StillLayers, Unserved};
 
 /// Scenes with suns and point lights, with closed and open casters, some with a light among the
-/// casters, and some of real size.
-const SCENES: [&str; 12] = [
+/// casters, some of real size, some small or large, and one far from the origin.
+const SCENES: [&str; 15] = [
     "cubes",
     "figure",
     "teapot-lamp",
@@ -34,6 +36,9 @@ const SCENES: [&str; 12] = [
     "thin-plate",
     "canopy",
     "low-sun-5",
+    "hills-1e6",
+    "cubes-tiny",
+    "cubes-huge",
 ];
 
 fn exact(light: Light) -> ShadowedLight {
@@ -157,12 +162,16 @@ fn random_scenes_answer_as_rays_do() {
             return Ok(());
         };
         let mut set = world.set();
-        let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
-        prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
-        in_shadow.set(in_shadow.get() + shadowed);
+        // With capacity for strips, and without.
+        for most in [None, Some(0)] {
+            set.limit_references(most);
+            let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
+            prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
+            in_shadow.set(in_shadow.get() + shadowed);
+        }
     });
     let in_shadow = in_shadow.get();
-    let least = 25_000 / nth_case();
+    let least = 50_000 / nth_case();
     assert!(in_shadow > least, "only {in_shadow} in shadow");
 }
 
@@ -206,6 +215,247 @@ fn hierarchies_without_room_answer_alike() {
         );
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
     }
+}
+
+/// Adds triangles to a scene, as casters that also receive.
+fn add_triangles(scene: &mut Scene, triangles: &[[Vec3; 3]]) {
+    let corners = triangles.as_flattened().to_vec();
+    let ids = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    let mesh = Mesh::new("added", corners, ids.collect()).expect("valid");
+    let instance = Instance::new(scene.meshes.len(), Affine3A::IDENTITY);
+    scene.meshes.push(mesh);
+    scene.instances.push(instance);
+}
+
+/// Checks that a scene's first light has the answers of rays, and returns the number of receivers
+/// in shadow.
+fn check_world(world: &World, what: &str) -> usize {
+    let mut set = world.set();
+    let [wrong, shadowed] = compare(world, &mut set, world.scene.lights[0]);
+    assert!(
+        wrong <= allowed_pixels(world.receivers.len()),
+        "{what}: {wrong}"
+    );
+    shadowed
+}
+
+/// A triangle over everything puts everything in shadow, and one below everything changes nothing.
+#[test]
+fn casters_that_cover_everything_answer_as_rays_do() {
+    for name in ["cubes", "teapot-lamp"] {
+        let [below, above] = [-1e3, 9.0].map(|height| {
+            let mut world = World::new(name);
+            let corners = [(-1e4, -1e4), (1e4, -1e4), (0.0, 2e4)];
+            let triangle = corners.map(|(x, z)| Vec3::new(x, height, z));
+            add_triangles(&mut world.scene, &[triangle]);
+            if let Light::Point { position, .. } | Light::Spot { position, .. } =
+                &mut world.scene.lights[0]
+            {
+                position.y = 10.0;
+            }
+            check_world(&World::of_scene(world.scene), name)
+        });
+        assert!(above > below, "{name}: {below} of {above}");
+    }
+}
+
+/// Small triangles in one cell of the curve over a light's view, whose keys are equal, within two
+/// that are a kilometre apart.
+fn crowd(count: usize) -> World {
+    let mut seed = 1_u32;
+    let mut random = || {
+        // Numerical Recipes' generator (Press and others 1992).
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    // About half of the crowd's ground is in shadow.
+    let size = 0.05 / (count as f32).sqrt();
+    let mut triangles: Vec<[Vec3; 3]> = (0..count)
+        .map(|_| {
+            let at = Vec3::new(0.04 * random(), 0.1 + 0.1 * random(), 0.04 * random());
+            [0; 3].map(|_| at + size * Vec3::new(random(), random(), random()) * 2.0)
+        })
+        .collect();
+    for x in [-500.0, 500.0] {
+        triangles.push([0.0, 1.0, 2.0].map(|z| Vec3::new(x, 1.0, z)));
+    }
+    let mut world = World::new("cubes");
+    let scene = &mut world.scene;
+    scene.meshes.clear();
+    scene.instances.clear();
+    add_triangles(scene, &triangles);
+    scene.instances[0].receives = false;
+    let ground = [(-1.0, -1.0), (0.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    add_triangles(scene, &[ground]);
+    scene.instances[1].casts = false;
+    scene.lights[0] = Light::Directional {
+        direction: Vec3::new(0.1, -1.0, 0.05),
+        angular_diameter: 0.0,
+    };
+    scene.cameras[0] = Camera::perspective(
+        Vec3::new(0.0, 0.2, 0.1),
+        Vec3::ZERO,
+        Vec3::Y,
+        0.4,
+        [0.01, 10.0],
+        scene.cameras[0].size,
+    )
+    .expect("valid");
+    World::of_scene(world.scene)
+}
+
+#[test]
+fn casters_in_one_cell_of_the_curve_answer_as_rays_do() {
+    let shadowed = check_world(&crowd(20_000), "20,000");
+    assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+#[test]
+#[ignore = "takes minutes on a software driver"]
+fn a_million_casters_in_one_cell_answer_as_rays_do() {
+    let shadowed = check_world(&crowd(1_000_000), "a million");
+    assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+/// Plates along a kilometre of the sun's rays: positions round in proportion to the depth, which is
+/// much greater than the width.
+#[test]
+fn casters_far_along_the_light_answer_as_rays_do() {
+    let mut world = World::new("cubes");
+    let scene = &mut world.scene;
+    scene.meshes.clear();
+    scene.instances.clear();
+    let away = Vec3::new(0.31, -0.87, 0.23).normalize();
+    let (across, down) = away.any_orthonormal_pair();
+    let plate = |i: usize| {
+        let centre = away * (5.0 * i as f32);
+        // Small triangles with gaps of their size, and others in each plate.
+        (0..200).map(move |j| {
+            let angle = 0.7 * j as f32 + 0.013 * i as f32;
+            let at = centre + (across * angle.cos() + down * angle.sin()) * (0.004 * j as f32);
+            [at, at + across * 0.05, at + (down + away) * 0.05]
+        })
+    };
+    let triangles: Vec<[Vec3; 3]> = (0..200).flat_map(plate).collect();
+    add_triangles(scene, &triangles);
+    scene.lights[0] = Light::Directional {
+        direction: away,
+        angular_diameter: 0.0,
+    };
+    let eye = away * 487.0 + across * 2.0;
+    let near_far = [0.1, 100.0];
+    let size = scene.cameras[0].size;
+    let looks_at = away * 490.0;
+    scene.cameras[0] =
+        Camera::perspective(eye, looks_at, down, 0.8, near_far, size).expect("valid");
+    let shadowed = check_world(&World::of_scene(world.scene), "plates");
+    assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+/// Lights of a set share scratch buffers.
+#[test]
+fn lights_of_one_set_answer_as_rays_do() {
+    let world = World::new("lamp-in-room");
+    let mut set = world.set();
+    let sun = Light::Directional {
+        direction: Vec3::new(0.4, -1.0, 0.3),
+        angular_diameter: 0.0,
+    };
+    let lamp = Light::Point {
+        position: Vec3::new(0.3, 1.1, -0.2),
+        radius: 0.0,
+    };
+    let lights = [world.scene.lights[0], sun, lamp];
+    let ids = lights.map(|light| set.add_light(exact(light)).expect("valid"));
+    world
+        .program
+        .update(&mut set, &world.frame_without_triangles());
+    assert_eq!(set.report().hierarchies, 3);
+    for (id, light) in ids.into_iter().zip(lights) {
+        let wrong = count_differing(&mask(&world, &set, id), &world.trace_mask(&set, &light));
+        assert!(
+            wrong <= allowed_pixels(world.receivers.len()),
+            "{light:?}: {wrong}"
+        );
+    }
+}
+
+/// Moved casters have the shadows of casters that were there from the start. Removed ones have
+/// none, although their nodes were in the tables.
+#[test]
+fn casters_that_move_leave_nothing_behind() {
+    let world = World::new("figure");
+    let frame = world.frame_without_triangles();
+    let light = world.scene.lights[0];
+    let start = || {
+        let mut set = world.program.set(SetBudget::default(), StillLayers::Auto);
+        let meshes = world.meshes(&mut set);
+        let id = set.add_light(exact(light)).expect("valid");
+        (set, meshes, id)
+    };
+    let moved = Affine3A::from_translation(Vec3::new(0.3, 0.1, -0.2));
+    let (mut set, meshes, id) = start();
+    let add = |set: &mut LightSet, at: Affine3A| {
+        let casters = meshes.iter().map(|&mesh| set.add_caster(mesh, at));
+        casters.collect::<Result<Vec<_>, _>>().expect("valid")
+    };
+    let casters = add(&mut set, Affine3A::IDENTITY);
+    let seen = |set: &mut LightSet| {
+        world.program.update(set, &frame);
+        mask(&world, set, id)
+    };
+    let first = seen(&mut set);
+    assert!(
+        count_differing(&first, &world.trace_mask(&set, &light)) <= allowed_pixels(first.len())
+    );
+    for &caster in &casters {
+        set.move_caster(caster, moved).expect("valid");
+    }
+    let second = seen(&mut set);
+    assert!(count_differing(&first, &second) > 100);
+    for caster in casters {
+        set.remove_caster(caster).expect("is there");
+    }
+    let empty = seen(&mut set);
+    assert_eq!(
+        count_differing(&empty, &world.answers(&set, &light, false)),
+        0
+    );
+    add(&mut set, moved);
+    assert_eq!(count_differing(&second, &seen(&mut set)), 0);
+}
+
+/// Constants and structs that passes, lookup and backend share.
+#[test]
+fn shared_constants_are_equal() {
+    let world = World::new("cubes");
+    let set = world.set();
+    let frame = world.frame_without_triangles();
+    let view = set.view(&frame, &world.scene.lights[0]);
+    let made = Exact::default().device_recipe(&view);
+    let made = made.expect("a hierarchy").expect("serves the light");
+    let passes = join(&made.hierarchy.modules);
+    let lookup = join(&made.recipe.receive.kernel.modules());
+    check(&LightView::layout(), &passes).expect("equal");
+    let constant = |text: &str, name: &str| -> f64 {
+        let (_, rest) = text
+            .split_once(&format!("const {name} = "))
+            .unwrap_or_else(|| panic!("no constant {name}"));
+        let (value, _) = rest.split_once(';').expect("ends");
+        value.trim_end_matches('u').parse().expect("a number")
+    };
+    for name in ["FACE_STEP", "TEST_ERROR", "HEADER"] {
+        assert_eq!(constant(&passes, name), constant(&lookup, name), "{name}");
+    }
+    let levels = DeviceHierarchy::LEVELS;
+    assert_eq!(
+        constant(&passes, "HEADER"),
+        f64::from(DeviceHierarchy::HEADER)
+    );
+    assert_eq!(constant(&lookup, "MOST_LEVELS"), levels as f64);
+    assert!(passes.contains(&format!("firsts: array<vec4u, {}>", levels / 4)));
+    let head = constant(&passes, "MORE_PIECES") + constant(&passes, "STEPS");
+    assert!(head <= DeviceHierarchy::HEAD as f64);
 }
 
 /// A light that is off keeps its hierarchy, which is rebuilt when it is switched on.

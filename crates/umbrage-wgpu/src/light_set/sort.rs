@@ -179,3 +179,22 @@ impl SortStage {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCK, DIGITS, SUM_BLOCK};
+    use crate::wgsl::stages::shader_of;
+
+    #[test]
+    fn constants_are_those_of_the_shader() {
+        let text = shader_of(&["sort"]);
+        for (name, value) in [
+            ("BLOCK", BLOCK),
+            ("DIGITS", DIGITS),
+            ("SUM_BLOCK", SUM_BLOCK),
+        ] {
+            let line = format!("const {name} = {value}u;");
+            assert!(text.contains(&line), "{line}");
+        }
+    }
+}

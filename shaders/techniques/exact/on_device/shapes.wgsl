@@ -18,8 +18,8 @@ struct Shape {
 // corner: 32 roundings, see light_frame.rs. A caster's length is added to its outline, the distance
 // by the lookup.
 const TEST_ERROR = 1.9073486e-6;
-// Area of a caster that the light grazes, over its longest side squared, doubled.
-const GRAZING = 0.0009765625;
+// Twice the area of a caster that the light grazes, at most, over its longest side squared.
+const GRAZING = 0.001953125;
 
 // The faces of a point light are next to each other in a strip.
 const FACE_STEP = 3.0;
