@@ -39,7 +39,7 @@
 
 use umbrage_core::{
     Aabb, Geometry, Light,
-    glam::{DVec2, DVec3, UVec2, UVec4, Vec2, Vec3, Vec4},
+    glam::{DVec3, UVec2, UVec4, Vec2, Vec3, Vec4},
     light_sample::LightSampler,
     math::dot3,
     uniforms,
@@ -142,20 +142,27 @@ impl LightFrame {
             casters = Aabb::from_points([Vec3::ZERO]);
         }
         let tiles = tiles_along(geometry.casters().len());
-        Self::around_casters(light, &casters, &geometry.bounds(), tiles)
+        let axes = |away: DVec3| away.any_orthonormal_pair();
+        Self::around_casters(light, axes, &casters, &geometry.bounds(), tiles)
     }
 
     /// Returns the frame of a light around casters in a box. `everything` is the box around the
-    /// casters and all ray origins. `tiles` are those along the longer side of a directional light.
+    /// casters and all ray origins. `axes` returns the axes across the rays of a directional light,
+    /// and `tiles` are those along its longer side.
     pub(super) fn around_casters(
         light: &Light,
+        axes: impl Fn(DVec3) -> (DVec3, DVec3),
         casters: &Aabb,
         everything: &Aabb,
         tiles: u32,
     ) -> Self {
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, everything, tiles),
-            None => Self::along_sun(light.direction_from(Vec3::ZERO), casters, everything, tiles),
+            None => {
+                let away = -light.direction_from(Vec3::ZERO).as_dvec3();
+                let (across, down) = axes(away);
+                Self::along_sun([across, down, away], casters, everything, tiles)
+            }
         }
     }
 
@@ -186,10 +193,9 @@ impl LightFrame {
         }
     }
 
-    fn along_sun(to_light: Vec3, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
+    fn along_sun(axes: [DVec3; 3], casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         // Measure the casters along the light's axes.
-        let away = -to_light.as_dvec3();
-        let (across, down) = upright_pair(away);
+        let [across, down, away] = axes;
         let origin = casters.center();
         let corners: Vec<DVec3> = casters.corners().map(|c| (c - origin).as_dvec3()).collect();
         let extent = |axis: DVec3| {
@@ -391,16 +397,6 @@ impl LightFrame {
             f32::INFINITY
         }
     }
-}
-
-/// Returns two unit vectors across a unit vector and each other. The world's vertical has no part
-/// along the first one, so upright edges, which most scenes have, have narrow boxes.
-fn upright_pair(away: DVec3) -> (DVec3, DVec3) {
-    let (across, down) = away.any_orthonormal_pair();
-    let Some(up) = DVec2::new(across.y, down.y).try_normalize() else {
-        return (across, down);
-    };
-    (across * up.y - down * up.x, across * up.x + down * up.y)
 }
 
 /// Returns the number of tiles along the longer side of a face.

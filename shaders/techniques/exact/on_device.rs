@@ -18,7 +18,7 @@ use umbrage_core::{
     Aabb, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, Receive, ReceiveKernel,
     Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
-    glam::{Vec2, Vec3, Vec4},
+    glam::{DVec2, DVec3, Vec2, Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, ray_origin, segment},
     math::dot3,
     module, uniforms,
@@ -62,7 +62,7 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
     };
     let casters = view.casters.union(&Aabb::from_points([center]));
     // A hierarchy has no tiles.
-    let frame = LightFrame::around_casters(view.light, &casters, &everything, 1);
+    let frame = LightFrame::around_casters(view.light, upright_pair, &casters, &everything, 1);
     let kernel = HierarchyKernel {
         uniforms: ExactUniforms::new(view, &frame, reach, 2.0 * reach),
     };
@@ -103,6 +103,18 @@ fn light_view(frame: &LightFrame, casters: &Aabb) -> LightView {
         away: away.extend(frame.nearest),
         face: Vec4::new(frame.half.x, frame.half.y, is_lamp, frame.at_lamp()),
     }
+}
+
+/// Returns two unit vectors across a unit vector and each other. The world's vertical has no part
+/// along the first one, so upright edges, which most scenes have, have narrow boxes.
+/// Lists of the CPU don't use it: they are 27 to 30 % shorter in `nave` and `valley`, and 15 %
+/// longer in `street`.
+fn upright_pair(away: DVec3) -> (DVec3, DVec3) {
+    let (across, down) = away.any_orthonormal_pair();
+    let Some(up) = DVec2::new(across.y, down.y).try_normalize() else {
+        return (across, down);
+    };
+    (across * up.y - down * up.x, across * up.x + down * up.y)
 }
 
 /// Modules of the passes.
