@@ -1,8 +1,9 @@
 // References to casters, and their keys: their place along a Hilbert curve over the light's view.
 
-// Log2 of the number of steps of the curve along a side: 14 for a directional light, 13 for each
-// face of a point light.
-const CURVE_LOG2 = 14u;
+// Log2 of the number of steps of the curve along a side: 16 for a directional light, 14 for each
+// face of a point light, whose keys begin with three bits of the face.
+const SUN_CURVE_LOG2 = 16u;
+const LAMP_CURVE_LOG2 = 14u;
 
 // Returns the place of a point along a Hilbert curve (Hilbert 1891) through 2^log2 x 2^log2 points.
 fn hilbert(at: vec2u, log2: u32) -> u32 {
@@ -24,7 +25,7 @@ fn hilbert(at: vec2u, log2: u32) -> u32 {
 }
 
 fn key_of(face: u32, rect: Rect) -> u32 {
-    let log2 = select(CURVE_LOG2, CURVE_LOG2 - 1u, is_lamp());
+    let log2 = select(SUN_CURVE_LOG2, LAMP_CURVE_LOG2, is_lamp());
     let half = select(max(view.face.x, view.face.y), 1.0, is_lamp());
     let shift = select(0.0, FACE_STEP * f32(face), is_lamp());
     let centre = (rect.low + rect.high) * 0.5 - vec2f(shift, 0.0);
