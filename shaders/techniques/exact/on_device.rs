@@ -107,6 +107,7 @@ fn light_view(frame: &LightFrame, casters: &Aabb) -> LightView {
 
 /// Returns two unit vectors across a unit vector and each other. The world's vertical has no part
 /// along the first one, so upright edges, which most scenes have, have narrow boxes.
+///
 /// Lists of the CPU don't use it: they are 27 to 30 % shorter in `nave` and `valley`, and 15 %
 /// longer in `street`.
 fn upright_pair(away: DVec3) -> (DVec3, DVec3) {
