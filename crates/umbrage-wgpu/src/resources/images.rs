@@ -147,10 +147,11 @@ fn make_texture(
 fn usage(format: TextureFormat) -> TextureUsages {
     let all =
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
-    if format.has_depth_aspect() {
+    if format.is_depth_stencil_format() {
         all
     } else {
-        all | TextureUsages::COPY_DST
+        // Compute filters write all other formats.
+        all | TextureUsages::COPY_DST | TextureUsages::STORAGE_BINDING
     }
 }
 

@@ -1,6 +1,9 @@
 //! The shaders that are assembled from files, alone or after the text of a kernel or a set.
 
-use crate::wgsl::resolver::{assemble, constant};
+use crate::{
+    resources::images::texture_format,
+    wgsl::resolver::{assemble, constant},
+};
 use umbrage_core::{
     Format, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
@@ -39,6 +42,7 @@ const FILES: &[Module] = &[
     file!("depth_samples"),
     file!("depth_single"),
     file!("filter"),
+    file!("filter_tile"),
     file!("filter_words"),
     file!("fullscreen"),
     file!("fullscreen_instances"),
@@ -61,6 +65,7 @@ const FILES: &[Module] = &[
     file!("seen_in_gbuffer"),
     file!("shade"),
     file!("triangle_ids"),
+    file!("words"),
 ];
 
 /// Lookup of alpha textures for images.
@@ -112,6 +117,34 @@ pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
         _ => "filter",
     };
     kernel.to_owned() + &shader_of(&[file])
+}
+
+/// Bind group of the image that compute filters write.
+pub(crate) const FILTER_OUTPUT_GROUP: u32 = 1;
+
+/// Returns the shader that computes an image by tiles, with a kernel's `filter_tile`. `layered` is
+/// true if the image has several layers.
+pub(crate) fn tile_filter_shader(kernel: &str, output: Format, layered: bool) -> String {
+    // WGSL's name of a format is wgpu's in lower case.
+    let format = format!("{:?}", texture_format(output)).to_lowercase();
+    let (kind, layer) = match layered {
+        true => ("texture_storage_2d_array", " layer,"),
+        false => ("texture_storage_2d", ""),
+    };
+    let (value, words) = match output {
+        Format::Rg16 | Format::Rgba16 => ("vec4u(umbrage_words(channels), vec2u())", "words"),
+        _ => ("channels", ""),
+    };
+    let files = [words, "filter_tile"];
+    let files: Vec<&str> = files.into_iter().filter(|file| !file.is_empty()).collect();
+    let store = format!(
+        "@group({FILTER_OUTPUT_GROUP}) @binding(0) var umbrage_output: {kind}<{format}, write>;
+fn store_texel(texel: vec2i, layer: i32, channels: vec4f) {{
+    textureStore(umbrage_output, texel,{layer} {value});
+}}
+"
+    );
+    kernel.to_owned() + &store + &shader_of(&files)
 }
 
 /// Returns the shader of masks, which calls a set's `shadow_on`; the instance is the light.
