@@ -1,7 +1,11 @@
 //! [`ShadowRenderer`]: executes recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    device::{error_scopes::Scopes, later_errors::LaterErrors, requirements::limits},
+    device::{
+        error_scopes::Scopes,
+        later_errors::LaterErrors,
+        requirements::{COMPUTE_LIMITS, check_limits, limits},
+    },
     frame::{FrameInputs, RendererOptions, check_size},
     resources::{
         counters::{Counters, ResourceFactory},
@@ -16,7 +20,7 @@ use crate::{
     targets::CastTarget,
 };
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
-use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
+use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Limits, Queue, TextureView};
 
 /// Executes recipes. It never creates a device and never submits. [`prepare`](Self::prepare)
 /// creates and writes the resources of a frame, [`encode`](Self::encode) records the passes.
@@ -66,15 +70,23 @@ pub struct ShadowRenderer {
 }
 
 impl ShadowRenderer {
+    /// The limits that a renderer requires: those of WebGL 2, and compute shaders with a storage
+    /// texture, which WebGPU and OpenGL ES 3.1 guarantee. Recipes with larger images, or with
+    /// tables in storage buffers, require more.
+    pub const REQUIRED_LIMITS: Limits = COMPUTE_LIMITS;
+
     /// Returns a renderer for this device. No GPU objects are created yet.
     ///
     /// # Errors
-    /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
+    /// Errors with the name of a limit of the device that is below
+    /// [`REQUIRED_LIMITS`](Self::REQUIRED_LIMITS). Errors if the device has too few bind groups for
+    /// [`RendererOptions::kernel_group`].
     pub fn new(
         device: &Device,
         queue: &Queue,
         options: RendererOptions,
     ) -> Result<Self, BackendError> {
+        check_limits(&Self::REQUIRED_LIMITS, &device.limits(), "ShadowRenderer")?;
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
             let why = format!("is {}", options.kernel_group);

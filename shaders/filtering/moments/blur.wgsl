@@ -9,6 +9,8 @@ const POWERS = 2u;
 const CAPACITY = 1020u;
 // Side of a workgroup, invocations.
 const LANES = 8;
+// More than any moment.
+const GREATEST = 3e38;
 
 struct MomentMapUniforms {
     rising: f32,
@@ -84,7 +86,10 @@ fn filter_tile(tile: vec2i, layer: i32, lane: vec2i) {
             let texel = first + vec2i(x, y);
             if all(texel <= last) {
                 let mean = mean_of_kept(y * size.x + x, size.x);
-                store_texel(texel, layer, stored_moments(mean));
+                // The bounds change nothing, but keep drivers from moving the factor of the mean
+                // out of differences of two moments, which would round differently.
+                let bounded = min(max(mean, vec4f(-GREATEST)), vec4f(GREATEST));
+                store_texel(texel, layer, stored_moments(bounded));
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::{
         masks,
         passes::OwnDraws,
         shader::unprepared_error,
-        timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
+        timestamps::{PassCasters, PassClock, PassTimer, SetPass, SetTimestamps, TimedPass},
     },
     targets::CastTarget,
 };
@@ -86,7 +86,9 @@ impl LightSet {
         let mut timer = timer;
         // Record the lists.
         self.lists
-            .encode(encoder, &self.lights, |id| timer.as_mut()?.lists(id));
+            .encode(encoder, &self.lights, |id| {
+                timer.as_mut()?.compute_writes(id, SetPass::Lists)
+            });
         let mut clock = PassClock {
             meter: match &timer {
                 Some(_) => None,
@@ -145,7 +147,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Records a pass for each light in [`prepare_masks`](Self::prepare_masks), after those of
+    /// Records a compute pass for each light in [`prepare_masks`](Self::prepare_masks), after those of
     /// [`encode`](Self::encode). Returns the masks: a texture with one layer per light that
     /// contains its visibility, 1 for pixels that don't receive.
     ///

@@ -1,7 +1,6 @@
 //! Masks of a set's lights, for renderers that shade from a G-buffer: one layer per light.
 
 use crate::{
-    filter::color_attachment,
     frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
@@ -9,21 +8,25 @@ use crate::{
         shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
-    receive::gbuffer_entries,
+    receive::{gbuffer_entries, pixel_groups},
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         images::{extent, layers_view},
-        pipelines::{Pipelines, Targets, fullscreen_pipeline},
+        pipelines::{Pipelines, compute_pipeline, shader as shader_module},
+        windows::Windows,
     },
     wgsl::stages::{ReceiverSource, mask_shader},
 };
+use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
+use std::num::NonZeroU64;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
-    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
-    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureSampleType,
-    TextureUsages, TextureView, TextureViewDimension,
+    BindGroupLayout, Buffer, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder,
+    ComputePassDescriptor, ComputePipeline, Extent3d, ShaderStages, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, Texture, TextureAspect, TextureFormat, TextureSampleType, TextureUsages,
+    TextureView, TextureViewDimension,
 };
 
 /// Inputs of the masks.
@@ -108,21 +111,42 @@ struct MaskKey {
     format: MaskFormat,
 }
 
+/// Inputs of one mask in shaders: `UmbrageMask` is its twin.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct MaskChoice {
+    /// Index of the light; any number beyond all indices for lights without shadows.
+    light: u32,
+    /// Layer of the masks.
+    layer: u32,
+    /// Size of the mask, pixels.
+    size: [u32; 2],
+}
+
+/// A [`MaskChoice`].
+const CHOICE_SLOT: Slot = Slot::Window(NonZeroU64::new(size_of::<MaskChoice>() as u64).unwrap());
+
 /// The mask stage, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct MaskStage {
     made_for: Option<MaskKey>,
-    pipeline: Option<RenderPipeline>,
-    receivers: Binding,
-    /// The textures bound by `receivers`.
+    pipeline: Option<ComputePipeline>,
+    /// The receivers, the choice of a light, and the output.
+    binding: Binding,
+    /// The textures of the receivers.
     seen: Option<SeenTextures>,
     camera: Option<Buffer>,
     /// Contents of `camera`.
     camera_bytes: Vec<u8>,
+    /// The choice of each mask.
+    choices: Windows,
+    /// Buffer of `choices`.
+    choices_buffer: Option<Buffer>,
     texture: Option<Texture>,
     /// View of all layers.
     whole: Option<TextureView>,
-    layers: Vec<TextureView>,
+    /// A mask in bytes, which is copied to its layer.
+    bytes: Option<Buffer>,
     /// For each layer, the light and its index in shaders; `None` for lights without shadows.
     lights: Vec<(LightKey, Option<u32>)>,
 }
@@ -276,11 +300,12 @@ impl MaskStage {
         if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
             self.write_camera(factory, &DepthCamera::of_source(depth)?);
         }
-        if self.is_made_for(shader, inputs) {
+        let has_choices = self.write_choices(factory, inputs.size);
+        if has_choices && self.is_made_for(shader, inputs) {
             return Ok(());
         }
         // Replace texture and bindings.
-        self.fit_texture(factory, inputs);
+        self.fit_texture(factory, inputs)?;
         let key = MaskKey::of_inputs(shader, inputs);
         let layout = self.bind(factory, pipelines, &inputs.receivers);
         self.seen = Some(SeenTextures::of_receivers(&inputs.receivers));
@@ -296,14 +321,14 @@ impl MaskStage {
             groups[group as usize] = Some(layout);
             count = count.max(group as usize + 1);
         }
-        let text = mask_shader(shader.text(), own_group, key.receivers);
+        let bytes = inputs.format == MaskFormat::Unorm8;
+        let text = mask_shader(shader.text(), own_group, key.receivers, bytes);
         factory.counters.pipelines += 1;
-        self.pipeline = Some(fullscreen_pipeline(
+        self.pipeline = Some(compute_pipeline(
             factory.device,
-            "umbrage masks",
-            &text,
-            ["umbrage_fullscreen", "umbrage_mask"],
-            &Targets::Colors(&[inputs.format.texture_format()]),
+            &shader_module(factory.device, "umbrage masks", &text),
+            "umbrage_compute_mask",
+            &[],
             &groups[..count],
         ));
         self.made_for = Some(key);
@@ -318,26 +343,29 @@ impl MaskStage {
         mut timer: Option<PassTimer<'_, '_>>,
     ) -> Option<&TextureView> {
         let pipeline = self.pipeline.as_ref()?;
+        let texture = self.texture.as_ref()?;
         let (set_group, _) = shader.bind_group()?;
-        for (layer, (id, light)) in self.layers.iter().zip(&self.lights) {
+        let size = UVec2::new(texture.width(), texture.height());
+        let [columns, rows] = pixel_groups(size);
+        for (layer, (id, _)) in self.lights.iter().enumerate() {
             let timestamp_writes = match &mut timer {
-                Some(timer) => timer.writes(*id, SetPass::Mask),
+                Some(timer) => timer.compute_writes(*id, SetPass::Mask),
                 None => None,
             };
-            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
                 label: Some("umbrage mask"),
-                // Pixels that don't receive, and lights without shadows, stay lit.
-                color_attachments: &[Some(color_attachment(layer, Color::WHITE))],
                 timestamp_writes,
-                ..RenderPassDescriptor::default()
             });
-            let Some(light) = *light else {
-                continue;
-            };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(shader.group(), set_group, &[]);
-            pass.set_bind_group(own_group(shader.group()), self.receivers.group(), &[]);
-            pass.draw(0..3, light..light + 1);
+            let own_group = own_group(shader.group());
+            let choice = self.choices.offset(layer);
+            pass.set_bind_group(own_group, self.binding.group(), &[choice]);
+            pass.dispatch_workgroups(columns, rows, 1);
+            drop(pass);
+            if let Some(bytes) = &self.bytes {
+                copy_mask(encoder, bytes, texture, layer as u32);
+            }
         }
         self.whole.as_ref()
     }
@@ -350,43 +378,95 @@ impl MaskStage {
             .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
     }
 
-    /// Replaces the texture if it doesn't fit.
-    fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
+    /// Replaces the texture and the buffer of bytes if they don't fit.
+    ///
+    /// Errors if shaders can't bind the bytes of a mask.
+    fn fit_texture(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), Invalid> {
         if self.fits(inputs) {
-            return;
+            return Ok(());
         }
-        let size = mask_extent(inputs);
-        let format = inputs.format.texture_format();
-        let usage = TextureUsages::RENDER_ATTACHMENT
-            | TextureUsages::TEXTURE_BINDING
-            | TextureUsages::COPY_SRC;
         let label = "umbrage masks";
+        let size = mask_extent(inputs);
+        let written = match inputs.format {
+            MaskFormat::Float32 => {
+                self.bytes = None;
+                TextureUsages::STORAGE_BINDING
+            }
+            MaskFormat::Unorm8 => {
+                let bytes = u64::from(row_bytes(size.width)) * u64::from(size.height);
+                let limits = factory.device.limits();
+                let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+                if bytes > most {
+                    let why = format!("of {bytes} bytes exceed this device's {most}");
+                    let help = "use smaller masks, or `MaskFormat::Float32`";
+                    return Err(Invalid::new("masks", why, help));
+                }
+                let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+                self.bytes = Some(factory.buffer(label, usage, bytes));
+                TextureUsages::COPY_DST
+            }
+        };
+        let usage = written | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let format = inputs.format.texture_format();
         let texture = factory.texture(label, size, format, usage);
-        let view =
-            |dimension, layers| layers_view(&texture, label, dimension, TextureAspect::All, layers);
-        let layers = size.depth_or_array_layers;
-        self.whole = Some(view(TextureViewDimension::D2Array, 0..layers));
-        self.layers = (0..layers)
-            .map(|layer| view(TextureViewDimension::D2, layer..layer + 1))
-            .collect();
+        let layers = 0..size.depth_or_array_layers;
+        let dimension = TextureViewDimension::D2Array;
+        self.whole = Some(layers_view(&texture, label, dimension, TextureAspect::All, layers));
         self.texture = Some(texture);
+        Ok(())
     }
 
-    /// Binds the receivers. Returns the layout.
+    /// Writes the choice of each mask. Returns whether the buffer is that of the last frame.
+    fn write_choices(&mut self, factory: &mut ResourceFactory<'_>, size: UVec2) -> bool {
+        let choice = |(layer, (_, light)): (u32, &(LightKey, Option<u32>))| MaskChoice {
+            light: light.unwrap_or(u32::MAX),
+            layer,
+            size: size.to_array(),
+        };
+        let choices = (0..).zip(&self.lights).map(choice);
+        let Some((buffer, _)) = self.choices.write(factory, "umbrage masks", choices) else {
+            // Without lights, no pass reads the buffer, but it must be bound.
+            let empty = || factory.buffer("umbrage masks", BufferUsages::UNIFORM, 16);
+            self.choices_buffer.get_or_insert_with(empty);
+            return true;
+        };
+        let is_kept = self.choices_buffer.as_ref() == Some(&buffer);
+        self.choices_buffer = Some(buffer);
+        is_kept
+    }
+
+    /// Binds the receivers, the choices and the output. Returns the layout.
     fn bind(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         receivers: &MaskReceivers<'_>,
     ) -> BindGroupLayout {
-        let entries = match receivers {
+        let mut entries = match receivers {
             MaskReceivers::Positions(textures) => gbuffer_entries(textures),
             MaskReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
         };
+        let choices = self.choices_buffer.iter().cloned();
+        entries.extend(choices.map(|buffer| (CHOICE_SLOT, Bound::of_slot(CHOICE_SLOT, buffer))));
+        match &self.bytes {
+            Some(bytes) => entries.push((Slot::Written, Bound::Buffer(bytes.clone()))),
+            None => {
+                let slot = Slot::Stored {
+                    format: TextureFormat::R32Float,
+                    layered: true,
+                };
+                let whole = self.whole.iter().cloned();
+                entries.extend(whole.map(|view| (slot, Bound::View(view))));
+            }
+        }
         let layouts = &mut pipelines.layouts;
-        let stage = ShaderStages::FRAGMENT;
-        self.receivers
-            .bind(factory, layouts, stage, "umbrage receivers", entries)
+        let stage = ShaderStages::COMPUTE;
+        self.binding
+            .bind(factory, layouts, stage, "umbrage masks", entries)
     }
 
     /// Writes the depth buffer's camera if it changed.
@@ -425,6 +505,27 @@ impl MaskKey {
             format: inputs.format,
         }
     }
+}
+
+/// Returns the bytes from one row of a mask in bytes to the next.
+fn row_bytes(width: u32) -> u32 {
+    width.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
+}
+
+/// Records the copy of a mask's bytes into its layer.
+fn copy_mask(encoder: &mut CommandEncoder, bytes: &Buffer, texture: &Texture, layer: u32) {
+    let from = TexelCopyBufferInfo {
+        buffer: bytes,
+        layout: TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(row_bytes(texture.width())),
+            rows_per_image: None,
+        },
+    };
+    let mut to = texture.as_image_copy();
+    to.origin.z = layer;
+    let size = UVec2::new(texture.width(), texture.height());
+    encoder.copy_buffer_to_texture(from, to, extent(size, 1));
 }
 
 /// Returns the size of the masks' texture.

@@ -36,7 +36,7 @@ pub enum SetPass {
     /// All passes that build a light's caster lists; the first one also includes the transform of
     /// the casters.
     Lists,
-    /// A light's mask.
+    /// A light's mask, without the copy of masks in [`MaskFormat::Unorm8`](crate::MaskFormat).
     Mask,
 }
 
@@ -136,9 +136,13 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         Some(begin)
     }
 
-    /// Returns the timestamps of the pass that builds a light's lists.
-    pub(crate) fn lists(&mut self, light: LightKey) -> Option<ComputePassTimestampWrites<'a>> {
-        let begin = self.begin(light, SetPass::Lists)?;
+    /// Returns the timestamps of one compute pass.
+    pub(crate) fn compute_writes(
+        &mut self,
+        light: LightKey,
+        pass: SetPass,
+    ) -> Option<ComputePassTimestampWrites<'a>> {
+        let begin = self.begin(light, pass)?;
         Some(ComputePassTimestampWrites {
             query_set: self.queries,
             beginning_of_pass_write_index: Some(begin),
@@ -146,7 +150,7 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         })
     }
 
-    /// Returns the timestamps of one pass.
+    /// Returns the timestamps of one render pass.
     pub(crate) fn writes(
         &mut self,
         light: LightKey,

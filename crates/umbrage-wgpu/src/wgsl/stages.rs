@@ -56,6 +56,8 @@ const FILES: &[Module] = &[
     file!("holes_hashed"),
     file!("holes_nearest"),
     file!("mask"),
+    file!("mask_bytes"),
+    file!("mask_floats"),
     file!("no_triangle_ids"),
     file!("probe_fusing"),
     file!("receive"),
@@ -77,7 +79,7 @@ pub(crate) enum HoleRule {
     Hashed,
 }
 
-/// Source of the receivers of a full-screen pass.
+/// Source of the receivers of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReceiverSource {
     /// Positions and normals.
@@ -96,11 +98,14 @@ pub(crate) fn shader_of(files: &[&str]) -> String {
     assemble(FILES, files)
 }
 
-/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group
-/// `group`.
+/// Returns the compute shader that calls a kernel's `receive` for every pixel of the G-buffer in
+/// bind group `group`. The mask is the last binding of that group.
 pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool) -> String {
     let receivers = ReceiverSource::GBuffer { triangles };
-    kernel.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["receive"])
+    kernel.to_owned()
+        + &seen_wgsl(group, receivers)
+        + &mask_constant(receivers)
+        + &shader_of(&["receive"])
 }
 
 /// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's
@@ -147,9 +152,29 @@ fn store_texel(texel: vec2i, layer: i32, channels: vec4f) {{
     kernel.to_owned() + &store + &shader_of(&files)
 }
 
-/// Returns the shader of masks, which calls a set's `shadow_on`; the instance is the light.
-pub(crate) fn mask_shader(set: &str, group: u32, receivers: ReceiverSource) -> String {
-    set.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["mask"])
+/// Returns the compute shader of masks, which calls a set's `shadow_on`. The last bindings of bind
+/// group `group` are the choice of a light, and the output: `bytes` in a buffer, or floats in a
+/// texture.
+pub(crate) fn mask_shader(
+    set: &str,
+    group: u32,
+    receivers: ReceiverSource,
+    bytes: bool,
+) -> String {
+    let file = if bytes { "mask_bytes" } else { "mask_floats" };
+    set.to_owned()
+        + &seen_wgsl(group, receivers)
+        + &mask_constant(receivers)
+        + &shader_of(&[file])
+}
+
+/// Returns the number of the first binding after those of the receivers.
+fn mask_constant(receivers: ReceiverSource) -> String {
+    let first = match receivers {
+        ReceiverSource::GBuffer { triangles: false } | ReceiverSource::Depth { .. } => 2,
+        ReceiverSource::GBuffer { triangles: true } | ReceiverSource::DepthAndNormals { .. } => 3,
+    };
+    constant("UMBRAGE_MASK_BINDING", format!("{first}u"))
 }
 
 /// Returns `umbrage_seen` for bind group `group`.
