@@ -374,4 +374,8 @@ impl ReceiveKernel for ExactKernel {
             receivers,
         ))
     }
+
+    fn in_compute(&self) -> bool {
+        true
+    }
 }

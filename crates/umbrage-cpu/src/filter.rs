@@ -2,10 +2,7 @@
 
 use crate::images::views;
 use rayon::prelude::*;
-use umbrage_core::{
-    Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask,
-    glam::Vec4,
-};
+use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask, glam::Vec4};
 
 /// Runs all filters, and changes their outputs by the fractions `shift`, one per channel. It
 /// changes them before storage, as a different order of sums would, and after it, as a different

@@ -196,7 +196,11 @@ impl FilterStage {
     /// Records all filters: a compute pass for each that computes tiles, otherwise a render pass
     /// for each layer of its output.
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
-        let count = self.filters.iter().map(|filter| filter.passes.count()).sum();
+        let count = self
+            .filters
+            .iter()
+            .map(|filter| filter.passes.count())
+            .sum();
         let mut first = 0;
         for filter in &self.filters {
             filter.encode(encoder, |pass| {

@@ -1,5 +1,5 @@
-//! The receive and shade stages, which run a kernel for every pixel of the G-buffer: the receive
-//! stage in a compute pass, the shade stage in a render pass.
+//! The receive and shade stages, which run a kernel for every pixel of the G-buffer: in a render
+//! pass, or in a compute pass for kernels with `ReceiveKernel::in_compute`.
 
 use crate::{
     filter::color_attachment,
@@ -74,6 +74,7 @@ impl PixelStage {
         frame: &FrameInputs<'_>,
     ) -> Option<&GpuImage> {
         let receive = &sources.recipe.receive;
+        let computes = receive.kernel.in_compute();
         let kernel = PixelKernel {
             kernel: &*receive.kernel,
             images: &receive.inputs,
@@ -82,11 +83,16 @@ impl PixelStage {
             size: frame.size,
             format: Format::R32,
             entry: "umbrage_receive",
-            pass: PixelPass::Compute,
+            pass: if computes {
+                PixelPass::Compute
+            } else {
+                PixelPass::Draw
+            },
         };
         let seen = gbuffer_entries(&frame.receivers);
         let has_triangles = frame.receivers.triangle.is_some();
-        let shader = |text: &str, group| receive_shader(text, group, has_triangles);
+        let shader = |text: &str, group| receive_shader(text, group, has_triangles, computes);
+        self.background = Color::WHITE;
         self.prepare(factory, pipelines, sources, options, kernel, seen, shader);
         self.image()
     }

@@ -4,7 +4,7 @@ use crate::{
     device::{
         error_scopes::Scopes,
         later_errors::LaterErrors,
-        requirements::{COMPUTE_LIMITS, check_limits, limits},
+        requirements::{COMPUTE_LIMITS, check_compute, limits},
     },
     frame::{FrameInputs, RendererOptions, check_size},
     resources::{
@@ -70,23 +70,21 @@ pub struct ShadowRenderer {
 }
 
 impl ShadowRenderer {
-    /// The limits that a renderer requires: those of WebGL 2, and compute shaders with a storage
-    /// texture, which WebGPU and OpenGL ES 3.1 guarantee. Recipes with larger images, or with
-    /// tables in storage buffers, require more.
+    /// The limits that recipes with compute passes require: those of WebGL 2, and compute shaders
+    /// with a storage texture, which WebGPU and OpenGL ES 3.1 guarantee. These are recipes of moment
+    /// maps, and of kernels with [`in_compute`](umbrage_core::ReceiveKernel::in_compute). Larger
+    /// images, or tables in storage buffers, require more.
     pub const REQUIRED_LIMITS: Limits = COMPUTE_LIMITS;
 
     /// Returns a renderer for this device. No GPU objects are created yet.
     ///
     /// # Errors
-    /// Errors with the name of a limit of the device that is below
-    /// [`REQUIRED_LIMITS`](Self::REQUIRED_LIMITS). Errors if the device has too few bind groups for
-    /// [`RendererOptions::kernel_group`].
+    /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
     pub fn new(
         device: &Device,
         queue: &Queue,
         options: RendererOptions,
     ) -> Result<Self, BackendError> {
-        check_limits(&Self::REQUIRED_LIMITS, &device.limits(), "ShadowRenderer")?;
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
             let why = format!("is {}", options.kernel_group);
@@ -142,6 +140,7 @@ impl ShadowRenderer {
         recipe.validate(&self.limits)?;
         let limits = self.device.limits();
         check_counting(recipe, self.device.features())?;
+        check_compute(recipe, &limits)?;
         check_faces(recipe, limits.max_buffer_size)?;
         let inputs = frame.inputs;
         check_size(inputs.size, self.limits.image_side)?;

@@ -283,7 +283,9 @@ mod tests {
                     for dx in -r..=r {
                         let (x, y) = ((x + dx).clamp(0, 8), (y + dy).clamp(0, 6));
                         let depth = image.view().load(x, y, layer);
-                        for (sum, moment) in expected.iter_mut().zip(power_moments(depth).to_array()) {
+                        for (sum, moment) in
+                            expected.iter_mut().zip(power_moments(depth).to_array())
+                        {
                             *sum += f64::from(moment);
                         }
                     }

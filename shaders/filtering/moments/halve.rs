@@ -131,12 +131,7 @@ impl FilterKernel for HalveKernel {
 }
 
 /// Returns a row of the first input, decoded for averaging.
-fn loaded_row<'a>(
-    inputs: &Inputs<'a>,
-    encoding: Encoding,
-    y: i32,
-    layer: u32,
-) -> Cow<'a, [f32]> {
+fn loaded_row<'a>(inputs: &Inputs<'a>, encoding: Encoding, y: i32, layer: u32) -> Cow<'a, [f32]> {
     let row = row(&inputs.images[0], y, layer);
     if encoding == Encoding::Floats {
         return Cow::Borrowed(row);

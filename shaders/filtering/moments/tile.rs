@@ -96,7 +96,10 @@ mod tests {
             let after = depth * MomentTile::for_radius(radius).reads(radius) + texel;
             let share = after / before;
             assert!(share <= most, "radius {radius}, {texel} bytes: {share}");
-            assert!(share > 0.9 * most, "radius {radius}, {texel} bytes: {share}");
+            assert!(
+                share > 0.9 * most,
+                "radius {radius}, {texel} bytes: {share}"
+            );
         }
     }
 }

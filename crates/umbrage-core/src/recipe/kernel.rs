@@ -54,6 +54,14 @@ pub trait ReceiveKernel: Kernel {
     /// has the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
 
+    /// Returns whether the GPU backend computes masks in compute passes instead of drawing them.
+    /// Return true for kernels with long loops over tables, such as rays: some devices have far
+    /// fewer units for fragments than for compute. Results are the same. Forward shading calls the
+    /// WGSL half in fragment shaders in any case.
+    fn in_compute(&self) -> bool {
+        false
+    }
+
     /// Returns the visibility of all receivers of an image at once, equal to that of
     /// [`receive`](Self::receive), and 1 for pixels that don't receive. `None` if this is no faster
     /// than `receive` for each span.

@@ -1,9 +1,6 @@
 //! Requirements of recipes on adapters, and limits of devices.
 
-use crate::{
-    renderer::ShadowRenderer,
-    resources::{counts::check_counting, images::texture_format},
-};
+use crate::resources::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages};
 
@@ -15,7 +12,7 @@ use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages
 /// # Errors
 /// Errors with the first missing feature, and advice.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
-    check_limits(&ShadowRenderer::REQUIRED_LIMITS, &adapter.limits(), "ShadowRenderer")?;
+    check_compute(recipe, &adapter.limits())?;
     check_drawable(adapter, TextureFormat::R32Float)?;
     if recipe.shade.is_some() {
         check_drawable(adapter, TextureFormat::Rgba32Float)?;
@@ -68,13 +65,18 @@ pub(crate) const COMPUTE_LIMITS: Limits = Limits {
     ..Limits::downlevel_webgl2_defaults()
 };
 
+/// Errors if a recipe has compute passes that exceed the limits of a device.
+pub(crate) fn check_compute(recipe: &Recipe, limits: &Limits) -> Result<(), Invalid> {
+    let computes = recipe.receive.kernel.in_compute();
+    if computes || recipe.filters.iter().any(|f| f.kernel.tile().is_some()) {
+        return check_limits(&COMPUTE_LIMITS, limits, "ShadowRenderer");
+    }
+    Ok(())
+}
+
 /// Errors with the first limit of a device that is below a required one. `owner` is the type with
 /// the constant of required limits.
-pub(crate) fn check_limits(
-    required: &Limits,
-    device: &Limits,
-    owner: &str,
-) -> Result<(), Invalid> {
+pub(crate) fn check_limits(required: &Limits, device: &Limits, owner: &str) -> Result<(), Invalid> {
     let mut missing = None;
     required.check_limits_with_fail_fn(device, false, |name, needed, held| {
         let why = format!("has `{name}` {held}, and `{owner}` needs {needed}");

@@ -85,10 +85,9 @@ impl LightSet {
         self.casters.instances.encode(encoder);
         let mut timer = timer;
         // Record the lists.
-        self.lists
-            .encode(encoder, &self.lights, |id| {
-                timer.as_mut()?.compute_writes(id, SetPass::Lists)
-            });
+        self.lists.encode(encoder, &self.lights, |id| {
+            timer.as_mut()?.compute_writes(id, SetPass::Lists)
+        });
         let mut clock = PassClock {
             meter: match &timer {
                 Some(_) => None,
@@ -147,7 +146,7 @@ impl LightSet {
         Ok(())
     }
 
-    /// Records a compute pass for each light in [`prepare_masks`](Self::prepare_masks), after those of
+    /// Records a pass for each light in [`prepare_masks`](Self::prepare_masks), after those of
     /// [`encode`](Self::encode). Returns the masks: a texture with one layer per light that
     /// contains its visibility, 1 for pixels that don't receive.
     ///

@@ -1,33 +1,53 @@
 //! Masks of a set's lights, for renderers that shade from a G-buffer: one layer per light.
 
 use crate::{
+    filter::color_attachment,
     frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
+        computed_masks::{ComputedMasks, MaskGroups},
         ids::{LightId, LightKey},
         shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
-    receive::{gbuffer_entries, pixel_groups},
+    receive::gbuffer_entries,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         images::{extent, layers_view},
-        pipelines::{Pipelines, compute_pipeline, shader as shader_module},
-        windows::Windows,
+        pipelines::{Pipelines, Targets, compute_pipeline, fullscreen_pipeline, shader as module},
     },
-    wgsl::stages::{ReceiverSource, mask_shader},
+    wgsl::stages::{ReceiverSource, mask_compute_shader, mask_shader},
 };
-use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
-use std::num::NonZeroU64;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
-    BindGroupLayout, Buffer, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder,
-    ComputePassDescriptor, ComputePipeline, Extent3d, ShaderStages, TexelCopyBufferInfo,
-    TexelCopyBufferLayout, Texture, TextureAspect, TextureFormat, TextureSampleType, TextureUsages,
-    TextureView, TextureViewDimension,
+    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
+    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureSampleType,
+    TextureUsages, TextureView, TextureViewDimension,
 };
+
+/// The pass that writes a light's mask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MaskPass {
+    /// Clears the mask, for lights without shadows.
+    Clear,
+    /// Draws the mask of the light with this index in shaders.
+    Draw(u32),
+    /// Computes the mask of the light with this index in shaders.
+    Compute(u32),
+}
+
+impl MaskPass {
+    /// Returns the pass of a light with this index.
+    pub(crate) fn new(in_compute: bool, light: u32) -> Self {
+        if in_compute {
+            Self::Compute(light)
+        } else {
+            Self::Draw(light)
+        }
+    }
+}
 
 /// Inputs of the masks.
 #[derive(Clone, Copy, Debug)]
@@ -111,44 +131,26 @@ struct MaskKey {
     format: MaskFormat,
 }
 
-/// Inputs of one mask in shaders: `UmbrageMask` is its twin.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct MaskChoice {
-    /// Index of the light; any number beyond all indices for lights without shadows.
-    light: u32,
-    /// Layer of the masks.
-    layer: u32,
-    /// Size of the mask, pixels.
-    size: [u32; 2],
-}
-
-/// A [`MaskChoice`].
-const CHOICE_SLOT: Slot = Slot::Window(NonZeroU64::new(size_of::<MaskChoice>() as u64).unwrap());
-
 /// The mask stage, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct MaskStage {
     made_for: Option<MaskKey>,
-    pipeline: Option<ComputePipeline>,
-    /// The receivers, the choice of a light, and the output.
-    binding: Binding,
+    /// Pipeline of drawn masks.
+    pipeline: Option<RenderPipeline>,
+    /// Receivers of drawn masks.
+    receivers: Binding,
+    computed: ComputedMasks,
     /// The textures of the receivers.
     seen: Option<SeenTextures>,
     camera: Option<Buffer>,
     /// Contents of `camera`.
     camera_bytes: Vec<u8>,
-    /// The choice of each mask.
-    choices: Windows,
-    /// Buffer of `choices`.
-    choices_buffer: Option<Buffer>,
     texture: Option<Texture>,
     /// View of all layers.
     whole: Option<TextureView>,
-    /// A mask in bytes, which is copied to its layer.
-    bytes: Option<Buffer>,
-    /// For each layer, the light and its index in shaders; `None` for lights without shadows.
-    lights: Vec<(LightKey, Option<u32>)>,
+    layers: Vec<TextureView>,
+    /// For each layer, the light and its pass.
+    lights: Vec<(LightKey, MaskPass)>,
 }
 
 /// The caller's bound textures: depth and normals, or positions, normals and triangles.
@@ -273,10 +275,29 @@ impl MaskInputs<'_> {
 }
 
 impl MaskStage {
-    /// Returns whether everything but the camera uniforms is up to date.
+    /// Sets the lights of the layers.
+    pub(crate) fn set_lights(&mut self, lights: impl Iterator<Item = (LightKey, MaskPass)>) {
+        self.lights.clear();
+        self.lights.extend(lights);
+    }
+
+    /// Returns whether masks are drawn.
+    fn draws(&self) -> bool {
+        let mut lights = self.lights.iter();
+        lights.any(|(_, pass)| matches!(pass, MaskPass::Draw(_)))
+    }
+
+    /// Returns whether masks are computed.
+    fn computes(&self) -> bool {
+        let mut lights = self.lights.iter();
+        lights.any(|(_, pass)| matches!(pass, MaskPass::Compute(_)))
+    }
+
+    /// Returns whether everything but the uniforms is up to date.
     pub(crate) fn is_made_for(&self, shader: &SetShader, inputs: &MaskInputs<'_>) -> bool {
         self.fits(inputs)
-            && self.pipeline.is_some()
+            && (self.pipeline.is_some() || !self.draws())
+            && (self.computed.pipeline.is_some() || !self.computes())
             && self.made_for == Some(MaskKey::of_inputs(shader, inputs))
             && self
                 .seen
@@ -284,54 +305,107 @@ impl MaskStage {
                 .is_some_and(|seen| seen.are(&inputs.receivers))
     }
 
-    /// Creates missing objects, and writes the camera. `lights` are the lights with their indices
-    /// in shaders, `None` for lights without shadows.
+    /// Creates missing objects, and writes the camera and the choices of lights.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         shader: &SetShader,
         inputs: &MaskInputs<'_>,
-        lights: impl Iterator<Item = (LightKey, Option<u32>)>,
     ) -> Result<(), BackendError> {
         // Write the per-frame data.
-        self.lights.clear();
-        self.lights.extend(lights);
         if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
             self.write_camera(factory, &DepthCamera::of_source(depth)?);
         }
-        let has_choices = self.write_choices(factory, inputs.size);
+        let computes = self.computes();
+        let has_choices = !computes
+            || self
+                .computed
+                .write_choices(factory, &self.lights, inputs.size);
         if has_choices && self.is_made_for(shader, inputs) {
             return Ok(());
         }
-        // Replace texture and bindings.
-        self.fit_texture(factory, inputs)?;
-        let key = MaskKey::of_inputs(shader, inputs);
-        let layout = self.bind(factory, pipelines, &inputs.receivers);
+        // Replace the texture, and outdated pipelines.
+        self.fit_texture(factory, inputs);
         self.seen = Some(SeenTextures::of_receivers(&inputs.receivers));
-        if self.made_for == Some(key) && self.pipeline.is_some() {
+        let key = MaskKey::of_inputs(shader, inputs);
+        if self.made_for != Some(key) {
+            self.pipeline = None;
+            self.computed.pipeline = None;
+        }
+        // Bind the inputs, and build the pipelines.
+        if self.draws() {
+            self.prepare_draws(factory, pipelines, shader, inputs)?;
+        }
+        if computes {
+            self.prepare_compute(factory, pipelines, shader, inputs)?;
+        }
+        self.made_for = Some(key);
+        Ok(())
+    }
+
+    fn prepare_draws(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        shader: &SetShader,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        let entries = self.receiver_entries(&inputs.receivers);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::FRAGMENT;
+        let layout = self
+            .receivers
+            .bind(factory, layouts, stage, "umbrage receivers", entries);
+        if self.pipeline.is_some() {
             return Ok(());
         }
-        // Build the pipeline.
-        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared_error)?;
+        let groups = GroupLayouts::new(shader, &layout)?;
         let own_group = own_group(shader.group());
-        let mut groups = [None, None, None, None];
-        let mut count = 0;
-        for (group, layout) in [(shader.group(), set_layout), (own_group, &layout)] {
-            groups[group as usize] = Some(layout);
-            count = count.max(group as usize + 1);
-        }
-        let bytes = inputs.format == MaskFormat::Unorm8;
-        let text = mask_shader(shader.text(), own_group, key.receivers, bytes);
+        let text = mask_shader(shader.text(), own_group, inputs.receivers.source());
         factory.counters.pipelines += 1;
-        self.pipeline = Some(compute_pipeline(
+        self.pipeline = Some(fullscreen_pipeline(
             factory.device,
-            &shader_module(factory.device, "umbrage masks", &text),
+            "umbrage masks",
+            &text,
+            ["umbrage_fullscreen", "umbrage_mask"],
+            &Targets::Colors(&[inputs.format.texture_format()]),
+            groups.list(),
+        ));
+        Ok(())
+    }
+
+    fn prepare_compute(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        shader: &SetShader,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        let has_bytes = inputs.format == MaskFormat::Unorm8;
+        self.computed.fit_bytes(factory, inputs.size, has_bytes)?;
+        let mut entries = self.receiver_entries(&inputs.receivers);
+        let whole = self.whole.iter();
+        entries.extend(whole.flat_map(|masks| self.computed.entries(masks)));
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::COMPUTE;
+        let binding = &mut self.computed.binding;
+        let layout = binding.bind(factory, layouts, stage, "umbrage masks", entries);
+        if self.computed.pipeline.is_some() {
+            return Ok(());
+        }
+        let groups = GroupLayouts::new(shader, &layout)?;
+        let own_group = own_group(shader.group());
+        let source = inputs.receivers.source();
+        let text = mask_compute_shader(shader.text(), own_group, source, has_bytes);
+        factory.counters.pipelines += 1;
+        self.computed.pipeline = Some(compute_pipeline(
+            factory.device,
+            &module(factory.device, "umbrage masks", &text),
             "umbrage_compute_mask",
             &[],
-            &groups[..count],
+            groups.list(),
         ));
-        self.made_for = Some(key);
         Ok(())
     }
 
@@ -342,30 +416,40 @@ impl MaskStage {
         shader: &SetShader,
         mut timer: Option<PassTimer<'_, '_>>,
     ) -> Option<&TextureView> {
-        let pipeline = self.pipeline.as_ref()?;
         let texture = self.texture.as_ref()?;
         let (set_group, _) = shader.bind_group()?;
-        let size = UVec2::new(texture.width(), texture.height());
-        let [columns, rows] = pixel_groups(size);
-        for (layer, (id, _)) in self.lights.iter().enumerate() {
+        let groups = MaskGroups {
+            set: (shader.group(), set_group),
+            own: own_group(shader.group()),
+        };
+        for (index, (view, (id, pass))) in (0..).zip(self.layers.iter().zip(&self.lights)) {
+            if let MaskPass::Compute(_) = pass {
+                let stamps = match &mut timer {
+                    Some(timer) => timer.compute_writes(*id, SetPass::Mask),
+                    None => None,
+                };
+                self.computed
+                    .encode(encoder, groups, texture, index, stamps);
+                continue;
+            }
             let timestamp_writes = match &mut timer {
-                Some(timer) => timer.compute_writes(*id, SetPass::Mask),
+                Some(timer) => timer.writes(*id, SetPass::Mask),
                 None => None,
             };
-            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            let mut drawn = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage mask"),
+                // Pixels that don't receive, and lights without shadows, stay lit.
+                color_attachments: &[Some(color_attachment(view, Color::WHITE))],
                 timestamp_writes,
+                ..RenderPassDescriptor::default()
             });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(shader.group(), set_group, &[]);
-            let own_group = own_group(shader.group());
-            let choice = self.choices.offset(layer);
-            pass.set_bind_group(own_group, self.binding.group(), &[choice]);
-            pass.dispatch_workgroups(columns, rows, 1);
-            drop(pass);
-            if let Some(bytes) = &self.bytes {
-                copy_mask(encoder, bytes, texture, layer as u32);
-            }
+            let (MaskPass::Draw(light), Some(pipeline)) = (*pass, &self.pipeline) else {
+                continue;
+            };
+            drawn.set_pipeline(pipeline);
+            drawn.set_bind_group(shader.group(), set_group, &[]);
+            drawn.set_bind_group(groups.own, self.receivers.group(), &[]);
+            drawn.draw(0..3, light..light + 1);
         }
         self.whole.as_ref()
     }
@@ -378,95 +462,40 @@ impl MaskStage {
             .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
     }
 
-    /// Replaces the texture and the buffer of bytes if they don't fit.
-    ///
-    /// Errors if shaders can't bind the bytes of a mask.
-    fn fit_texture(
-        &mut self,
-        factory: &mut ResourceFactory<'_>,
-        inputs: &MaskInputs<'_>,
-    ) -> Result<(), Invalid> {
+    /// Replaces the texture if it doesn't fit.
+    fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
         if self.fits(inputs) {
-            return Ok(());
+            return;
         }
-        let label = "umbrage masks";
         let size = mask_extent(inputs);
-        let written = match inputs.format {
-            MaskFormat::Float32 => {
-                self.bytes = None;
-                TextureUsages::STORAGE_BINDING
-            }
-            MaskFormat::Unorm8 => {
-                let bytes = u64::from(row_bytes(size.width)) * u64::from(size.height);
-                let limits = factory.device.limits();
-                let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-                if bytes > most {
-                    let why = format!("of {bytes} bytes exceed this device's {most}");
-                    let help = "use smaller masks, or `MaskFormat::Float32`";
-                    return Err(Invalid::new("masks", why, help));
-                }
-                let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-                self.bytes = Some(factory.buffer(label, usage, bytes));
-                TextureUsages::COPY_DST
-            }
-        };
-        let usage = written | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
         let format = inputs.format.texture_format();
+        // Compute passes store floats. Bytes, for which core WebGPU lacks that, are copied.
+        let computed = match inputs.format {
+            MaskFormat::Float32 => TextureUsages::STORAGE_BINDING,
+            MaskFormat::Unorm8 => TextureUsages::COPY_DST,
+        };
+        let usage = computed
+            | TextureUsages::RENDER_ATTACHMENT
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC;
+        let label = "umbrage masks";
         let texture = factory.texture(label, size, format, usage);
-        let layers = 0..size.depth_or_array_layers;
-        let dimension = TextureViewDimension::D2Array;
-        self.whole = Some(layers_view(&texture, label, dimension, TextureAspect::All, layers));
+        let view =
+            |dimension, layers| layers_view(&texture, label, dimension, TextureAspect::All, layers);
+        let layers = size.depth_or_array_layers;
+        self.whole = Some(view(TextureViewDimension::D2Array, 0..layers));
+        self.layers = (0..layers)
+            .map(|layer| view(TextureViewDimension::D2, layer..layer + 1))
+            .collect();
         self.texture = Some(texture);
-        Ok(())
     }
 
-    /// Writes the choice of each mask. Returns whether the buffer is that of the last frame.
-    fn write_choices(&mut self, factory: &mut ResourceFactory<'_>, size: UVec2) -> bool {
-        let choice = |(layer, (_, light)): (u32, &(LightKey, Option<u32>))| MaskChoice {
-            light: light.unwrap_or(u32::MAX),
-            layer,
-            size: size.to_array(),
-        };
-        let choices = (0..).zip(&self.lights).map(choice);
-        let Some((buffer, _)) = self.choices.write(factory, "umbrage masks", choices) else {
-            // Without lights, no pass reads the buffer, but it must be bound.
-            let empty = || factory.buffer("umbrage masks", BufferUsages::UNIFORM, 16);
-            self.choices_buffer.get_or_insert_with(empty);
-            return true;
-        };
-        let is_kept = self.choices_buffer.as_ref() == Some(&buffer);
-        self.choices_buffer = Some(buffer);
-        is_kept
-    }
-
-    /// Binds the receivers, the choices and the output. Returns the layout.
-    fn bind(
-        &mut self,
-        factory: &mut ResourceFactory<'_>,
-        pipelines: &mut Pipelines,
-        receivers: &MaskReceivers<'_>,
-    ) -> BindGroupLayout {
-        let mut entries = match receivers {
+    /// Returns the bindings of the receivers.
+    fn receiver_entries(&self, receivers: &MaskReceivers<'_>) -> Vec<(Slot, Bound)> {
+        match receivers {
             MaskReceivers::Positions(textures) => gbuffer_entries(textures),
             MaskReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
-        };
-        let choices = self.choices_buffer.iter().cloned();
-        entries.extend(choices.map(|buffer| (CHOICE_SLOT, Bound::of_slot(CHOICE_SLOT, buffer))));
-        match &self.bytes {
-            Some(bytes) => entries.push((Slot::Written, Bound::Buffer(bytes.clone()))),
-            None => {
-                let slot = Slot::Stored {
-                    format: TextureFormat::R32Float,
-                    layered: true,
-                };
-                let whole = self.whole.iter().cloned();
-                entries.extend(whole.map(|view| (slot, Bound::View(view))));
-            }
         }
-        let layouts = &mut pipelines.layouts;
-        let stage = ShaderStages::COMPUTE;
-        self.binding
-            .bind(factory, layouts, stage, "umbrage masks", entries)
     }
 
     /// Writes the depth buffer's camera if it changed.
@@ -497,6 +526,26 @@ impl MaskStage {
     }
 }
 
+/// Layouts of the bind groups of a pipeline: the set's, and the masks' own.
+struct GroupLayouts<'a>([Option<&'a BindGroupLayout>; 4], usize);
+
+impl<'a> GroupLayouts<'a> {
+    /// Errors if the set has no bind group.
+    fn new(shader: &'a SetShader, own: &'a BindGroupLayout) -> Result<Self, BackendError> {
+        let (_, set) = shader.bind_group().ok_or_else(shader::unprepared_error)?;
+        let mut groups = Self([None; 4], 0);
+        for (group, layout) in [(shader.group(), set), (own_group(shader.group()), own)] {
+            groups.0[group as usize] = Some(layout);
+            groups.1 = groups.1.max(group as usize + 1);
+        }
+        Ok(groups)
+    }
+
+    fn list(&self) -> &[Option<&'a BindGroupLayout>] {
+        &self.0[..self.1]
+    }
+}
+
 impl MaskKey {
     fn of_inputs(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
         Self {
@@ -505,27 +554,6 @@ impl MaskKey {
             format: inputs.format,
         }
     }
-}
-
-/// Returns the bytes from one row of a mask in bytes to the next.
-fn row_bytes(width: u32) -> u32 {
-    width.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
-}
-
-/// Records the copy of a mask's bytes into its layer.
-fn copy_mask(encoder: &mut CommandEncoder, bytes: &Buffer, texture: &Texture, layer: u32) {
-    let from = TexelCopyBufferInfo {
-        buffer: bytes,
-        layout: TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(row_bytes(texture.width())),
-            rows_per_image: None,
-        },
-    };
-    let mut to = texture.as_image_copy();
-    to.origin.z = layer;
-    let size = UVec2::new(texture.width(), texture.height());
-    encoder.copy_buffer_to_texture(from, to, extent(size, 1));
 }
 
 /// Returns the size of the masks' texture.

@@ -3,6 +3,7 @@
 pub(crate) mod buffers;
 mod caster_lists;
 mod casters;
+mod computed_masks;
 mod corners;
 mod culling;
 mod encode;

@@ -36,7 +36,8 @@ pub enum SetPass {
     /// All passes that build a light's caster lists; the first one also includes the transform of
     /// the casters.
     Lists,
-    /// A light's mask, without the copy of masks in [`MaskFormat::Unorm8`](crate::MaskFormat).
+    /// A light's mask. If it is computed in [`MaskFormat::Unorm8`](crate::MaskFormat), without the
+    /// copy to its layer.
     Mask,
 }
 

@@ -147,10 +147,12 @@ fn make_texture(
 fn usage(format: TextureFormat) -> TextureUsages {
     let all =
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
-    if format.is_depth_stencil_format() {
+    if format.has_depth_aspect() {
         all
+    } else if format.has_stencil_aspect() {
+        all | TextureUsages::COPY_DST
     } else {
-        // Compute filters write all other formats.
+        // Compute passes write all other formats.
         all | TextureUsages::COPY_DST | TextureUsages::STORAGE_BINDING
     }
 }

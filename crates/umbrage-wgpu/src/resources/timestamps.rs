@@ -41,9 +41,7 @@ pub(crate) fn pass_stamps<'a>(
 }
 
 /// Returns the timestamps of a compute pass, given those of a render pass.
-pub(crate) fn of_compute(
-    stamps: RenderPassTimestampWrites<'_>,
-) -> ComputePassTimestampWrites<'_> {
+pub(crate) fn of_compute(stamps: RenderPassTimestampWrites<'_>) -> ComputePassTimestampWrites<'_> {
     ComputePassTimestampWrites {
         query_set: stamps.query_set,
         beginning_of_pass_write_index: stamps.beginning_of_pass_write_index,

@@ -57,10 +57,13 @@ const FILES: &[Module] = &[
     file!("holes_nearest"),
     file!("mask"),
     file!("mask_bytes"),
+    file!("mask_choice"),
     file!("mask_floats"),
     file!("no_triangle_ids"),
+    file!("pixel_block"),
     file!("probe_fusing"),
     file!("receive"),
+    file!("receive_compute"),
     file!("seen"),
     file!("seen_in_depth"),
     file!("seen_in_depth_and_normals"),
@@ -98,14 +101,16 @@ pub(crate) fn shader_of(files: &[&str]) -> String {
     assemble(FILES, files)
 }
 
-/// Returns the compute shader that calls a kernel's `receive` for every pixel of the G-buffer in
-/// bind group `group`. The mask is the last binding of that group.
-pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool) -> String {
+/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group
+/// `group`. If it is a compute shader, the mask is the last binding of that group.
+pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool, computes: bool) -> String {
     let receivers = ReceiverSource::GBuffer { triangles };
-    kernel.to_owned()
-        + &seen_wgsl(group, receivers)
-        + &mask_constant(receivers)
-        + &shader_of(&["receive"])
+    let text = kernel.to_owned() + &seen_wgsl(group, receivers);
+    if computes {
+        text + &mask_constant(receivers) + &shader_of(&["receive_compute"])
+    } else {
+        text + &shader_of(&["receive"])
+    }
 }
 
 /// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's
@@ -152,20 +157,21 @@ fn store_texel(texel: vec2i, layer: i32, channels: vec4f) {{
     kernel.to_owned() + &store + &shader_of(&files)
 }
 
-/// Returns the compute shader of masks, which calls a set's `shadow_on`. The last bindings of bind
-/// group `group` are the choice of a light, and the output: `bytes` in a buffer, or floats in a
-/// texture.
-pub(crate) fn mask_shader(
+/// Returns the shader of masks, which calls a set's `shadow_on`; the instance is the light.
+pub(crate) fn mask_shader(set: &str, group: u32, receivers: ReceiverSource) -> String {
+    set.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["mask"])
+}
+
+/// Returns the compute shader of masks. The last bindings of bind group `group` are the choice of a
+/// light, and the output: `bytes` in a buffer, or floats in a texture.
+pub(crate) fn mask_compute_shader(
     set: &str,
     group: u32,
     receivers: ReceiverSource,
     bytes: bool,
 ) -> String {
     let file = if bytes { "mask_bytes" } else { "mask_floats" };
-    set.to_owned()
-        + &seen_wgsl(group, receivers)
-        + &mask_constant(receivers)
-        + &shader_of(&[file])
+    set.to_owned() + &seen_wgsl(group, receivers) + &mask_constant(receivers) + &shader_of(&[file])
 }
 
 /// Returns the number of the first binding after those of the receivers.
