@@ -29,7 +29,7 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
 }
 
 /// Greatest number of rows that a thread computes together, for kernels whose rows share work.
-const MOST_ROWS: usize = 64;
+const MOST_ROWS: usize = 256;
 /// Least number of such rows: with fewer, most of the work would not be shared.
 const LEAST_ROWS: usize = 8;
 
