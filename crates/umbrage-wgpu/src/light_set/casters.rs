@@ -480,13 +480,19 @@ impl Casters {
         self.written.push(slot);
     }
 
-    /// Doubles the slots of a mesh by moving it behind all others; its old slots stay empty.
+    /// Doubles the slots of a mesh. Unless it is the last one, it moves behind all others, and its
+    /// old slots stay empty.
     fn grow(&mut self, id: MeshKey) {
         self.has_grown = true;
         let mesh = &mut self.meshes[id];
-        let old = mesh.block.clone();
+        let mut old = mesh.block.clone();
         let count = (2 * (old.end - old.start)).max(FIRST_SLOTS);
-        let first = self.columns.len() as u32;
+        let slots = self.columns.len() as u32;
+        let is_last = old.end == slots && !old.is_empty();
+        let first = if is_last { old.start } else { slots };
+        if is_last {
+            old = 0..0;
+        }
         mesh.block = first..first + count;
         self.columns
             .resize((first + count) as usize, Columns::default());

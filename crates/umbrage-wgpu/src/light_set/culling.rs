@@ -20,6 +20,8 @@ pub(crate) struct CullingBoxes {
     centre: [Vec<f32>; 3],
     /// Half extents; [`NOTHING`] for empty boxes.
     half: [Vec<f32>; 3],
+    /// Half extents, padded for the rounding of the test against a plane.
+    padded: [Vec<f32>; 3],
 }
 
 /// Selection of casters by whether they moved recently.
@@ -54,9 +56,11 @@ impl CullingBoxes {
     pub(crate) fn resize(&mut self, slots: u32) {
         let slots = slots as usize;
         let filled = slots.next_multiple_of(CHUNK);
-        for (centre, half) in self.centre.iter_mut().zip(&mut self.half) {
+        for centre in &mut self.centre {
             centre.truncate(slots);
             centre.resize(filled, 0.0);
+        }
+        for half in self.half.iter_mut().chain(&mut self.padded) {
             half.truncate(slots);
             half.resize(filled, NOTHING);
         }
@@ -74,9 +78,11 @@ impl CullingBoxes {
         } else {
             bounds.extent() * 0.5
         };
+        let padded = half + (half.abs() + centre.abs()) * ROUNDING;
         for axis in 0..3 {
             self.centre[axis][slot as usize] = centre[axis];
             self.half[axis][slot as usize] = half[axis];
+            self.padded[axis][slot as usize] = padded[axis];
         }
     }
 
@@ -94,7 +100,8 @@ impl CullingBoxes {
     }
 
     pub(crate) fn copy(&mut self, from: u32, to: u32) {
-        for values in self.centre.iter_mut().chain(&mut self.half) {
+        let all = self.centre.iter_mut().chain(&mut self.half);
+        for values in all.chain(&mut self.padded) {
             values[to as usize] = values[from as usize];
         }
     }
@@ -142,7 +149,7 @@ impl SimdTask for FindNearest<'_> {
     #[inline(always)]
     fn run(self) -> f32 {
         let mut least = [f32::INFINITY; CHUNK];
-        let CullingBoxes { centre, half } = self.boxes;
+        let CullingBoxes { centre, half, .. } = self.boxes;
         for chunk in 0..centre[0].len() / CHUNK {
             let mut squares = [0.0_f32; CHUNK];
             for axis in 0..3 {
@@ -253,12 +260,12 @@ impl SimdTask for FindShown<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let CullingBoxes { centre, half } = self.boxes;
+        let CullingBoxes { centre, padded, .. } = self.boxes;
         let (out, _) = self.out.as_chunks_mut();
         for (chunk, out) in out.iter_mut().enumerate() {
             let centre = centre.each_ref().map(|values| chunk_of(values, chunk));
-            let half = half.each_ref().map(|values| chunk_of(values, chunk));
-            *out = find_chunk(self.planes, centre, half);
+            let padded = padded.each_ref().map(|values| chunk_of(values, chunk));
+            *out = find_chunk(self.planes, centre, padded);
         }
     }
 }
@@ -274,16 +281,8 @@ fn chunk_of(values: &[f32], chunk: usize) -> &[f32; CHUNK] {
 fn find_chunk(
     planes: &[Vec4; 6],
     middle: [&[f32; CHUNK]; 3],
-    half: [&[f32; CHUNK]; 3],
+    padded: [&[f32; CHUNK]; 3],
 ) -> [u32; CHUNK] {
-    // Pad the half extents for rounding.
-    let mut padded = half.map(|values| *values);
-    for axis in 0..3 {
-        for i in 0..CHUNK {
-            let reach = padded[axis][i].abs() + middle[axis][i].abs();
-            padded[axis][i] += reach * ROUNDING;
-        }
-    }
     let mut inside = [1_u32; CHUNK];
     for plane in planes {
         let outwards = plane.abs();

@@ -99,11 +99,11 @@ impl SiteLinks {
         if !target.query.is_empty() && self.has_viewer {
             return format!("{up}{VIEWER}/index.html{}", target.query);
         }
-        let place = match self.pages.contains(&target.path) {
-            true => place_of(&target.path).to_owned(),
-            false => place_of_file(&target.path),
-        };
-        format!("{up}{place}{}", target.anchor)
+        // Other files are shown as text, which has line numbers but no headings to lead to.
+        if !self.pages.contains(&target.path) {
+            return format!("{up}{}", place_of_file(&target.path));
+        }
+        format!("{up}{}{}", place_of(&target.path), target.anchor)
     }
 
     /// Returns the viewer's page: with the viewer in a frame, or with a note that it was skipped.
@@ -186,7 +186,7 @@ mod tests {
         let (text, files) = text_of(
             true,
             "notes/README.md",
-            "[a](../docs/a.md#x) ![p](../docs/p.png) [s](../src/lib.rs) [o](../o.md) [e](https://x.org) [n](#n)",
+            "[a](../docs/a.md#x) ![p](../docs/p.png) [s](../src/lib.rs) [o](../o.md#x) [e](https://x.org) [n](#n)",
         );
         assert_eq!(
             text,
