@@ -254,9 +254,10 @@ impl PixelStage {
     }
 }
 
-/// Returns the number of workgroups of 8 x 8 invocations along each axis, one invocation a pixel.
+/// Returns the number of workgroups of 8 x 8 invocations along each axis, at least one invocation a
+/// pixel. pixel_block.wgsl needs a multiple of 8 along y.
 pub(crate) fn pixel_groups(size: UVec2) -> [u32; 2] {
-    [size.x.div_ceil(8), size.y.div_ceil(8)]
+    [size.x.div_ceil(8), size.y.div_ceil(8).next_multiple_of(8)]
 }
 
 /// Returns the G-buffer's bindings: positions, normals, and triangle ids if there are any.

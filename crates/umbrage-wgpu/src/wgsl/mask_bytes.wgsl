@@ -12,9 +12,10 @@ var<workgroup> umbrage_steps: array<u32, 64>;
 @compute @workgroup_size(64)
 fn umbrage_compute_mask(
     @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let at = umbrage_pixel(group, lane);
+    let at = umbrage_pixel(group, groups, lane);
     let is_inside = all(at < umbrage_mask.size);
     var visibility = 1.0;
     if is_inside {

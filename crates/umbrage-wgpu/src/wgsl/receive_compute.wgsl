@@ -16,9 +16,10 @@ fn umbrage_visibility(texel: vec2i) -> f32 {
 @compute @workgroup_size(64)
 fn umbrage_receive(
     @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let at = umbrage_pixel(group, lane);
+    let at = umbrage_pixel(group, groups, lane);
     if all(at < textureDimensions(umbrage_mask)) {
         let visibility = umbrage_visibility(vec2i(at));
         textureStore(umbrage_mask, at, vec4f(visibility, 0.0, 0.0, 0.0));
