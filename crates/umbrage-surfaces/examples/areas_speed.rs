@@ -1,14 +1,17 @@
-//! Times and memory of lit areas: `cargo run --release --example areas_speed -- ball 3000000`.
+//! Times and memory of lit areas:
+//! `cargo run --release -p umbrage-surfaces --features cli --example areas_speed -- ball 3000000`.
 //!
 //! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), `both` (the city
 //! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
-//! slab: the difference is the time of the slab's twelve facets). The path of a model of `v` and `f`
-//! lines (.obj) is one, too: it has both sides, and the number is the metres of its unit.
+//! slab: the difference is the time of the slab's twelve facets). The path of a model, y up, is one,
+//! too: it has both sides, and the number is the metres of its unit.
 //!
-//! With `certify` the sum of areas is checked, which takes longer. Each line has the wall time of a sun, and user and system time over the number of threads, which
-//! other programs on the machine disturb less.
+//! With `certify` the sum of areas is checked, which takes longer. Each line has the wall time of a
+//! sun, and user and system time over the number of threads, which other programs on the machine
+//! disturb less.
 
 use std::{error::Error, fs, time::Instant};
+use umbrage_scenes::load_triangles;
 use umbrage_surfaces::{
     Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
@@ -19,16 +22,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (kind, count, certify) = match &arguments[..] {
         [_, kind, count] => (kind, count, false),
         [_, kind, count, certify] if certify == "certify" => (kind, count, true),
-        _ => return Err("usage: areas_speed ball|city|both|plain|houses FACETS [certify]".into()),
+        _ => {
+            return Err(
+                "usage: areas_speed ball|city|both|plain|houses FACETS [certify], \
+                        or areas_speed MODEL METRES [certify]"
+                    .into(),
+            );
+        }
     };
-    let count: f64 = count.parse().unwrap_or(1e5);
+    let count: f64 = count.parse()?;
     let mut mesh = Mesh::default();
     match kind.as_str() {
-        model if model.ends_with(".obj") => mesh.add_obj(model, count),
         "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
         "plain" => mesh.add_city(count, 1),
         "houses" => mesh.add_city(count, 0),
-        _ => mesh.add_city(count, 20),
+        "city" | "both" => mesh.add_city(count, 20),
+        model => mesh.add_model(model, count)?,
     }
     let options = Options {
         unit: Unit::Metres(1.0),
@@ -113,20 +122,12 @@ struct Mesh {
 
 impl Mesh {
     /// Adds the triangles of a model, y up, whose unit has this many metres.
-    fn add_obj(&mut self, path: &str, unit: f64) {
-        let text = fs::read_to_string(path).unwrap_or_default();
-        for line in text.lines() {
-            let words = line.split_whitespace().skip(1);
-            if line.starts_with("v ") {
-                let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
-                self.vertices
-                    .push(dvec3(numbers[0], -numbers[2], numbers[1]) * unit);
-            } else if line.starts_with("f ") {
-                let index = |word: &str| word.split('/').next()?.parse().ok();
-                let rows: Vec<u32> = words.filter_map(index).collect();
-                self.triangles.push([rows[0] - 1, rows[1] - 1, rows[2] - 1]);
-            }
-        }
+    fn add_model(&mut self, path: &str, unit: f64) -> Result<(), Box<dyn Error>> {
+        let model = load_triangles(path)?;
+        let z_up = |v: &DVec3| dvec3(v.x, -v.z, v.y) * unit;
+        self.vertices = model.vertices.iter().map(z_up).collect();
+        self.triangles = model.triangles;
+        Ok(())
     }
 
     /// Adds the six sides of a box, each of `grid`² squares, displaced by `place`.

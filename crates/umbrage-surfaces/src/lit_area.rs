@@ -217,7 +217,7 @@ pub(crate) struct LitAreas {
 struct LitPart {
     row: u32,
     has_coplanar: bool,
-    /// As of [`clip::lit_moments`].
+    /// Moments that [`clip::lit_moments`] returns.
     moments: DVec3,
 }
 

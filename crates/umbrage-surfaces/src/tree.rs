@@ -45,6 +45,10 @@ fn limits_of(corners: impl Iterator<Item = DVec3>) -> Limits {
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
 }
 
+fn limits_of_facet(facet: &Projected) -> Limits {
+    limits_of(facet.corners.into_iter())
+}
+
 fn box_around(corners: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)])
@@ -154,13 +158,7 @@ impl Scene {
         receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| {
-                Node::new(
-                    group
-                        .iter()
-                        .map(|facet| limits_of(facet.corners.into_iter())),
-                )
-            })
+            .map(|group| Node::new(group.iter().map(limits_of_facet)))
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {

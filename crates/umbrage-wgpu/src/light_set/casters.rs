@@ -485,19 +485,19 @@ impl Casters {
     fn grow(&mut self, id: MeshKey) {
         self.has_grown = true;
         let mesh = &mut self.meshes[id];
-        let mut old = mesh.block.clone();
+        let old = mesh.block.clone();
         let count = (2 * (old.end - old.start)).max(FIRST_SLOTS);
         let slots = self.columns.len() as u32;
-        let is_last = old.end == slots && !old.is_empty();
-        let first = if is_last { old.start } else { slots };
-        if is_last {
-            old = 0..0;
-        }
+        let stays = old.end == slots && !old.is_empty();
+        let first = if stays { old.start } else { slots };
         mesh.block = first..first + count;
         self.columns
             .resize((first + count) as usize, Columns::default());
         self.moving.resize((first + count) as usize, false);
         self.boxes.resize(first + count);
+        if stays {
+            return;
+        }
         for (from, to) in old.zip(first..) {
             self.boxes.copy(from, to);
             self.boxes.set(from, &Aabb::EMPTY);

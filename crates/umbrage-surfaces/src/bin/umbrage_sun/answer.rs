@@ -136,11 +136,21 @@ impl FacetTable {
         }
     }
 
+    /// Returns the numbers that images are coloured by: the first column.
+    pub(crate) fn shades(&self) -> &[f64] {
+        &self.columns[0].1
+    }
+
+    /// Returns the name of these numbers.
+    pub(crate) fn shade_name(&self) -> &'static str {
+        self.columns[0].0
+    }
+
     /// Returns lines with the totals and the stated accuracy.
     pub(crate) fn report(&self, facets: &Facets) -> Vec<String> {
         let area: f64 = (0..facets.len()).map(|row| facets.area_m2(row)).sum();
         let weighted = |(row, shade): (usize, &f64)| shade * facets.area_m2(row);
-        let (name, shades) = &self.columns[0];
+        let shades = self.shades();
         let sum: f64 = shades.iter().enumerate().map(weighted).sum();
         let least = shades.iter().copied().fold(f64::INFINITY, f64::min);
         let most = shades.iter().copied().fold(0.0, f64::max);
@@ -149,7 +159,10 @@ impl FacetTable {
         let mut lines = vec![
             self.title.clone(),
             format!("{} facets, {area:.3} m2", facets.len()),
-            format!("{name}: mean by area {mean:.4}, least {least:.4}, most {most:.4}"),
+            format!(
+                "{}: mean by area {mean:.4}, least {least:.4}, most {most:.4}",
+                self.shade_name()
+            ),
         ];
         for (name, values) in self.columns.iter().skip(1) {
             if name.contains("m2") || name.contains("metre") {

@@ -19,7 +19,8 @@ use umbrage_surfaces::{Sides, Unit, Up};
 pub(crate) struct Arguments {
     /// Model: .obj, .glb or .gltf; nothing is added to it
     pub(crate) model: PathBuf,
-    /// Axis that points up: y (-z is north: glTF) or z (y is north: CAD, GIS) [default: y for glTF, z for OBJ]
+    /// Axis that points up: y (-z is north: glTF) or z (y is north: CAD, GIS)
+    /// [default: y for glTF, z for OBJ]
     #[arg(long)]
     pub(crate) up: Option<Up>,
     /// Unit of the model: m, cm, mm, km, ft, in, or the metres of one unit [default: metres; improbable sizes are an error]

@@ -92,7 +92,7 @@ fn csv(facets: &Facets, answer: &FacetTable) -> Result<String> {
 
 /// Returns a matrix of 64-bit numbers, facets by columns, in NumPy's format 1.0.
 fn npy(answer: &FacetTable) -> Vec<u8> {
-    let rows = answer.columns[0].1.len();
+    let rows = answer.shades().len();
     let shape = format!("({rows}, {})", answer.columns.len());
     let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     // The header fills a multiple of 64 bytes, after 10 bytes, and ends with a line feed.
@@ -161,7 +161,7 @@ fn glb(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
 /// Returns the colours (four bytes, linear) and the numbers (32 bits) of all facets' corners.
 fn colors_and_values(answer: &FacetTable) -> [Vec<u8>; 2] {
     let scale = picture::Scale::of_answer(answer);
-    let shades = &answer.columns[0].1;
+    let shades = answer.shades();
     let mut colors = Vec::with_capacity(12 * shades.len());
     let mut values = Vec::with_capacity(12 * shades.len());
     for &value in shades {

@@ -29,7 +29,7 @@ pub(crate) struct Scale {
 
 impl Scale {
     pub(crate) fn of_answer(answer: &FacetTable) -> Self {
-        let most = answer.columns[0].1.iter().copied().fold(0.0, f64::max);
+        let most = answer.shades().iter().copied().fold(0.0, f64::max);
         // All facets may be dark.
         Self {
             most: if most > 0.0 { most } else { 1.0 },
@@ -77,7 +77,7 @@ fn legend(scale: &Scale, answer: &FacetTable, report: &[String]) -> Result<Vec<u
             color: None,
         });
     };
-    write(20.0, top + 14.0, answer.columns[0].0.replace('_', " "));
+    write(20.0, top + 14.0, answer.shade_name().replace('_', " "));
     for i in 0..=4 {
         let value = scale.most * f64::from(i) / 4.0;
         write(
@@ -146,7 +146,7 @@ fn draw_facets(pixels: &mut [u8], facets: &Facets, answer: &FacetTable, scale: &
             let q = across(p) - low;
             (q.truncate() * zoom + shift).extend(q.z)
         });
-        let color = scale.color(answer.columns[0].1[row]);
+        let color = scale.color(answer.shades()[row]);
         fill(pixels, &mut depths, corners, color);
     }
 }

@@ -59,15 +59,13 @@ fn directions(text: &str) -> Result<Suns> {
         }
         let words = line.split([' ', ',', '\t']).filter(|word| !word.is_empty());
         let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        let Ok(&[x, y, z, ref weight @ ..]) = numbers.as_deref() else {
-            bail!("line {number}: `{line}` is not `x y z` or `x y z weight`");
+        let (direction, weight) = match numbers.as_deref() {
+            Ok(&[x, y, z]) => (DVec3::new(x, y, z), 1.0),
+            Ok(&[x, y, z, weight]) => (DVec3::new(x, y, z), weight),
+            _ => bail!("line {number}: `{line}` is not `x y z` or `x y z weight`"),
         };
-        ensure!(
-            weight.len() < 2,
-            "line {number}: `{line}` has more than four numbers"
-        );
-        directions.push(DVec3::new(x, y, z));
-        weights.push(weight.first().copied().unwrap_or(1.0));
+        directions.push(direction);
+        weights.push(weight);
     }
     ensure!(
         !directions.is_empty(),
