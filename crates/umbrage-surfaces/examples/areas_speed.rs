@@ -10,27 +10,27 @@
 //! sun, and user and system time over the number of threads, which other programs on the machine
 //! disturb less.
 
-use std::{error::Error, fs, time::Instant};
+use anyhow::{Context as _, Result, bail};
+use std::{fs, time::Instant};
 use umbrage_scenes::load_triangles;
 use umbrage_surfaces::{
     Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().collect();
     let (kind, count, certify) = match &arguments[..] {
         [_, kind, count] => (kind, count, false),
         [_, kind, count, certify] if certify == "certify" => (kind, count, true),
-        _ => {
-            return Err(
-                "usage: areas_speed ball|city|both|plain|houses FACETS [certify], \
-                        or areas_speed MODEL METRES [certify]"
-                    .into(),
-            );
-        }
+        _ => bail!(
+            "usage: areas_speed ball|city|both|plain|houses FACETS [certify], \
+             or areas_speed MODEL METRES [certify]"
+        ),
     };
-    let count: f64 = count.parse()?;
+    let count: f64 = count
+        .parse()
+        .with_context(|| format!("`{count}` is not a number"))?;
     let mut mesh = Mesh::default();
     match kind.as_str() {
         "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
@@ -122,7 +122,7 @@ struct Mesh {
 
 impl Mesh {
     /// Adds the triangles of a model, y up, whose unit has this many metres.
-    fn add_model(&mut self, path: &str, unit: f64) -> Result<(), Box<dyn Error>> {
+    fn add_model(&mut self, path: &str, unit: f64) -> Result<()> {
         let model = load_triangles(path)?;
         let z_up = |v: &DVec3| dvec3(v.x, -v.z, v.y) * unit;
         self.vertices = model.vertices.iter().map(z_up).collect();
