@@ -1,5 +1,5 @@
 //! Cost of shadows if all casters move, on full-size scenes: redrawing a map, and rebuilding
-//! lists on the device.
+//! hierarchies on the device.
 
 use super::{open, time_frame};
 use crate::renderer::Graphics;
@@ -29,7 +29,7 @@ pub fn lists(names: &[String]) -> Result<()> {
     let (adapter, graphics) = open(&AdapterChoice::from_env())?;
     println!("{adapter}: least of {RUNS} frames, milliseconds");
     println!(
-        "scene        triangles   hard 2048: cast + lookup   lists: make + lookup   rays: lookup   lists / hard   rays / lists"
+        "scene        triangles   hard 2048: cast + lookup   exact: build + lookup   rays: lookup   exact / hard   rays / exact"
     );
     let all: Vec<String> = if names.is_empty() {
         SCENES.map(str::to_owned).to_vec()
@@ -178,7 +178,7 @@ impl LitScene {
         })
     }
 
-    /// Draws a frame in which all casters moved. Returns the times of updating maps or lists, and
+    /// Draws a frame in which all casters moved. Returns the times of updating maps or hierarchies, and
     /// of the lookup, milliseconds.
     fn frame(
         &mut self,

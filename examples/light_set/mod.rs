@@ -1,5 +1,5 @@
-//! Times of light sets: compared with code written by hand, with many casters, and with lists that
-//! the device makes.
+//! Times of light sets: compared with code written by hand, with many casters, and with hierarchies
+//! that the device builds.
 
 mod by_hand;
 mod by_set;

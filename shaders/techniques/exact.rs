@@ -25,7 +25,7 @@
 //! - `lists.rs`: all lists as tables, built on first use
 //! - `lookup.rs`: the CPU half
 //! - `at_once.rs`: the CPU's method before lists exist
-//! - `on_device.rs`: lists that a device builds from vertices that only it has
+//! - `on_device.rs`: a hierarchy that a device builds from vertices that only it has
 
 mod at_once;
 mod holes;
@@ -43,10 +43,11 @@ use at_once::answer_all;
 use holes::CasterHoles;
 use item_key::ITEM_KEY;
 pub use light_frame::ExactUniforms;
+use light_frame::LightFrame;
 use lists::{KeptLists, Lists, Rows};
 pub use lookup::QueriedCell;
 use lookup::{LookupInput, cells_of_span, look_up_span};
-pub use on_device::ListsGrid;
+pub use on_device::LightView;
 use std::{
     fmt::{Debug, Formatter},
     sync::Arc,
@@ -67,6 +68,9 @@ const CASTER_OPAQUE: Module = module!("caster_opaque", "exact/caster_opaque.wgsl
 
 /// Intersection test of alpha-tested casters.
 const CASTER_CUT_OUT: Module = module!("caster_cut_out", "exact/caster_cut_out.wgsl");
+
+/// Uniforms, and coordinates relative to the light.
+const FRAME_POINT: Module = module!("frame_point", "exact/frame_point.wgsl");
 
 /// Approximate number of receivers that are sampled for the mean list length.
 const SAMPLED_RECEIVERS: usize = 2048;
@@ -218,7 +222,7 @@ pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
 pub struct ExactKernel {
     uniforms: ExactUniforms,
     lists: Arc<KeptLists>,
-    /// Casters; empty if only a device has them.
+    /// Casters.
     geometry: Geometry,
     /// Alpha test of the casters; `None` if none is alpha-tested.
     cut_outs: Option<Arc<CutOuts>>,
@@ -239,36 +243,15 @@ impl ExactKernel {
         let plane_reach = geometry.receiver_reach();
         let far = longest_ray(view, geometry);
         let lists = KeptLists::of_light(view.light, geometry);
+        let uniforms = ExactUniforms::new(view, &lists.frame, plane_reach, far);
         let cut_outs = geometry
             .cut_outs()
             .filter(|_| geometry.has_cut_out_casters());
         Self {
-            geometry: geometry.clone(),
-            cut_outs: cut_outs.cloned(),
-            ..Self::of_lists(view, lists, plane_reach, far)
-        }
-    }
-
-    fn of_lists(view: &View<'_>, lists: Arc<KeptLists>, plane_reach: f32, far: f32) -> Self {
-        let eye = view.camera.eye();
-        let frame = &lists.frame;
-        let [across, down, away] = frame.rows;
-        let uniforms = ExactUniforms {
-            light: LightSampler::new(&view.light.without_extent()),
-            eye: eye.extend(0.0),
-            across: across.extend(0.0),
-            down: down.extend(0.0),
-            away: away.extend(frame.nearest),
-            origin: frame.origin.extend(0.0),
-            grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, plane_reach),
-            tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
-            far,
-        };
-        Self {
             uniforms,
             lists,
-            geometry: Geometry::default(),
-            cut_outs: None,
+            geometry: geometry.clone(),
+            cut_outs: cut_outs.cloned(),
         }
     }
 
@@ -322,11 +305,21 @@ impl ExactKernel {
     }
 }
 
-impl ExactKernel {
-    /// Returns the kernel for lists that a device builds.
-    fn on_device(mut self) -> Self {
-        self.uniforms.tiles.w = 1;
-        self
+impl ExactUniforms {
+    /// Returns the uniforms of a view in a light's frame. `plane_reach` and `far` are in metres.
+    fn new(view: &View<'_>, frame: &LightFrame, plane_reach: f32, far: f32) -> Self {
+        let [across, down, away] = frame.rows;
+        Self {
+            light: LightSampler::new(&view.light.without_extent()),
+            eye: view.camera.eye().extend(0.0),
+            across: across.extend(0.0),
+            down: down.extend(0.0),
+            away: away.extend(frame.nearest),
+            origin: frame.origin.extend(0.0),
+            grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, plane_reach),
+            tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
+            far,
+        }
     }
 }
 
@@ -338,7 +331,7 @@ impl Kernel for ExactKernel {
         } else {
             modules.push(CASTER_OPAQUE);
         }
-        modules.push(module!("exact"));
+        modules.extend([module!("exact"), FRAME_POINT]);
         modules
     }
 

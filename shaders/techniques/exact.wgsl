@@ -1,46 +1,11 @@
 // Twin of exact.rs: queries the list of a receiver's cell. Tables: tiles (table_0), cells
-// (table_1), items (table_2), the casters' corners (table_3). caster_opaque.wgsl or
-// caster_cut_out.wgsl defines the intersection test.
-
-struct ExactUniforms {
-    light: LightSampler,
-    eye: vec4f,
-    across: vec4f,
-    down: vec4f,
-    away: vec4f,
-    origin: vec4f,
-    grid: vec4f,
-    tiles: vec4u,
-    far: f32,
-}
+// (table_1), items (table_2), the casters' corners (table_3). frame_point.wgsl calls it, and
+// caster_opaque.wgsl or caster_cut_out.wgsl defines the intersection test.
 
 // Greatest number below 1.
 const BELOW_ONE = 0.99999994;
 
 const NO_CASTER = 0xffffffffu;
-
-struct FramePoint {
-    face: u32,
-    on_face: vec2f,
-    depth: f32,
-}
-
-fn frame_point(o: vec3f) -> FramePoint {
-    let v = o - kernel.origin.xyz;
-    if kernel.tiles.z == 0u {
-        let at = vec2f(dot3(kernel.across.xyz, v), dot3(kernel.down.xyz, v));
-        return FramePoint(0u, at, dot3(kernel.away.xyz, v) - kernel.away.w);
-    }
-    let size = abs(v);
-    let along_z = size.z >= size.x && size.z >= size.y;
-    let along_x = size.x >= size.y;
-    // Rotate the greatest component to the end; its sign selects one of two faces.
-    let turned = select(select(v.zxy, v.yzx, along_x), v.xyz, along_z);
-    let axis = select(select(2u, 0u, along_x), 4u, along_z);
-    let depth = abs(turned.z);
-    let on_face = vec2f(quotient(turned.x, depth), quotient(turned.y, depth));
-    return FramePoint(axis + select(0u, 1u, turned.z < 0.0), on_face, depth);
-}
 
 fn corner_of(row: u32) -> vec3f {
     return bitcast<vec3f>(table_3[row].xyz);
@@ -76,8 +41,6 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let least = step.x | (step.y << FIELD);
     let greatest = ((LAST - step.x) << (2u * FIELD)) | ((LAST - step.y) << (3u * FIELD));
     let asking = least | greatest | (depth << (4u * FIELD)) | GUARDS;
-    // If a device builds the lists, its triangle ids differ from the caller's.
-    let left_out = select(own, 0xffffffffu, kernel.tiles.w == 1u);
     let end = table_1[cell_number + 1u].x;
     // Use two loops; the inner one skips casters by their words. Where many invocations run in
     // lockstep, all wait for a triangle test of any. So each finds its next candidate, and all run
@@ -93,7 +56,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
             let fields = (asking - item.y) & GUARDS;
             // The item is deeper than the receiver, and so are all after it.
             i = select(i + 1u, end, (fields & DEPTH_GUARD) == 0u);
-            if item.x != left_out && fields == GUARDS {
+            if item.x != own && fields == GUARDS {
                 caster = item.x;
                 break;
             }
@@ -106,13 +69,4 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         }
     }
     return false;
-}
-
-fn receive(r: Receiver) -> f32 {
-    // There are fewer than 2^31 kinds of lights.
-    opaque_zero = kernel.light.shape.x >> 31u;
-    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.grid.w);
-    let d = segment(kernel.light, o, vec2f(0.0), kernel.far);
-    let is_lit = dot3(r.normal, d) > 0.0 && !is_shadowed(o, d, r.triangle);
-    return select(0.0, 1.0, is_lit);
 }

@@ -1,7 +1,7 @@
 //! The trait that a shadow technique implements.
 
 use crate::{
-    recipe::{Recipe, device_lists::DeviceRecipe},
+    recipe::{Recipe, device_hierarchy::DeviceRecipe},
     recipe_error::RecipeError,
     scene::light::Light,
     view::View,
@@ -21,9 +21,9 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// Errors with `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
-    /// Returns the recipe for a renderer whose vertices exist only on the device. Only techniques
-    /// that use per-cell triangle lists return one; the device then builds the lists. `None` for
-    /// other techniques: they need no lists, or can't use device-built ones.
+    /// Returns the recipe for a renderer whose vertices exist only on the device, which then builds
+    /// a hierarchy of the casters. `None` for techniques that need none, or can't use one of a
+    /// device.
     fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
         let _ = view;
         None

@@ -49,8 +49,6 @@ pub use frame::{
     Drawable, FrameInputs, GBuffer, Indices, PositionFormat, RendererOptions, VertexLayout,
 };
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
-#[cfg(feature = "testing")]
-pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
     MaskInputs, MaskReceivers, MeshId, NormalCoding, OwnCasterId, PassCasters, SetBudget, SetFrame,

@@ -15,6 +15,27 @@
 //! cell may be found to hit. The triangle test has an error of some roundings of its distances
 //! (`ray_triangle.rs` of `umbrage-core`), as does the rounding of coordinates. Boxes and depths are
 //! widened by more than that.
+//!
+//! **Margins of a device's hierarchy** (`on_device/`) are those of lists under a point light. Under
+//! a directional light they follow the distances, so that they are small in large scenes. `u = 2^-24`
+//! is the greatest relative error of one rounding, `w` a caster's longest side, and `D` the depth
+//! from the caster to a receiver in its shadow.
+//!
+//! * A position relative to the origin is rounded, then three products and their sum: an error of at
+//!   most `5u` of its length across the rays, and `7u` along them. A caster is at most `R` from the
+//!   origin, half the diagonal of the casters' box, and the receiver at most `R + D`. Together they
+//!   err by at most `14u R + 7u D`. [`POSITION_MARGIN`] is `16u`, times `R`.
+//! * By `ray_triangle.rs`, a ray that hits passes the caster within `6u (D + w)` along each of two
+//!   axes: `8.5u (D + w)`, and some roundings of `w`. `TEST_ERROR` in WGSL is `32u`. Its part with w is
+//!   added to the caster's rectangle. The part with D, and that of the receiver's position, is added
+//!   by the lookup, times the depth below the node's nearest caster, which is at least D.
+//! * The depth of a hit is a sum of the corners' depths relative to the receiver, with weights of one
+//!   sign. It keeps its sign if all corners are behind the receiver. Otherwise it has an error of
+//!   some roundings of w, which the margin contains.
+//! * A strip has its own least depth. A hit has the depth of the point with the computed weights.
+//!   Each weight has an error of at most `9u w^2`, of a sum that is at least `w^2 / 512` (`GRAZING`). So the
+//!   point is at most `27u * 512 w`, or `w / 1,200`, from the exact one, and strips are a 512th of their
+//!   length longer. Casters of less area have the least depth of all their corners.
 
 use umbrage_core::{
     Aabb, Geometry, Light,
@@ -27,6 +48,10 @@ use umbrage_core::{
 /// Least margin, in units of frame space across the rays: 64 roundings of 1. Coordinates and
 /// outline functions have an error of some eight of them.
 pub(super) const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
+
+/// Least margin of a directional light's positions on a device, as a fraction of the casters'
+/// distance from the origin: 16 roundings. A position has an error of some five.
+pub(super) const POSITION_MARGIN: f32 = 1.0 / 1_048_576.0;
 
 /// Greatest error of the ray-triangle test, as a fraction of the farthest distance in the scene: 32
 /// roundings of 2^-24, four times the bound in `ray_triangle.rs`.
@@ -102,8 +127,7 @@ uniforms! {
         /// Half the size of a face, across and down; tiles per unit of a direction; the reach
         /// of receivers, metres: [`Geometry::receiver_reach`](umbrage_core::Geometry::receiver_reach).
         pub grid: Vec4,
-        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if a device
-        /// lists the casters itself.
+        /// Number of tiles of a face, across and down; 1 if the light has a position; w is unused.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
@@ -118,20 +142,27 @@ impl LightFrame {
             casters = Aabb::from_points([Vec3::ZERO]);
         }
         let tiles = tiles_along(geometry.casters().len());
-        Self::around_casters(light, &casters, &geometry.bounds(), tiles)
+        let axes = |away: DVec3| away.any_orthonormal_pair();
+        Self::around_casters(light, axes, &casters, &geometry.bounds(), tiles)
     }
 
     /// Returns the frame of a light around casters in a box. `everything` is the box around the
-    /// casters and all ray origins. `tiles` are those along the longer side of a directional light.
+    /// casters and all ray origins. `axes` returns the axes across the rays of a directional light,
+    /// and `tiles` are those along its longer side.
     pub(super) fn around_casters(
         light: &Light,
+        axes: impl Fn(DVec3) -> (DVec3, DVec3),
         casters: &Aabb,
         everything: &Aabb,
         tiles: u32,
     ) -> Self {
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, everything, tiles),
-            None => Self::along_sun(light.direction_from(Vec3::ZERO), casters, everything, tiles),
+            None => {
+                let away = -light.direction_from(Vec3::ZERO).as_dvec3();
+                let (across, down) = axes(away);
+                Self::along_sun([across, down, away], casters, everything, tiles)
+            }
         }
     }
 
@@ -162,10 +193,9 @@ impl LightFrame {
         }
     }
 
-    fn along_sun(to_light: Vec3, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
+    fn along_sun(axes: [DVec3; 3], casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         // Measure the casters along the light's axes.
-        let away = -to_light.as_dvec3();
-        let (across, down) = away.any_orthonormal_pair();
+        let [across, down, away] = axes;
         let origin = casters.center();
         let corners: Vec<DVec3> = casters.corners().map(|c| (c - origin).as_dvec3()).collect();
         let extent = |axis: DVec3| {

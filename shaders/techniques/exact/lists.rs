@@ -127,17 +127,8 @@ impl KeptLists {
         new
     }
 
-    /// Returns the lists of no casters, for kernels that get the casters elsewhere.
-    pub(super) fn without_casters(frame: LightFrame) -> Self {
-        Self {
-            frame,
-            made: OnceLock::from(Lists::without_casters(frame)),
-            answered_without: AtomicU32::new(0),
-        }
-    }
-
     /// Returns the lists, which are built on first use. `geometry` is that of
-    /// [`of_geometry`](Self::of_geometry), or empty if it was not called.
+    /// [`of_light`](Self::of_light).
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
         if let Some(lists) = self.made.get() {
             return lists;
@@ -157,19 +148,6 @@ impl KeptLists {
 }
 
 impl Lists {
-    /// Returns the lists of no casters.
-    fn without_casters(frame: LightFrame) -> Self {
-        let tile_rows = frame.tile_count().div_ceil(TILES_A_ROW);
-        let nothing_covers = [0, f32::INFINITY.to_bits(), f32::INFINITY.to_bits(), 0];
-        Self {
-            frame,
-            tiles: zeros(tile_rows),
-            cells: Arc::new([nothing_covers; 2]),
-            items: zeros(1),
-            corners: zeros(3),
-        }
-    }
-
     /// Returns how many triangles were placed on the grid and in lists, counting repetitions.
     pub(super) fn triangles_listed(&self) -> u64 {
         let items = self.items.len() * ITEMS_A_ROW;

@@ -4,7 +4,7 @@
 mod absurd;
 mod alike;
 mod budget;
-mod device_lists;
+mod device_hierarchies;
 mod devices;
 mod edits;
 mod floor;

@@ -12,7 +12,7 @@
 //! * **shade**, for colour images only: a kernel computes the colour of each pixel, given the
 //!   visibility. Colours are linear; `picture.rs` encodes sRGB.
 
-pub(crate) mod device_lists;
+pub(crate) mod device_hierarchy;
 pub(crate) mod image;
 pub(crate) mod kernel;
 pub(crate) mod shader;

@@ -330,8 +330,8 @@ pub(crate) struct SharedTables {
 pub(crate) enum Region {
     /// Corners of all casters.
     Corners,
-    /// A table of a light, by its index.
-    Light(LightKey, usize),
+    /// The hierarchy of a light.
+    Light(LightKey),
 }
 
 #[derive(Debug)]
@@ -388,11 +388,11 @@ impl SharedTables {
         true
     }
 
-    /// Frees a light's regions.
+    /// Frees a light's region.
     pub(crate) fn free(&mut self, light: LightKey) {
         let before = self.held.len();
         self.held.retain(
-            |held| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light),
+            |held| !matches!(held.content, Content::Made(Region::Light(id)) if id == light),
         );
         if self.held.len() != before {
             self.pack();
@@ -405,9 +405,9 @@ impl SharedTables {
         known.map_or_else(TablePlace::default, HeldTable::place)
     }
 
-    /// Returns the bytes of all tables except a light's regions.
+    /// Returns the bytes of all tables except a light's region.
     pub(crate) fn bytes_without(&self, light: LightKey) -> u64 {
-        let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light);
+        let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id)) if id == light);
         let others = self.held.iter().filter(is_other);
         16 * others.map(|held| u64::from(held.count)).sum::<u64>()
     }
@@ -424,18 +424,18 @@ impl SharedTables {
         self.moves
     }
 
-    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`.
+    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_built`.
     /// Compacts the rest. Returns whether any moved, which invalidates all positions.
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,
-        is_listed: impl Fn(LightKey) -> bool,
+        is_built: impl Fn(LightKey) -> bool,
     ) -> bool {
         let before = self.held.len();
         self.held.retain(|held| match &held.content {
             Content::Rows(rows) => is_used(rows),
             Content::Made(Region::Corners) => true,
-            Content::Made(Region::Light(id, _)) => is_listed(*id),
+            Content::Made(Region::Light(id)) => is_built(*id),
         });
         if self.held.len() == before {
             return false;

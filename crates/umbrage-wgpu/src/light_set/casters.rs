@@ -33,7 +33,7 @@ const REST: u64 = 30;
 pub struct CasterMesh<'a> {
     /// Name of the mesh in errors.
     pub label: &'a str,
-    /// Vertices in a buffer of the set's device, usage `VERTEX`. For device-built lists, both
+    /// Vertices in a buffer of the set's device, usage `VERTEX`. For device-built hierarchies, both
     /// vertices and indices also need `STORAGE`. The set keeps the buffer alive as long as the mesh
     /// exists.
     pub vertices: &'a Buffer,
@@ -265,7 +265,7 @@ impl Casters {
             return Err(Invalid::new(what, why, "remove its casters first"));
         }
         self.meshes.remove(id);
-        // Without its buffers, the device may be able to build caster lists.
+        // Without its buffers, the device may be able to build hierarchies.
         self.has_grown = true;
         Ok(())
     }

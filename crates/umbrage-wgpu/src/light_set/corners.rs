@@ -1,4 +1,4 @@
-//! World-space corners of all casters, computed by the device: the input of caster lists.
+//! World-space corners of all casters, computed by the device: the input of hierarchies.
 
 use crate::{
     frame::PositionFormat,
@@ -88,13 +88,7 @@ impl CornerStage {
         self.pipeline.get_or_insert_with(|| {
             let module = shader(factory.device, "umbrage corners", &shader_of(&["corners"]));
             factory.counters.pipelines += 1;
-            compute_pipeline(
-                factory.device,
-                &module,
-                "place_corners",
-                &[],
-                &[Some(&layout)],
-            )
+            compute_pipeline(factory.device, &module, "place_corners", &[Some(&layout)])
         });
         // Bind the buffers of each mesh.
         for &(id, _) in &self.placed {
@@ -194,12 +188,12 @@ fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
     let bytes = buffer.size();
     if !buffer.usage().contains(BufferUsages::STORAGE) {
         return Some(format!(
-            "compute shaders list the triangles of mesh `{label}`, whose buffers need the usage `STORAGE`"
+            "compute shaders read the triangles of mesh `{label}`, whose buffers need the usage `STORAGE`"
         ));
     }
     if !bytes.is_multiple_of(4) || bytes > most {
         return Some(format!(
-            "compute shaders list the triangles of mesh `{label}`: its buffers must be a multiple of 4 and at most {most} bytes, and one has {bytes}"
+            "compute shaders read the triangles of mesh `{label}`: its buffers must be a multiple of 4 and at most {most} bytes, and one has {bytes}"
         ));
     }
     None

@@ -66,7 +66,7 @@ impl LightSet {
         self.encode_passes(encoder, &mut own_draws, Some(timer))
     }
 
-    /// Records the list, cast and filter passes that this frame redraws.
+    /// Records the hierarchy, cast and filter passes that this frame redraws.
     ///
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     fn encode_passes(
@@ -78,15 +78,15 @@ impl LightSet {
         if self.shader.bind_group().is_none() {
             return Err(unprepared_error());
         }
-        if self.passes.count() == 0 && self.lists.due_count() == 0 {
+        if self.passes.count() == 0 && self.hierarchies.due_count() == 0 {
             return Ok(());
         }
         self.unsubmitted_encoders.watch(encoder);
         self.casters.instances.encode(encoder);
         let mut timer = timer;
-        // Record the lists.
-        self.lists
-            .encode(encoder, &self.lights, |id| timer.as_mut()?.lists(id));
+        // Record the hierarchies.
+        self.hierarchies
+            .encode(encoder, &self.lights, |id| timer.as_mut()?.hierarchy(id));
         let mut clock = PassClock {
             meter: match &timer {
                 Some(_) => None,

@@ -1,11 +1,12 @@
 //! [`LightSet`]: the shadows of many lights in one renderer.
 
 pub(crate) mod buffers;
-mod caster_lists;
+mod caster_hierarchies;
 mod casters;
 mod corners;
 mod culling;
 mod encode;
+mod hierarchy_layout;
 mod ids;
 mod instances;
 mod masks;
@@ -17,6 +18,7 @@ mod pool;
 mod prepare;
 mod prices;
 mod shader;
+mod sort;
 mod state;
 mod steady_box;
 mod still_layers;
@@ -25,8 +27,6 @@ mod testing;
 mod timestamps;
 mod unsubmitted_encoders;
 
-#[cfg(feature = "testing")]
-pub use caster_lists::Listing;
 pub use casters::CasterMesh;
 pub use ids::{CasterId, LightId, MeshId, OwnCasterId};
 #[allow(deprecated, reason = "former names stay for one release")]
@@ -48,7 +48,7 @@ use crate::{
     },
     light_set::{
         buffers::MAX_LIGHTS,
-        caster_lists::CasterLists,
+        caster_hierarchies::CasterHierarchies,
         casters::Casters,
         ids::{CasterKey, LightKey, SetNumber},
         masks::MaskStage,
@@ -134,15 +134,15 @@ pub struct LightSet {
     lights: SlotMap<LightKey, HeldLight>,
     // Inputs of the lights' plans, and whether layers must be assigned again.
     planned: Option<PlannedFor>,
-    /// Reason why the device can't build caster lists, if it can't.
-    unlisted: Option<String>,
+    /// Reason why the device can't build hierarchies of casters, if it can't.
+    unbuilt: Option<String>,
     layers_changed: bool,
     /// True if the last frame was prepared without an error.
     is_prepared: bool,
     // Shader resources.
     pool: LayerPool,
     shader: SetShader,
-    lists: CasterLists,
+    hierarchies: CasterHierarchies,
     masks: MaskStage,
     // Frame state.
     passes: PassList,
@@ -225,12 +225,12 @@ impl LightSet {
             cut_outs: None,
             lights: SlotMap::with_key(),
             planned: None,
-            unlisted: None,
+            unbuilt: None,
             layers_changed: false,
             is_prepared: false,
             pool: LayerPool::default(),
             shader,
-            lists: CasterLists::default(),
+            hierarchies: CasterHierarchies::default(),
             masks: MaskStage::default(),
             passes: PassList::default(),
             report: SetReport::default(),
@@ -321,7 +321,7 @@ impl LightSet {
     /// skinned figure. `bounds` (world space) must contain it in its current pose: lights are
     /// planned for these boxes, and it is drawn only into layers in which its box may be visible.
     ///
-    /// Device-built caster lists don't contain such casters, so lights whose technique uses them
+    /// Device-built hierarchies don't contain such casters, so lights whose technique uses them
     /// are refused, with this reason. Techniques that read triangles see only those of
     /// [`SetFrame::geometry`]: add the figure's there.
     ///

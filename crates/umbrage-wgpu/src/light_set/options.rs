@@ -61,7 +61,7 @@ pub struct SetFrame<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// The casters' triangles, if available on the CPU; ray-tracing techniques need them. Without
-    /// them, the device builds caster lists for techniques that use lists
+    /// them, the device builds a hierarchy of the casters for techniques that can use one
     /// ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)). Its
     /// buffers then also need the usage `STORAGE`.
     pub geometry: Option<FrameGeometry<'a>>,
@@ -150,8 +150,8 @@ pub struct SetReport {
     pub planned: u32,
     /// Number of layers that this frame draws.
     pub redrawn: u32,
-    /// Number of lights whose caster lists this frame builds.
-    pub listed: u32,
+    /// Number of lights whose hierarchies of casters this frame builds.
+    pub hierarchies: u32,
     /// Number of layers that wait for one of the next frames because of
     /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     pub waiting: u32,

@@ -53,7 +53,7 @@ impl Casters {
 
     pub(crate) fn add_own(&mut self, bounds: Aabb) -> Result<OwnCasterKey, Invalid> {
         check(&bounds)?;
-        // With the first one, the device can no longer build caster lists.
+        // With the first one, the device can no longer build hierarchies.
         self.has_grown = true;
         self.changed.push(bounds);
         Ok(self.own.0.insert(bounds))

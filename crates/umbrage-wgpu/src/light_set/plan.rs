@@ -6,7 +6,7 @@ use crate::{
 };
 use std::sync::Arc;
 use umbrage_core::{
-    BackendLimits, Cast, CastMode, DeviceLists, Filter, Invalid, Recipe, RecipeError,
+    BackendLimits, Cast, CastMode, DeviceHierarchy, Filter, Invalid, Recipe, RecipeError,
     ShadowTechnique, Source, Table, View,
 };
 
@@ -14,8 +14,8 @@ use umbrage_core::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlanLimits<'a> {
     pub(crate) recipes: &'a BackendLimits,
-    /// Reason why the device can't build caster lists, if it can't.
-    pub(crate) unlisted: Option<&'a str>,
+    /// Reason why the device can't build hierarchies of casters, if it can't.
+    pub(crate) unbuilt: Option<&'a str>,
 }
 
 /// A light's recipe, and the bindings of its kernel.
@@ -25,8 +25,8 @@ pub(crate) struct LightPlan {
     pub(crate) kind: KernelKind,
     /// The kernel's uniforms; empty if it has none.
     pub(crate) uniforms: Vec<u8>,
-    /// Lists that the device builds for the kernel's tables, if any.
-    pub(crate) lists: Option<DeviceLists>,
+    /// Hierarchy that the device builds for the kernel's tables, if any.
+    pub(crate) hierarchy: Option<DeviceHierarchy>,
 }
 
 /// Difference between two plans.
@@ -42,8 +42,8 @@ pub(crate) enum Difference {
 }
 
 impl LightPlan {
-    /// Plans a light. If the program has no geometry, the device builds the tables of techniques
-    /// that use caster lists.
+    /// Plans a light. If the program has no geometry, the device builds a hierarchy for techniques
+    /// that can use one.
     ///
     /// Errors if the technique doesn't support the light, or with `Unsupported` if the set can't
     /// execute its recipe.
@@ -56,12 +56,12 @@ impl LightPlan {
             && let Some(made) = technique.device_recipe(view)
         {
             let made = made?;
-            if let Some(why) = limits.unlisted {
+            if let Some(why) = limits.unbuilt {
                 return Err(RecipeError::unsupported_because(why));
             }
             made.recipe.validate(limits.recipes)?;
             return Ok(Self {
-                lists: Some(made.lists),
+                hierarchy: Some(made.hierarchy),
                 ..Self::new(made.recipe)?
             });
         }
@@ -107,14 +107,14 @@ impl LightPlan {
             recipe,
             kind,
             uniforms,
-            lists: None,
+            hierarchy: None,
         })
     }
 
     /// Returns the difference from `before`.
     pub(crate) fn difference(&self, before: &Self) -> Difference {
         let is_like = self.recipe.images == before.recipe.images
-            && self.lists.is_some() == before.lists.is_some()
+            && self.hierarchy.is_some() == before.hierarchy.is_some()
             && self.kind == before.kind
             && self.recipe.receive.inputs == before.recipe.receive.inputs;
         if !is_like {
@@ -130,7 +130,7 @@ impl LightPlan {
         if !same_maps {
             return Difference::Maps;
         }
-        if self.uniforms == before.uniforms && self.lists == before.lists {
+        if self.uniforms == before.uniforms && self.hierarchy == before.hierarchy {
             Difference::Nothing
         } else {
             Difference::Numbers

@@ -5,7 +5,7 @@ use crate::{
     light_set::{
         LightSet, PlannedFor,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
-        caster_lists::{CasterLists, why_not_listed},
+        caster_hierarchies::{CasterHierarchies, why_not_built},
         ids::{LightId, LightKey},
         masks::{MaskInputs, MaskReceivers, MaskStage},
         options::{SetFrame, SetReport},
@@ -39,10 +39,10 @@ impl LightSet {
         frame: &SetFrame<'_>,
     ) -> Result<(), RecipeError> {
         light.validate()?;
-        let unlisted = why_not_listed(&self.casters, &self.device.limits());
+        let unbuilt = why_not_built(&self.casters, &self.device.limits());
         let limits = PlanLimits {
             recipes: &self.limits,
-            unlisted: unlisted.as_deref(),
+            unbuilt: unbuilt.as_deref(),
         };
         let view = self.view(frame, light);
         plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
@@ -68,10 +68,10 @@ impl LightSet {
         for (id, technique) in techniques {
             changed.insert(self.light_key(*id)?, technique);
         }
-        let unlisted = why_not_listed(&self.casters, &self.device.limits());
+        let unbuilt = why_not_built(&self.casters, &self.device.limits());
         let limits = PlanLimits {
             recipes: &self.limits,
-            unlisted: unlisted.as_deref(),
+            unbuilt: unbuilt.as_deref(),
         };
         let has_own = !self.casters.own().is_empty();
         // Plan all lights that are on, as `prepare` does.
@@ -210,16 +210,16 @@ impl LightSet {
             } == now
         });
         let casters_moved = !self.casters.changed_boxes().is_empty() || self.casters.is_rebased();
-        // Meshes determine whether the device can build lists.
+        // Meshes determine whether the device can build hierarchies.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
-            let unlisted = why_not_listed(&self.casters, &self.device.limits());
-            meshes_changed = unlisted != self.unlisted;
-            self.unlisted = unlisted;
+            let unbuilt = why_not_built(&self.casters, &self.device.limits());
+            meshes_changed = unbuilt != self.unbuilt;
+            self.unbuilt = unbuilt;
         }
         let limits = PlanLimits {
             recipes: &self.limits,
-            unlisted: self.unlisted.as_deref(),
+            unbuilt: self.unbuilt.as_deref(),
         };
         // Replace the plans of lights with changed inputs.
         for light in self.lights.values_mut() {
@@ -286,7 +286,7 @@ impl LightSet {
                 .mark_stale(casters.changed_boxes(), casters.still_changed());
         }
         if !casters.changed_boxes().is_empty() || casters.has_grown() {
-            self.lists.mark_stale();
+            self.hierarchies.mark_stale();
         }
     }
 
@@ -336,7 +336,7 @@ impl LightSet {
         let makes = self.shader.is_outdated()
             || self.casters.has_grown()
             || self.passes.lights.iter().any(shows_plans)
-            || self.lists.lack_buffers(&self.lights);
+            || self.hierarchies.lack_buffers(&self.lights);
         if !makes {
             return self.write();
         }
@@ -438,9 +438,9 @@ impl LightSet {
         placements + inputs
     }
 
-    /// Writes the shader data of the lights, and the inputs of caster lists.
+    /// Writes the shader data of the lights, and the inputs of hierarchies.
     fn write_shader(&mut self, textures_changed: bool) -> Result<Uploaded, BackendError> {
-        let has_moved = self.lists.make_room(
+        let has_moved = self.hierarchies.make_room(
             &self.device,
             &mut self.lights,
             &self.casters,
@@ -457,21 +457,21 @@ impl LightSet {
             &self.pool,
             textures_changed,
         )?;
-        self.lists.prepare(
+        self.hierarchies.prepare(
             &mut factory,
             &mut self.pipelines,
             &self.lights,
             &self.casters,
             self.shader.tables(),
         );
-        self.report.listed = self.lists.due_count();
+        self.report.hierarchies = self.hierarchies.due_count();
         Ok(uploaded)
     }
 
     /// Marks everything to be redrawn.
     fn draw_all_again(&mut self) {
         self.casters.instances.mark_outdated();
-        self.lists.mark_stale();
+        self.hierarchies.mark_stale();
         for light in self.lights.values_mut() {
             light.maps.mark_all_stale();
         }
@@ -483,7 +483,7 @@ impl LightSet {
         self.pipelines = Pipelines::default();
         self.masks = MaskStage::default();
         self.tables = Tables::default();
-        self.lists = CasterLists::default();
+        self.hierarchies = CasterHierarchies::default();
         self.pool = LayerPool::default();
         self.passes = PassList::default();
         self.casters.instances.lose_buffer();

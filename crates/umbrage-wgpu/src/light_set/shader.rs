@@ -368,13 +368,9 @@ impl SetShader {
                 first: light.maps.ranges[image].layers.start,
             };
         }
-        if plan.lists.is_some() {
-            // The last table contains the corners of all casters.
-            let last = receive.tables.len().saturating_sub(1);
-            for i in 0..last {
-                entry.tables[i] = self.tables.place_of(Region::Light(id, i));
-            }
-            entry.tables[last] = self.tables.place_of(Region::Corners);
+        if plan.hierarchy.is_some() {
+            entry.tables[0] = self.tables.place_of(Region::Light(id));
+            entry.tables[1] = self.tables.place_of(Region::Corners);
             return entry;
         }
         for (i, &table) in receive.tables.iter().enumerate() {
@@ -399,7 +395,7 @@ impl SetShader {
             let Some(plan) = light.state.shown_plan() else {
                 continue;
             };
-            if plan.lists.is_some() {
+            if plan.hierarchy.is_some() {
                 continue;
             }
             let mut with_own = bytes;
@@ -436,11 +432,11 @@ impl SetShader {
                 used.any(|held| held == rows)
             })
         };
-        let is_listed = |id: LightKey| {
+        let is_built = |id: LightKey| {
             let shown = lights.get(id).and_then(|light| light.state.shown_plan());
-            shown.is_some_and(|plan| plan.lists.is_some())
+            shown.is_some_and(|plan| plan.hierarchy.is_some())
         };
-        self.tables.retain(is_used, is_listed);
+        self.tables.retain(is_used, is_built);
     }
 
     /// Returns the number of a text: that of an equal one, or a new one.

@@ -1,7 +1,7 @@
 //! Access to a set for tests.
 
 use crate::{
-    light_set::{LightId, LightSet, caster_lists::Listing, prices::Prices},
+    light_set::{LightSet, prices::Prices},
     resources::counters::Counters,
 };
 
@@ -21,20 +21,10 @@ impl LightSet {
         [prices.triangle, prices.texel]
     }
 
-    /// Limits the capacity of all lists to this number of items.
-    pub fn limit_listed_items(&mut self, most: Option<u32>) {
-        self.lists.limits.most = most;
-    }
-
-    /// Sets the initial capacity of lists for items.
-    pub fn begin_with_listed_items(&mut self, first: u32) {
-        self.lists.limits.first = Some(first);
-    }
-
-    /// Waits for the last lists of a light, and returns their result; `None` if there are none.
-    pub fn listings(&mut self, id: LightId) -> Option<Listing> {
-        let key = id.key_in(self.number).ok()?;
-        self.lists.look(&self.device, key)
+    /// Sets the capacity of all hierarchies for references: this number, or one for each caster if
+    /// there are more. `None` restores the default.
+    pub fn limit_references(&mut self, most: Option<u32>) {
+        self.hierarchies.most_references = most;
     }
 
     /// Returns the number of GPU objects created so far.

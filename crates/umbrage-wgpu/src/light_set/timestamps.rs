@@ -33,9 +33,9 @@ pub enum SetPass {
     },
     /// All filter passes of a light's layers.
     Filters,
-    /// All passes that build a light's caster lists; the first one also includes the transform of
+    /// All passes that build a light's hierarchy of casters; the first one also includes the transform of
     /// the casters.
-    Lists,
+    Hierarchy,
     /// A light's mask.
     Mask,
 }
@@ -136,9 +136,9 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         Some(begin)
     }
 
-    /// Returns the timestamps of the pass that builds a light's lists.
-    pub(crate) fn lists(&mut self, light: LightKey) -> Option<ComputePassTimestampWrites<'a>> {
-        let begin = self.begin(light, SetPass::Lists)?;
+    /// Returns the timestamps of the pass that builds a light's hierarchy.
+    pub(crate) fn hierarchy(&mut self, light: LightKey) -> Option<ComputePassTimestampWrites<'a>> {
+        let begin = self.begin(light, SetPass::Hierarchy)?;
         Some(ComputePassTimestampWrites {
             query_set: self.queries,
             beginning_of_pass_write_index: Some(begin),

@@ -1,7 +1,5 @@
 //! Deferred readback: data of the device is read some frames later, without waiting.
 
-#[cfg(feature = "testing")]
-use super::waiting::poll_until;
 use std::sync::{
     Arc,
     atomic::{AtomicU8, Ordering},
@@ -65,12 +63,6 @@ impl LateRead {
                 outcome.becomes = READY;
             }
         });
-    }
-
-    /// Waits for the pending readback.
-    #[cfg(feature = "testing")]
-    pub(crate) fn wait(&self, device: &Device) -> Result<(), wgpu::PollError> {
-        poll_until(device, || self.state.load(Ordering::Acquire) != WAITING)
     }
 
     /// Returns the result of `look` for the bytes, if they have arrived, and becomes idle.

@@ -211,12 +211,11 @@ pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
     })
 }
 
-/// Returns a compute pipeline. `constants` are the values of the shader's overrides.
+/// Returns a compute pipeline.
 pub(crate) fn compute_pipeline(
     device: &Device,
     module: &ShaderModule,
     entry: &str,
-    constants: &[(&str, f64)],
     groups: &[Option<&BindGroupLayout>],
 ) -> ComputePipeline {
     let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
@@ -229,10 +228,7 @@ pub(crate) fn compute_pipeline(
         layout: Some(&layout),
         module,
         entry_point: Some(entry),
-        compilation_options: PipelineCompilationOptions {
-            constants,
-            ..PipelineCompilationOptions::default()
-        },
+        compilation_options: PipelineCompilationOptions::default(),
         cache: None,
     })
 }

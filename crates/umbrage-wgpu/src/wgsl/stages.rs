@@ -60,6 +60,7 @@ const FILES: &[Module] = &[
     file!("seen_in_depth_and_normals"),
     file!("seen_in_gbuffer"),
     file!("shade"),
+    file!("sort"),
     file!("triangle_ids"),
 ];
 

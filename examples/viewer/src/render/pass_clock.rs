@@ -160,7 +160,7 @@ fn pass_label(pass: SetPass) -> String {
             format!("map {}{casters}", layer + 1)
         }
         SetPass::Filters => "filters".to_owned(),
-        SetPass::Lists => "lists".to_owned(),
+        SetPass::Hierarchy => "hierarchy".to_owned(),
         SetPass::Mask => "mask".to_owned(),
     }
 }

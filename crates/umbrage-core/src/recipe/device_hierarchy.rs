@@ -1,0 +1,63 @@
+//! Hierarchies of casters that a device builds.
+
+use crate::recipe::{Recipe, shader::Module};
+
+/// A hierarchy of eight children a node over the casters around a light, built by compute passes.
+/// For renderers whose vertices exist only on the device. It replaces the tables of the recipe's
+/// kernel, in this order: the hierarchy, the casters' corners.
+///
+/// A caster has at least one reference, and further ones as far as capacity lasts. References are
+/// sorted by keys, and each 64 are grouped into 8 nodes, which are grouped alike. Level 1 has the
+/// nodes above references, and the last level one node.
+///
+/// The modules declare a uniform struct named [`uniforms_name`](Self::uniforms_name), and `struct
+/// HierarchyPlace { nodes: u32, ids: u32, corners: u32, casters: u32, capacity: u32, levels: u32,
+/// level: u32, unused: u32, firsts: array<vec4u, 3> }`. The fields are the first rows of the
+/// hierarchy, its ids and the corners, the number of casters, the capacity for references (at least
+/// the number of casters), the number of levels, the level whose items a pass groups, and the first
+/// node of each level.
+///
+/// The modules also declare these compute shaders, with workgroups of 64 invocations:
+///
+/// 1. `count_pieces` and `make_keys` (an invocation for each caster).
+/// 2. The backend sorts `keys` with their `values`. Their number is that of casters plus the first
+///    word of `head`, at most the capacity.
+/// 3. `build_leaves` (an invocation for each reference).
+/// 4. `build_nodes` for each level below the last (an invocation for each node).
+///
+/// They use these bindings in group 0: `view` (the uniform struct), `made` (`HierarchyPlace`),
+/// `tables: array<u32>` (four words a row; three rows a caster contain its corners, x, y, z,
+/// unused), `keys` and `values: array<u32>` (a word a reference), `head: array<atomic<u32>>`
+/// ([`HEAD`](Self::HEAD) words, initially 0), `references: array<vec2u>` (one a reference) and
+/// `boxes: array<vec4f>` (two a node). The hierarchy has [`HEADER`](Self::HEADER) rows, four rows a
+/// node, and then the ids, four a row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceHierarchy {
+    /// The WGSL modules.
+    pub modules: Vec<Module>,
+    /// Name of the uniform struct in WGSL.
+    pub uniforms_name: &'static str,
+    /// Bytes of the uniform struct. The hierarchy is valid while these and the casters are
+    /// unchanged.
+    pub uniforms: Vec<u8>,
+    /// Number of faces on which a caster may be visible.
+    pub faces: u32,
+}
+
+impl DeviceHierarchy {
+    /// Number of words of `head`.
+    pub const HEAD: u64 = 32;
+    /// Number of rows before the nodes.
+    pub const HEADER: u32 = 4;
+    /// Greatest number of levels, with that of references.
+    pub const LEVELS: usize = 12;
+}
+
+/// A recipe whose tables are built by a device.
+#[derive(Clone, Debug)]
+pub struct DeviceRecipe {
+    /// The recipe, with tables for a scene without casters. The device's tables replace them.
+    pub recipe: Recipe,
+    /// The hierarchy that the device builds.
+    pub hierarchy: DeviceHierarchy,
+}

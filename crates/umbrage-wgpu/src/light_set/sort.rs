@@ -1,0 +1,200 @@
+//! Radix sort of 32-bit keys with 32-bit values on the device, least significant digits first
+//! (`sort.wgsl`).
+
+use crate::{
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        pipelines::{Pipelines, compute_pipeline, shader},
+        windows::Windows,
+    },
+    wgsl::stages::shader_of,
+};
+use std::num::NonZeroU64;
+use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, ShaderStages};
+
+/// Number of items per workgroup: `BLOCK` in sort.wgsl.
+const BLOCK: u32 = 2048;
+/// Number of digits: `DIGITS` in sort.wgsl.
+const DIGITS: u32 = 256;
+/// Number of counts per workgroup of prefix sums: `SUM_BLOCK` in sort.wgsl.
+const SUM_BLOCK: u32 = 1024;
+/// Number of passes, one per digit of 8 bits. It is even, so the result is in the first buffers.
+const PASSES: u32 = 4;
+/// The shaders of a pass, and whether a workgroup handles a block of items, a block of counts, or
+/// all counts.
+const SHADERS: [(&str, Groups); 5] = [
+    ("count_digits", Groups::Items),
+    ("sum_counts", Groups::Counts),
+    ("sum_all", Groups::One),
+    ("place_counts", Groups::Counts),
+    ("move_items", Groups::Items),
+];
+/// Bytes of `SortPass` in sort.wgsl.
+const PASS: NonZeroU64 = NonZeroU64::new(20).unwrap();
+
+/// Greatest number of items: those of a dispatch along one axis.
+pub(crate) const MOST_ITEMS: u64 = 65_535 * BLOCK as u64;
+
+/// Unit of a shader's workgroups.
+#[derive(Clone, Copy, Debug)]
+enum Groups {
+    Items,
+    Counts,
+    One,
+}
+
+/// Items to sort.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SortRange {
+    /// Number of items that are not counted by the first word of the items' head.
+    pub(crate) first: u32,
+    /// Greatest number of items.
+    pub(crate) most: u32,
+}
+
+impl SortRange {
+    fn blocks(self) -> u32 {
+        self.most.div_ceil(BLOCK).max(1)
+    }
+
+    fn sum_blocks(self) -> u32 {
+        (DIGITS * self.blocks()).div_ceil(SUM_BLOCK)
+    }
+}
+
+/// Buffers of the items. Keys and values have two copies; the input and the result are in the first
+/// ones.
+#[derive(Debug)]
+pub(crate) struct SortBuffers {
+    /// The first word counts items.
+    pub(crate) head: Buffer,
+    pub(crate) keys: [Buffer; 2],
+    pub(crate) values: [Buffer; 2],
+    counts: Buffer,
+    sums: Buffer,
+}
+
+impl SortBuffers {
+    /// Creates buffers for ranges of up to `most` items. `head` is the number of words of their
+    /// head.
+    pub(crate) fn new(factory: &mut ResourceFactory<'_>, most: u32, head: u64) -> Self {
+        let range = SortRange { first: 0, most };
+        let mut buffer =
+            |label: &str, words: u64| factory.buffer(label, BufferUsages::STORAGE, 4 * words);
+        let items = u64::from(most).max(1);
+        Self {
+            head: buffer("umbrage sort head", head),
+            keys: [0; 2].map(|_| buffer("umbrage keys", items)),
+            values: [0; 2].map(|_| buffer("umbrage values", items)),
+            counts: buffer("umbrage digits", u64::from(DIGITS * range.blocks())),
+            sums: buffer("umbrage sums", u64::from(range.sum_blocks())),
+        }
+    }
+}
+
+/// Sorts several ranges of the same buffers, one after another.
+#[derive(Debug, Default)]
+pub(crate) struct SortStage {
+    pipelines: Option<[ComputePipeline; SHADERS.len()]>,
+    passes: Windows,
+    /// Passes from the first copies to the second ones, and back.
+    bindings: [Binding; 2],
+}
+
+impl SortStage {
+    /// Writes the inputs of the passes that sort these ranges.
+    pub(crate) fn prepare(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        buffers: &SortBuffers,
+        ranges: impl Iterator<Item = SortRange>,
+    ) {
+        let passes = ranges.flat_map(|range| {
+            (0..PASSES).map(move |pass| {
+                let shift = 8 * pass;
+                let blocks = [range.blocks(), range.sum_blocks()];
+                [shift, blocks[0], blocks[1], range.first, range.most]
+            })
+        });
+        let Some((passes, _)) = self.passes.write(factory, "umbrage sort", passes) else {
+            return;
+        };
+        // Create the pipelines on first use.
+        let slots = [
+            Slot::Window(PASS),
+            Slot::Table,
+            Slot::Table,
+            Slot::Table,
+            Slot::Written,
+            Slot::Written,
+            Slot::Written,
+            Slot::Written,
+        ];
+        let stages = ShaderStages::COMPUTE;
+        let layout = pipelines.layouts.get(factory, stages, &slots);
+        self.pipelines.get_or_insert_with(|| {
+            factory.counters.pipelines += SHADERS.len() as u32;
+            let device = factory.device;
+            let module = shader(device, "umbrage sort", &shader_of(&["sort"]));
+            SHADERS.map(|(entry, _)| compute_pipeline(device, &module, entry, &[Some(&layout)]))
+        });
+        // Bind the buffers. Each pass moves the items to the other copy.
+        for (from, binding) in self.bindings.iter_mut().enumerate() {
+            let to = 1 - from;
+            let SortBuffers { head, counts, .. } = buffers;
+            let all = [
+                head,
+                &buffers.keys[from],
+                &buffers.values[from],
+                &buffers.keys[to],
+                &buffers.values[to],
+                counts,
+                &buffers.sums,
+            ];
+            let mut bound = vec![Bound::Window(passes.clone(), PASS)];
+            bound.extend(all.map(|buffer| Bound::Buffer(buffer.clone())));
+            binding.set(factory, "umbrage sort", &layout, bound);
+        }
+    }
+
+    /// Records the passes that sort a range, by its number among the prepared ones.
+    pub(crate) fn encode(&self, pass: &mut ComputePass<'_>, number: usize, range: SortRange) {
+        let Some(pipelines) = &self.pipelines else {
+            return;
+        };
+        for digit in 0..PASSES as usize {
+            let offset = self.passes.offset(PASSES as usize * number + digit);
+            pass.set_bind_group(0, self.bindings[digit % 2].group(), &[offset]);
+            for (pipeline, (_, groups)) in pipelines.iter().zip(SHADERS) {
+                let groups = match groups {
+                    Groups::Items => range.blocks(),
+                    Groups::Counts => range.sum_blocks(),
+                    Groups::One => 1,
+                };
+                pass.set_pipeline(pipeline);
+                pass.dispatch_workgroups(groups, 1, 1);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCK, DIGITS, SUM_BLOCK};
+    use crate::wgsl::stages::shader_of;
+
+    #[test]
+    fn constants_are_those_of_the_shader() {
+        let text = shader_of(&["sort"]);
+        for (name, value) in [
+            ("BLOCK", BLOCK),
+            ("DIGITS", DIGITS),
+            ("SUM_BLOCK", SUM_BLOCK),
+        ] {
+            let line = format!("const {name} = {value}u;");
+            assert!(text.contains(&line), "{line}");
+        }
+    }
+}

@@ -1,0 +1,506 @@
+//! Tests of hierarchies that a device builds, against rays.
+
+use super::alike::{World, count_differing};
+use glam::{Affine3A, Vec2, Vec3};
+use proptest::{prelude::*, test_runner::RngSeed};
+use std::sync::Arc;
+use umbrage_core::{
+    Backend, Camera, DeviceHierarchy, Instance, Kernel, Light, Mesh, NO_TRIANGLE, Scene,
+    ShadowTechnique, Uniforms, join,
+    light_sample::{LightSampler, ray_origin, segment},
+    math::dot3,
+};
+use umbrage_techniques::{Exact, ExactUniforms, LightView};
+use umbrage_tests::{
+    driver_model::{is_chosen, nth_case},
+    gpu::gpu,
+    layouts::check,
+    light_program::Forward,
+    light_stage::{Stage, spot},
+    random_scene,
+};
+use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, StillLayers, Unserved};
+
+/// Scenes with suns and point lights, with closed and open casters, some with a light among the
+/// casters, some of real size, some small or large, and one far from the origin.
+const SCENES: [&str; 15] = [
+    "cubes",
+    "figure",
+    "teapot-lamp",
+    "lamp-in-room",
+    "two-blockers",
+    "bar-at-lamp",
+    "broken-meshes",
+    "broken-meshes-lamp",
+    "stairs-lamp",
+    "thin-plate",
+    "canopy",
+    "low-sun-5",
+    "hills-1e6",
+    "cubes-tiny",
+    "cubes-huge",
+];
+
+fn exact(light: Light) -> ShadowedLight {
+    ShadowedLight {
+        light,
+        technique: Arc::new(Exact::default()),
+        priority: 1.0,
+    }
+}
+
+impl World {
+    /// A frame of a program without triangles on the CPU.
+    fn frame_without_triangles(&self) -> SetFrame<'_> {
+        SetFrame {
+            camera: &self.scene.cameras[0],
+            geometry: None,
+        }
+    }
+
+    /// Returns the visibility by rays for a light of a set, from each receiver's offset position in
+    /// the set's kernel.
+    fn trace_mask(&self, set: &LightSet, light: &Light) -> Vec<f32> {
+        self.answers(set, light, true)
+    }
+
+    /// Returns the visibility by rays, with or without casters.
+    fn answers(&self, set: &LightSet, light: &Light, casters_count: bool) -> Vec<f32> {
+        let camera = &self.scene.cameras[0];
+        let view = set.view(&self.frame_without_triangles(), light);
+        let made = Exact::default().device_recipe(&view).expect("a hierarchy");
+        let recipe = made.expect("serves the light").recipe;
+        let kernel: &dyn Kernel = &*recipe.receive.kernel;
+        let bytes = kernel.uniforms().expect("has some").uniform_bytes();
+        let [extent, far] = extent_and_far(&bytes);
+        let sampler = LightSampler::new(&light.without_extent());
+        let seen = &self.receivers;
+        let casts = |o: Vec3, d: Vec3| self.geometry.bvh().is_occluded(o, d, NO_TRIANGLE);
+        let ray = |i: usize| {
+            if !seen.receives[i] {
+                return 1.0;
+            }
+            let n = seen.normal(i);
+            let o = ray_origin(seen.position(i), n, camera.eye(), extent);
+            let d = segment(&sampler, o, Vec2::ZERO, far);
+            let faces = dot3(n, d) > 0.0;
+            let is_lit = faces && !(casters_count && casts(o, d));
+            f32::from(u8::from(is_lit))
+        };
+        (0..seen.len()).map(ray).collect()
+    }
+}
+
+fn extent_and_far(bytes: &[u8]) -> [f32; 2] {
+    let layout = ExactUniforms::layout();
+    let float = |name: &str, component: usize| {
+        let field = layout.fields.iter().find(|(field, _)| *field == name);
+        let at = field.expect("is there").1 as usize + 4 * component;
+        f32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
+    };
+    [float("grid", 3), float("far", 0)]
+}
+
+/// Returns a light's mask from its set.
+fn mask(world: &World, set: &LightSet, id: LightId) -> Vec<f32> {
+    let index = set.index_of(id).expect("is there");
+    Forward::default().mask(&world.program, set, index)
+}
+
+/// Returns the number of receivers at which rays differ, and the number in shadow.
+fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
+    let id = set.add_light(exact(light)).expect("valid");
+    world.program.update(set, &world.frame_without_triangles());
+    let unserved: Vec<_> = set.unserved_lights().collect();
+    assert!(unserved.is_empty(), "{unserved:?}");
+    let found = mask(world, set, id);
+    let expected = world.trace_mask(set, &light);
+    set.remove_light(id).expect("is there");
+    let shadowed = expected.iter().filter(|&&v| v < 1.0).count();
+    [count_differing(&found, &expected), shadowed]
+}
+
+/// Returns the allowed number of differences: none on drivers that round like the CPU; on others, a
+/// few rays that hit an edge.
+fn allowed_pixels(pixels: usize) -> usize {
+    if gpu().snapping() == umbrage_core::Snapping::default() {
+        0
+    } else {
+        pixels / 1000
+    }
+}
+
+#[test]
+fn hierarchies_of_the_device_answer_as_rays_do() {
+    for (_, name) in SCENES.iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
+        let world = World::new(name);
+        let mut set = world.set();
+        for &light in &world.scene.lights {
+            let [wrong, shadowed] = compare(&world, &mut set, light);
+            assert!(
+                wrong <= allowed_pixels(world.receivers.len()),
+                "{name}: {wrong}"
+            );
+            assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
+        }
+    }
+}
+
+/// Random scenes with one light each.
+#[test]
+fn random_scenes_answer_as_rays_do() {
+    let config = ProptestConfig {
+        cases: 75 / nth_case() as u32,
+        max_shrink_iters: 100,
+        rng_seed: RngSeed::Fixed(11),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let in_shadow = std::cell::Cell::new(0);
+    proptest!(config, |(scene in random_scene::scenes())| {
+        let Some(world) = world_of(scene) else {
+            return Ok(());
+        };
+        let mut set = world.set();
+        // With capacity for strips, and without.
+        for most in [None, Some(0)] {
+            set.limit_references(most);
+            let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
+            prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
+            in_shadow.set(in_shadow.get() + shadowed);
+        }
+    });
+    let in_shadow = in_shadow.get();
+    let least = 50_000 / nth_case();
+    assert!(in_shadow > least, "only {in_shadow} in shadow");
+}
+
+/// Returns the world of a random scene, if it has casters.
+fn world_of(scene: Scene) -> Option<World> {
+    let world = World::of_scene(scene);
+    (!world.geometry.casters().is_empty()).then_some(world)
+}
+
+/// Negative control: rays of another light differ.
+#[test]
+fn rays_of_another_light_answer_otherwise() {
+    let world = World::new("cubes");
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let id = set.add_light(exact(light)).expect("valid");
+    world
+        .program
+        .update(&mut set, &world.frame_without_triangles());
+    let found = mask(&world, &set, id);
+    let moved = Light::Directional {
+        direction: light.direction_from(Vec3::ZERO) * -1.0 + Vec3::new(0.02, 0.0, 0.0),
+        angular_diameter: 0.0,
+    };
+    assert!(count_differing(&found, &world.trace_mask(&set, &moved)) > 10);
+}
+
+/// Without capacity for pieces, casters are whole, and those on several faces of a point light may be
+/// anywhere. The answers are the same.
+#[test]
+fn hierarchies_without_room_answer_alike() {
+    for name in ["figure", "lamp-in-room", "bar-at-lamp"] {
+        let world = World::new(name);
+        let mut set = world.set();
+        let light = world.scene.lights[0];
+        set.limit_references(Some(0));
+        let [wrong, shadowed] = compare(&world, &mut set, light);
+        assert!(
+            wrong <= allowed_pixels(world.receivers.len()),
+            "{name}: {wrong}"
+        );
+        assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
+    }
+}
+
+/// Adds triangles to a scene, as casters that also receive.
+fn add_triangles(scene: &mut Scene, triangles: &[[Vec3; 3]]) {
+    let corners = triangles.as_flattened().to_vec();
+    let ids = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    let mesh = Mesh::new("added", corners, ids.collect()).expect("valid");
+    let instance = Instance::new(scene.meshes.len(), Affine3A::IDENTITY);
+    scene.meshes.push(mesh);
+    scene.instances.push(instance);
+}
+
+/// Checks that a scene's first light has the results of rays, and returns the number of receivers
+/// in shadow.
+fn check_world(world: &World, what: &str) -> usize {
+    let mut set = world.set();
+    let [wrong, shadowed] = compare(world, &mut set, world.scene.lights[0]);
+    assert!(
+        wrong <= allowed_pixels(world.receivers.len()),
+        "{what}: {wrong}"
+    );
+    shadowed
+}
+
+/// A triangle over everything puts everything in shadow, and one below everything changes nothing.
+#[test]
+fn casters_that_cover_everything_answer_as_rays_do() {
+    for name in ["cubes", "teapot-lamp"] {
+        let [below, above] = [-1e3, 9.0].map(|height| {
+            let mut world = World::new(name);
+            let corners = [(-1e4, -1e4), (1e4, -1e4), (0.0, 2e4)];
+            let triangle = corners.map(|(x, z)| Vec3::new(x, height, z));
+            add_triangles(&mut world.scene, &[triangle]);
+            if let Light::Point { position, .. } | Light::Spot { position, .. } =
+                &mut world.scene.lights[0]
+            {
+                position.y = 10.0;
+            }
+            check_world(&World::of_scene(world.scene), name)
+        });
+        assert!(above > below, "{name}: {below} of {above}");
+    }
+}
+
+/// Small triangles within a 16,384th of a light's view, between two that are a kilometre apart. Many
+/// keys are equal.
+fn crowd(count: usize) -> World {
+    let mut seed = 1_u32;
+    let mut random = || {
+        // Numerical Recipes' generator (Press and others 1992).
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    // About half of the crowd's ground is in shadow.
+    let size = 0.05 / (count as f32).sqrt();
+    let mut triangles: Vec<[Vec3; 3]> = (0..count)
+        .map(|_| {
+            let at = Vec3::new(0.04 * random(), 0.1 + 0.1 * random(), 0.04 * random());
+            [0; 3].map(|_| at + size * Vec3::new(random(), random(), random()) * 2.0)
+        })
+        .collect();
+    for x in [-500.0, 500.0] {
+        triangles.push([0.0, 1.0, 2.0].map(|z| Vec3::new(x, 1.0, z)));
+    }
+    let mut world = World::new("cubes");
+    let scene = &mut world.scene;
+    scene.meshes.clear();
+    scene.instances.clear();
+    add_triangles(scene, &triangles);
+    scene.instances[0].receives = false;
+    let ground = [(-1.0, -1.0), (0.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    add_triangles(scene, &[ground]);
+    scene.instances[1].casts = false;
+    scene.lights[0] = Light::Directional {
+        direction: Vec3::new(0.1, -1.0, 0.05),
+        angular_diameter: 0.0,
+    };
+    scene.cameras[0] = Camera::perspective(
+        Vec3::new(0.0, 0.2, 0.1),
+        Vec3::ZERO,
+        Vec3::Y,
+        0.4,
+        [0.01, 10.0],
+        scene.cameras[0].size,
+    )
+    .expect("valid");
+    World::of_scene(world.scene)
+}
+
+/// The number of casters is 20,000, or that of the environment variable. Far more than a million
+/// exceed the iterations of Mesa's lavapipe.
+#[test]
+fn crowds_of_casters_answer_as_rays_do() {
+    let count = std::env::var("UMBRAGE_CROWD").ok();
+    let count = count.map_or(20_000, |count| count.parse().expect("a number"));
+    let world = crowd(count);
+    let shadowed = check_world(&world, "crowd");
+    assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+/// Plates along a kilometre of the sun's rays: positions round in proportion to the depth, which is
+/// much greater than the width.
+#[test]
+fn casters_far_along_the_light_answer_as_rays_do() {
+    let mut world = World::new("cubes");
+    let scene = &mut world.scene;
+    scene.meshes.clear();
+    scene.instances.clear();
+    let away = Vec3::new(0.31, -0.87, 0.23).normalize();
+    let (across, down) = away.any_orthonormal_pair();
+    let plate = |i: usize| {
+        let centre = away * (5.0 * i as f32);
+        // Small triangles with gaps of their size, and others in each plate.
+        (0..200).map(move |j| {
+            let angle = 0.7 * j as f32 + 0.013 * i as f32;
+            let at = centre + (across * angle.cos() + down * angle.sin()) * (0.004 * j as f32);
+            [at, at + across * 0.05, at + (down + away) * 0.05]
+        })
+    };
+    let triangles: Vec<[Vec3; 3]> = (0..200).flat_map(plate).collect();
+    add_triangles(scene, &triangles);
+    scene.lights[0] = Light::Directional {
+        direction: away,
+        angular_diameter: 0.0,
+    };
+    let eye = away * 487.0 + across * 2.0;
+    let near_far = [0.1, 100.0];
+    let size = scene.cameras[0].size;
+    let looks_at = away * 490.0;
+    scene.cameras[0] =
+        Camera::perspective(eye, looks_at, down, 0.8, near_far, size).expect("valid");
+    let shadowed = check_world(&World::of_scene(world.scene), "plates");
+    assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+/// Lights of a set share scratch buffers.
+#[test]
+fn lights_of_one_set_answer_as_rays_do() {
+    let world = World::new("lamp-in-room");
+    let mut set = world.set();
+    let sun = Light::Directional {
+        direction: Vec3::new(0.4, -1.0, 0.3),
+        angular_diameter: 0.0,
+    };
+    let lamp = Light::Point {
+        position: Vec3::new(0.3, 1.1, -0.2),
+        radius: 0.0,
+    };
+    let lights = [world.scene.lights[0], sun, lamp];
+    let ids = lights.map(|light| set.add_light(exact(light)).expect("valid"));
+    world
+        .program
+        .update(&mut set, &world.frame_without_triangles());
+    assert_eq!(set.report().hierarchies, 3);
+    for (id, light) in ids.into_iter().zip(lights) {
+        let wrong = count_differing(&mask(&world, &set, id), &world.trace_mask(&set, &light));
+        assert!(
+            wrong <= allowed_pixels(world.receivers.len()),
+            "{light:?}: {wrong}"
+        );
+    }
+}
+
+/// Moved casters have the shadows of casters that were there from the start. Removed ones have
+/// none, although their nodes were in the tables.
+#[test]
+fn casters_that_move_leave_nothing_behind() {
+    let world = World::new("figure");
+    let frame = world.frame_without_triangles();
+    let light = world.scene.lights[0];
+    let start = || {
+        let mut set = world.program.set(SetBudget::default(), StillLayers::Auto);
+        let meshes = world.meshes(&mut set);
+        let id = set.add_light(exact(light)).expect("valid");
+        (set, meshes, id)
+    };
+    let moved = Affine3A::from_translation(Vec3::new(0.3, 0.1, -0.2));
+    let (mut set, meshes, id) = start();
+    let add = |set: &mut LightSet, at: Affine3A| {
+        let casters = meshes.iter().map(|&mesh| set.add_caster(mesh, at));
+        casters.collect::<Result<Vec<_>, _>>().expect("valid")
+    };
+    let casters = add(&mut set, Affine3A::IDENTITY);
+    let seen = |set: &mut LightSet| {
+        world.program.update(set, &frame);
+        mask(&world, set, id)
+    };
+    let first = seen(&mut set);
+    assert!(
+        count_differing(&first, &world.trace_mask(&set, &light)) <= allowed_pixels(first.len())
+    );
+    for &caster in &casters {
+        set.move_caster(caster, moved).expect("valid");
+    }
+    let second = seen(&mut set);
+    assert!(count_differing(&first, &second) > 100);
+    for caster in casters {
+        set.remove_caster(caster).expect("is there");
+    }
+    let empty = seen(&mut set);
+    assert_eq!(
+        count_differing(&empty, &world.answers(&set, &light, false)),
+        0
+    );
+    add(&mut set, moved);
+    assert_eq!(count_differing(&second, &seen(&mut set)), 0);
+}
+
+/// Constants and structs that passes, lookup and backend share.
+#[test]
+fn shared_constants_are_equal() {
+    let world = World::new("cubes");
+    let set = world.set();
+    let frame = world.frame_without_triangles();
+    let view = set.view(&frame, &world.scene.lights[0]);
+    let made = Exact::default().device_recipe(&view);
+    let made = made.expect("a hierarchy").expect("serves the light");
+    let passes = join(&made.hierarchy.modules);
+    let lookup = join(&made.recipe.receive.kernel.modules());
+    check(&LightView::layout(), &passes).expect("equal");
+    let constant = |text: &str, name: &str| -> f64 {
+        let (_, rest) = text
+            .split_once(&format!("const {name} = "))
+            .unwrap_or_else(|| panic!("no constant {name}"));
+        let (value, _) = rest.split_once(';').expect("ends");
+        value.trim_end_matches('u').parse().expect("a number")
+    };
+    for name in ["FACE_STEP", "TEST_ERROR", "HEADER"] {
+        assert_eq!(constant(&passes, name), constant(&lookup, name), "{name}");
+    }
+    let levels = DeviceHierarchy::LEVELS;
+    assert_eq!(
+        constant(&passes, "HEADER"),
+        f64::from(DeviceHierarchy::HEADER)
+    );
+    assert_eq!(constant(&lookup, "MOST_LEVELS"), levels as f64);
+    assert!(passes.contains(&format!("firsts: array<vec4u, {}>", levels / 4)));
+    let head = constant(&passes, "MORE_PIECES") + constant(&passes, "STEPS");
+    assert!(head <= DeviceHierarchy::HEAD as f64);
+}
+
+/// A light that is off keeps its hierarchy, which is rebuilt when it is switched on.
+#[test]
+fn hierarchies_of_lights_that_are_off_are_not_rebuilt() {
+    let world = World::new("figure");
+    let mut set = world.set();
+    let frame = world.frame_without_triangles();
+    let light = world.scene.lights[0];
+    let everything = world.geometry.caster_bounds();
+    let ids = [0; 2].map(|_| set.add_light(exact(light)).expect("valid"));
+    let text = set.text_with(&frame, &[]).expect("supported");
+    let update = |set: &mut LightSet| {
+        world.program.update(set, &frame);
+        set.report().hierarchies
+    };
+    assert_eq!(update(&mut set), 2);
+    assert!(set.wgsl() == text.wgsl && set.wgsl_revision() == text.revision);
+    let shadowed = mask(&world, &set, ids[1]);
+    set.set_enabled(ids[1], false).expect("is there");
+    for _ in 0..2 {
+        set.touch(&everything).expect("finite");
+        assert_eq!(update(&mut set), 1);
+        assert!(mask(&world, &set, ids[1]).iter().all(|&lit| lit == 1.0));
+        assert_eq!(mask(&world, &set, ids[0]), shadowed);
+    }
+    set.set_enabled(ids[1], true).expect("is there");
+    assert_eq!(update(&mut set), 1);
+    assert_eq!(mask(&world, &set, ids[1]), shadowed);
+    assert_eq!(update(&mut set), 0);
+}
+
+/// Meshes that compute shaders can't read leave the light without shadows, with a reason that names
+/// the mesh.
+#[test]
+fn buffers_without_the_usage_are_named() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let id = stage.set.add_light(exact(spot(0.0))).expect("valid");
+    stage.frame();
+    let unserved: Vec<_> = stage.set.unserved_lights().collect();
+    let [(of, Unserved::Refused(why))] = &unserved[..] else {
+        panic!("{unserved:?}");
+    };
+    assert_eq!(*of, id);
+    let why = why.to_string();
+    assert!(
+        why.contains("`triangle`") && why.contains("STORAGE"),
+        "{why}"
+    );
+}
