@@ -15,11 +15,10 @@ pub use filtering::depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
-pub use filtering::moments::blur::{BoxBlurKernel, BoxBlurUniforms};
+pub use filtering::moments::blur::{MomentMapKernel, MomentMapUniforms};
 pub use filtering::moments::halve::{HalveKernel, HalveUniforms};
 pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
 pub use filtering::moments::mipmaps::MAX_MIPMAPS;
-pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
 pub use filtering::moments::stored::MomentPrecision;
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{

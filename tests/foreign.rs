@@ -91,9 +91,20 @@ pub fn texture(
 ///
 /// # Panics
 /// Panics if the device is lost.
-pub fn read(d: &TestDevice, mut encoder: CommandEncoder, view: &TextureView) -> Vec<f32> {
+pub fn read(d: &TestDevice, encoder: CommandEncoder, view: &TextureView) -> Vec<f32> {
+    bytemuck::pod_collect_to_vec(&read_bytes(d, encoder, view))
+}
+
+/// Submits the encoder, and returns the resulting bytes of a texture, layer by layer and row by
+/// row.
+///
+/// # Panics
+/// Panics if the device is lost, or the format has no known size.
+pub fn read_bytes(d: &TestDevice, mut encoder: CommandEncoder, view: &TextureView) -> Vec<u8> {
     let texture = view.texture();
-    let row = (4 * texture.width()).next_multiple_of(256);
+    let texel = texture.format().block_copy_size(None);
+    let width = texel.expect("a format of whole texels") * texture.width();
+    let row = width.next_multiple_of(256);
     let buffer = d.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: u64::from(row)
@@ -119,6 +130,5 @@ pub fn read(d: &TestDevice, mut encoder: CommandEncoder, view: &TextureView) -> 
         .expect("the device lives");
     let bytes = buffer.get_mapped_range(..).expect("mapped");
     let rows = bytes.chunks_exact(row as usize);
-    rows.flat_map(|r| bytemuck::pod_collect_to_vec::<u8, f32>(&r[..4 * texture.width() as usize]))
-        .collect()
+    rows.flat_map(|r| &r[..width as usize]).copied().collect()
 }

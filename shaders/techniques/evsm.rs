@@ -15,7 +15,7 @@
 //! Known failures: with two moments, light leaks around feet if the blur contains floor behind
 //! them. Blockers at nearly the same depth still bleed. The falling exponential darkens receivers
 //! that curve within the blur. The other failures are those of `vsm` and of every map: see
-//! [`shadow_map`](crate::shadow_map). Four moments use 32 bytes per texel while they are blurred.
+//! [`shadow_map`](crate::shadow_map). Four moments use 16 bytes per texel, two use 8.
 
 use crate::{
     filtering::moments::{

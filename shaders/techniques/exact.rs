@@ -367,4 +367,8 @@ impl ReceiveKernel for ExactKernel {
             receivers,
         ))
     }
+
+    fn in_compute(&self) -> bool {
+        true
+    }
 }

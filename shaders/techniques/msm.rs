@@ -21,8 +21,8 @@
 //! Fourth powers need most of a float's 24 bits. So `moment_bias` lights receivers within some
 //! thousandths of the map's depth behind a blocker: feet and thin slices. All penumbrae have one
 //! width, and light leaks into contacts as far as the blur reaches. The failures of every map also
-//! apply: see [`shadow_map`](crate::shadow_map). Maps use 32 bytes per texel while they are
-//! blurred.
+//! apply: see [`shadow_map`](crate::shadow_map). Moments use 16 bytes per texel, 8
+//! with 16 bits.
 
 use crate::{
     filtering::moments::{

@@ -330,4 +330,8 @@ impl ReceiveKernel for SoftKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         look_up_span(inputs.simd, &self.search(), span, out);
     }
+
+    fn in_compute(&self) -> bool {
+        true
+    }
 }

@@ -209,4 +209,8 @@ impl ReceiveKernel for TracedKernel {
             *out = seen as f32 / u.samples as f32;
         }
     }
+
+    fn in_compute(&self) -> bool {
+        true
+    }
 }

@@ -18,7 +18,8 @@
 //!
 //! Known failures:
 //!
-//! - The fill cost of the volumes' faces dominates; they often cover the image many times.
+//! - The fill cost of the volumes' faces dominates; they often cover the image many times. So this
+//!   is a reference technique: silhouettes found on the device would draw the same faces.
 //! - Alpha-tested casters are refused, since outlines ignore textures.
 //! - Counts wrap, so a point under exactly 256 surfaces (or 512, ..) is lit.
 //! - At grazing light, the volume's side is within the rounding of the surface's depth, about 2^-23

@@ -2,7 +2,7 @@
 //! of the fraction beyond the receiver.
 //!
 //! Donnelly and Lauritzen 2006, "Variance shadow maps". Means of depth can be averaged further,
-//! unlike comparisons with depth. So a filter of any width is two passes over the map for any
+//! unlike comparisons with depth. So a filter of any width is one pass over the map for any
 //! number of receivers, and each receiver looks up one blend of four texels. With one blocker
 //! before one receiver the bound is exact: visibility equals that of filtering all comparisons.
 //!
@@ -12,8 +12,8 @@
 //! penumbrae. Like any filter of depths, it has one width for all penumbrae, and leaks light into
 //! contacts as far as the blur reaches. Squares of depth have 24 bits: receivers nearer to their
 //! blocker than `least_deviation` are partly lit. The failures of every map also apply: see
-//! [`shadow_map`](crate::shadow_map). Maps use 16 bytes per texel while they are blurred, 8 with
-//! 16-bit moments.
+//! [`shadow_map`](crate::shadow_map). Moments use 8 bytes per texel, 4 with 16 bits,
+//! in addition to the depths.
 
 use crate::{
     filtering::moments::{

@@ -20,6 +20,7 @@ mod layers;
 mod light_set;
 mod lists;
 mod maps;
+mod moment_maps;
 mod not_finite;
 mod order;
 mod others;

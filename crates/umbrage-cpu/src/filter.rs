@@ -2,10 +2,7 @@
 
 use crate::images::views;
 use rayon::prelude::*;
-use umbrage_core::{
-    Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask,
-    glam::{UVec2, Vec4},
-};
+use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask, glam::Vec4};
 
 /// Runs all filters, and changes their outputs by the fractions `shift`, one per channel. It
 /// changes them before storage, as a different order of sums would, and after it, as a different
@@ -31,8 +28,13 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
     }
 }
 
-/// Runs one filter into `texels`, row by row. `shift` changes the values before storage by
-/// fractions, one per channel.
+/// Greatest number of rows that a thread computes together, for kernels whose rows share work.
+const MOST_ROWS: usize = 256;
+/// Least number of such rows: with fewer, most of the work would not be shared.
+const LEAST_ROWS: usize = 8;
+
+/// Runs one filter into `texels`. `shift` changes the values before storage by fractions, one per
+/// channel.
 pub(crate) fn filter(
     images: &[Image],
     filter: &Filter,
@@ -48,12 +50,22 @@ pub(crate) fn filter(
     };
     let row_len = output.size.x as usize * output.format.channels();
     let height = output.size.y as usize;
-    // The rows cover all layers, one layer after the other.
-    let rows = texels.par_chunks_mut(row_len).enumerate();
-    rows.for_each(|(row, out)| {
-        let start = UVec2::new(0, (row % height) as u32);
-        let layer = (row / height) as u32;
-        filter.kernel.filter(&inputs, start, layer, out);
+    // Choose the number of rows that a thread computes together.
+    let parts = 4 * rayon::current_num_threads();
+    let rows_of_part = match filter.kernel.tile() {
+        Some(_) => height.div_ceil(parts).clamp(LEAST_ROWS, MOST_ROWS),
+        None => 1,
+    };
+    // Compute the parts of all layers.
+    let layers = texels.par_chunks_mut(row_len * height).enumerate();
+    let parts = layers.flat_map(|(layer, texels)| {
+        let parts = texels.par_chunks_mut(row_len * rows_of_part).enumerate();
+        parts.map(move |(part, out)| (layer, part, out))
+    });
+    parts.for_each(|(layer, part, out)| {
+        let first = (part * rows_of_part) as u32;
+        let kernel = &filter.kernel;
+        kernel.filter_rows(&inputs, first, layer as u32, row_len, out);
         if shift != Vec4::ZERO {
             shift_channels(out, output.format.channels(), shift);
         }

@@ -2,28 +2,167 @@
 
 use crate::{
     resources::{
+        bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         images::{GpuImage, texture_format},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
-        timestamps::{PassTimestamps, TimedStage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, of_compute, pass_stamps},
     },
     targets::attachment,
-    wgsl::{kernel::kernel_wgsl, stages::filter_shader},
+    wgsl::{
+        kernel::kernel_wgsl,
+        stages::{FILTER_OUTPUT_GROUP, filter_shader, tile_filter_shader},
+    },
 };
-use umbrage_core::{Format, Recipe};
+use glam::{UVec2, UVec3};
+use umbrage_core::{Filter, Format, Recipe};
 use wgpu::{
-    Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment, RenderPassDescriptor,
-    StoreOp, TextureView,
+    Color, CommandEncoder, ComputePassDescriptor, ComputePipeline, LoadOp, Operations,
+    RenderPassColorAttachment, RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline,
+    ShaderStages, StoreOp, TextureView,
 };
 
 /// All filters of a recipe, prepared for encoding.
 #[derive(Debug, Default)]
 pub(crate) struct FilterStage {
-    /// Each filter, with the layers that it writes.
-    filters: Vec<(KernelStage, Vec<TextureView>)>,
+    filters: Vec<PreparedFilter>,
     /// Layers that may be read before a stage writes them.
     clears: Vec<(Format, TextureView)>,
+}
+
+/// A filter with its passes.
+#[derive(Debug, Default)]
+struct PreparedFilter {
+    stage: KernelStage,
+    /// The image that compute passes write.
+    output: Binding,
+    passes: FilterPasses,
+}
+
+/// The passes of one filter.
+#[derive(Debug)]
+enum FilterPasses {
+    /// One render pass for each of these layers.
+    Draws {
+        pipeline: Option<RenderPipeline>,
+        layers: Vec<TextureView>,
+    },
+    /// One compute pass of this many workgroups along each axis; the third axis has the layers.
+    Tiles {
+        pipeline: ComputePipeline,
+        groups: UVec3,
+    },
+}
+
+impl Default for FilterPasses {
+    fn default() -> Self {
+        Self::Draws {
+            pipeline: None,
+            layers: Vec::new(),
+        }
+    }
+}
+
+impl FilterPasses {
+    fn count(&self) -> usize {
+        match self {
+            Self::Draws { layers, .. } => layers.len(),
+            Self::Tiles { .. } => 1,
+        }
+    }
+}
+
+impl PreparedFilter {
+    /// Creates the pipeline and the bindings.
+    fn prepare(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+        filter: &Filter,
+    ) {
+        let kernel = &*filter.kernel;
+        let shape = self.stage.bind(
+            factory,
+            pipelines,
+            sources,
+            kernel,
+            &filter.inputs,
+            &filter.tables,
+        );
+        let text = kernel_wgsl(kernel, &shape, 0);
+        let output = &sources.images[filter.output];
+        let desc = output.desc;
+        let label = format!("umbrage filter into {}", desc.label);
+        let format = texture_format(desc.format);
+        let inputs = self.stage.binding.layout();
+        let Some(tile) = kernel.tile() else {
+            let text = filter_shader(&text, desc.format);
+            let entry = "umbrage_filter";
+            let pipeline = pipelines.kernel(factory, &label, text, entry, format, &[inputs]);
+            self.passes = FilterPasses::Draws {
+                pipeline: Some(pipeline),
+                layers: output.layers.clone(),
+            };
+            return;
+        };
+        let layered = desc.layers > 1;
+        let slot = Slot::Stored { format, layered };
+        let layout = self.output.bind(
+            factory,
+            &mut pipelines.layouts,
+            ShaderStages::COMPUTE,
+            &label,
+            vec![(slot, Bound::View(output.whole.clone()))],
+        );
+        let text = tile_filter_shader(&text, desc.format, layered);
+        let groups = [inputs, Some(&layout)];
+        let pipeline = pipelines.compute(factory, &label, text, "umbrage_filter", &groups);
+        let tile = tile.max(UVec2::ONE);
+        let columns = desc.size.x.div_ceil(tile.x);
+        let rows = desc.size.y.div_ceil(tile.y);
+        self.passes = FilterPasses::Tiles {
+            pipeline,
+            groups: UVec3::new(columns, rows, desc.layers),
+        };
+    }
+
+    /// Records the passes. `stamps` returns the timestamps of the pass with this index.
+    fn encode<'a>(
+        &self,
+        encoder: &mut CommandEncoder,
+        stamps: impl Fn(usize) -> Option<RenderPassTimestampWrites<'a>>,
+    ) {
+        match &self.passes {
+            FilterPasses::Draws { pipeline, layers } => {
+                let Some(pipeline) = pipeline else {
+                    return;
+                };
+                for (layer, view) in (0..).zip(layers) {
+                    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                        label: Some("umbrage filter"),
+                        color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
+                        timestamp_writes: stamps(layer as usize),
+                        ..RenderPassDescriptor::default()
+                    });
+                    pass.set_pipeline(pipeline);
+                    pass.set_bind_group(0, self.stage.binding.group(), &[]);
+                    pass.draw(0..3, layer..layer + 1);
+                }
+            }
+            FilterPasses::Tiles { pipeline, groups } => {
+                let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+                    label: Some("umbrage filter"),
+                    timestamp_writes: stamps(0).map(of_compute),
+                });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, self.stage.binding.group(), &[]);
+                pass.set_bind_group(FILTER_OUTPUT_GROUP, self.output.group(), &[]);
+                pass.dispatch_workgroups(groups.x, groups.y, groups.z);
+            }
+        }
+    }
 }
 
 impl FilterStage {
@@ -35,38 +174,16 @@ impl FilterStage {
     ) {
         let recipe = sources.recipe;
         self.clears = unwritten_layers(recipe, sources.images);
-        self.filters.truncate(recipe.filters.len());
         self.filters
             .resize_with(recipe.filters.len(), Default::default);
-        for ((stage, targets), filter) in self.filters.iter_mut().zip(&recipe.filters) {
-            let kernel = &*filter.kernel;
-            let shape = stage.bind(
-                factory,
-                pipelines,
-                sources,
-                kernel,
-                &filter.inputs,
-                &filter.tables,
-            );
-            let output = &sources.images[filter.output];
-            let text = filter_shader(&kernel_wgsl(kernel, &shape, 0), output.desc.format);
-            let format = texture_format(output.desc.format);
-            let label = format!("umbrage filter into {}", output.desc.label);
-            stage.pipeline = Some(pipelines.kernel(
-                factory,
-                &label,
-                text,
-                "umbrage_filter",
-                format,
-                &[stage.binding.layout()],
-            ));
-            targets.clone_from(&output.layers);
+        for (prepared, filter) in self.filters.iter_mut().zip(&recipe.filters) {
+            prepared.prepare(factory, pipelines, sources, filter);
         }
     }
 
     /// Returns whether there are any filter passes.
     pub(crate) fn has_passes(&self) -> bool {
-        self.filters.iter().any(|(_, layers)| !layers.is_empty())
+        self.filters.iter().any(|filter| filter.passes.count() > 0)
     }
 
     /// Clears the layers that may be read before a stage writes them.
@@ -76,26 +193,20 @@ impl FilterStage {
         }
     }
 
-    /// Records one pass for each layer of each filter's output.
+    /// Records all filters: a compute pass for each that computes tiles, otherwise a render pass
+    /// for each layer of its output.
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
-        let count = self.filters.iter().map(|(_, layers)| layers.len()).sum();
-        let mut index = 0;
-        for (stage, layers) in &self.filters {
-            let Some(pipeline) = &stage.pipeline else {
-                continue;
-            };
-            for (layer, view) in (0..).zip(layers) {
-                let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-                    label: Some("umbrage filter"),
-                    color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
-                    timestamp_writes: pass_stamps(stamps, TimedStage::Filter, index, count),
-                    ..RenderPassDescriptor::default()
-                });
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, stage.binding.group(), &[]);
-                pass.draw(0..3, layer..layer + 1);
-                index += 1;
-            }
+        let count = self
+            .filters
+            .iter()
+            .map(|filter| filter.passes.count())
+            .sum();
+        let mut first = 0;
+        for filter in &self.filters {
+            filter.encode(encoder, |pass| {
+                pass_stamps(stamps, TimedStage::Filter, first + pass, count)
+            });
+            first += filter.passes.count();
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The receive and shade stages, which run a kernel for every pixel of the G-buffer.
+//! The receive and shade stages, which run a kernel for every pixel of the G-buffer: in a render
+//! pass, or in a compute pass for kernels with `ReceiveKernel::in_compute`.
 
 use crate::{
     filter::color_attachment,
@@ -9,6 +10,7 @@ use crate::{
         images::{GpuImage, fit_images, texture_format},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
+        timestamps::of_compute,
     },
     wgsl::{
         kernel::kernel_wgsl,
@@ -18,8 +20,8 @@ use crate::{
 use glam::UVec2;
 use umbrage_core::{Format, ImageDesc, Kernel};
 use wgpu::{
-    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor,
-    RenderPassTimestampWrites, ShaderStages,
+    BindGroup, BindGroupLayout, Color, CommandEncoder, ComputePassDescriptor, ComputePipeline,
+    RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline, ShaderStages,
 };
 
 /// A stage that writes one image, prepared for encoding. It has no image if the recipe lacks the
@@ -29,8 +31,24 @@ pub(crate) struct PixelStage {
     kernel: KernelStage,
     gbuffer: Binding,
     image: Vec<GpuImage>,
-    /// Clear colour of the image.
+    pipeline: Option<PixelPipeline>,
+    /// Clear colour of the image, for render passes.
     background: Color,
+}
+
+/// Pipeline of a stage that writes one image.
+#[derive(Debug)]
+enum PixelPipeline {
+    Draw(RenderPipeline),
+    Compute(ComputePipeline),
+}
+
+/// Kind of a stage's pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PixelPass {
+    Draw,
+    /// Stores to the image, which is the last binding of the G-buffer's group.
+    Compute,
 }
 
 /// A stage's kernel, and its image.
@@ -42,6 +60,7 @@ struct PixelKernel<'a> {
     size: UVec2,
     format: Format,
     entry: &'static str,
+    pass: PixelPass,
 }
 
 impl PixelStage {
@@ -55,6 +74,7 @@ impl PixelStage {
         frame: &FrameInputs<'_>,
     ) -> Option<&GpuImage> {
         let receive = &sources.recipe.receive;
+        let computes = receive.kernel.in_compute();
         let kernel = PixelKernel {
             kernel: &*receive.kernel,
             images: &receive.inputs,
@@ -63,10 +83,15 @@ impl PixelStage {
             size: frame.size,
             format: Format::R32,
             entry: "umbrage_receive",
+            pass: if computes {
+                PixelPass::Compute
+            } else {
+                PixelPass::Draw
+            },
         };
         let seen = gbuffer_entries(&frame.receivers);
         let has_triangles = frame.receivers.triangle.is_some();
-        let shader = |text: &str, group| receive_shader(text, group, has_triangles);
+        let shader = |text: &str, group| receive_shader(text, group, has_triangles, computes);
         self.background = Color::WHITE;
         self.prepare(factory, pipelines, sources, options, kernel, seen, shader);
         self.image()
@@ -93,6 +118,7 @@ impl PixelStage {
             size: frame.size,
             format: Format::Rgba32,
             entry: "umbrage_shade",
+            pass: PixelPass::Draw,
         };
         let mut seen = gbuffer_entries(&frame.receivers);
         let view = Bound::View(mask.whole.clone());
@@ -120,7 +146,7 @@ impl PixelStage {
         sources: &mut Sources<'_>,
         options: RendererOptions,
         pixel: PixelKernel<'_>,
-        seen: Vec<(Slot, Bound)>,
+        mut seen: Vec<(Slot, Bound)>,
         shader: impl Fn(&str, u32) -> String,
     ) {
         // Create the image.
@@ -140,8 +166,19 @@ impl PixelStage {
             pixel.images,
             pixel.tables,
         );
+        let format = texture_format(pixel.format);
+        let stage = match pixel.pass {
+            PixelPass::Draw => ShaderStages::FRAGMENT,
+            PixelPass::Compute => {
+                let slot = Slot::Stored {
+                    format,
+                    layered: false,
+                };
+                seen.push((slot, Bound::View(self.image[0].whole.clone())));
+                ShaderStages::COMPUTE
+            }
+        };
         let layouts = &mut pipelines.layouts;
-        let stage = ShaderStages::FRAGMENT;
         let seen_layout = self
             .gbuffer
             .bind(factory, layouts, stage, "umbrage receivers", seen);
@@ -152,14 +189,17 @@ impl PixelStage {
         let mut groups = vec![None; options.kernel_group.max(1) as usize + 1];
         groups[options.kernel_group as usize] = self.kernel.binding.layout();
         groups[gbuffer_group as usize] = Some(&seen_layout);
-        self.kernel.pipeline = Some(pipelines.kernel(
-            factory,
-            pixel.label,
-            text,
-            pixel.entry,
-            texture_format(pixel.format),
-            &groups,
-        ));
+        let PixelKernel { label, entry, .. } = pixel;
+        self.pipeline = Some(match pixel.pass {
+            PixelPass::Draw => {
+                let pipeline = pipelines.kernel(factory, label, text, entry, format, &groups);
+                PixelPipeline::Draw(pipeline)
+            }
+            PixelPass::Compute => {
+                let pipeline = pipelines.compute(factory, label, text, entry, &groups);
+                PixelPipeline::Compute(pipeline)
+            }
+        });
     }
 
     /// Records the pass, and returns the image; `None` if there is no such stage.
@@ -170,15 +210,33 @@ impl PixelStage {
         timestamp_writes: Option<RenderPassTimestampWrites<'_>>,
     ) -> Option<&GpuImage> {
         let image = self.image()?;
+        let kernel = self.kernel.binding.group();
+        let gbuffer = self.gbuffer.group();
+        let pipeline = match self.pipeline.as_ref()? {
+            PixelPipeline::Draw(pipeline) => pipeline,
+            PixelPipeline::Compute(pipeline) => {
+                let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+                    label: Some(image.desc.label),
+                    timestamp_writes: timestamp_writes.map(of_compute),
+                });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(options.kernel_group, kernel, &[]);
+                pass.set_bind_group(options.gbuffer_group(), gbuffer, &[]);
+                let [columns, rows] = pixel_groups(image.desc.size);
+                pass.dispatch_workgroups(columns, rows, 1);
+                drop(pass);
+                return Some(image);
+            }
+        };
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some(image.desc.label),
             color_attachments: &[Some(color_attachment(&image.whole, self.background))],
             timestamp_writes,
             ..RenderPassDescriptor::default()
         });
-        pass.set_pipeline(self.kernel.pipeline.as_ref()?);
-        pass.set_bind_group(options.kernel_group, self.kernel.binding.group(), &[]);
-        pass.set_bind_group(options.gbuffer_group(), self.gbuffer.group(), &[]);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(options.kernel_group, kernel, &[]);
+        pass.set_bind_group(options.gbuffer_group(), gbuffer, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
         Some(image)
@@ -194,6 +252,12 @@ impl PixelStage {
         let binding = &self.kernel.binding;
         binding.group().zip(binding.layout())
     }
+}
+
+/// Returns the number of workgroups of 8 x 8 invocations along each axis, at least one invocation a
+/// pixel. pixel_block.wgsl needs a multiple of 8 along y.
+pub(crate) fn pixel_groups(size: UVec2) -> [u32; 2] {
+    [size.x.div_ceil(8), size.y.div_ceil(8).next_multiple_of(8)]
 }
 
 /// Returns the G-buffer's bindings: positions, normals, and triangle ids if there are any.

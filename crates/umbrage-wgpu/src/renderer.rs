@@ -1,7 +1,11 @@
 //! [`ShadowRenderer`]: executes recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    device::{error_scopes::Scopes, later_errors::LaterErrors, requirements::limits},
+    device::{
+        error_scopes::Scopes,
+        later_errors::LaterErrors,
+        requirements::{COMPUTE_LIMITS, check_compute, limits},
+    },
     frame::{FrameInputs, RendererOptions, check_size},
     resources::{
         counters::{Counters, ResourceFactory},
@@ -16,7 +20,7 @@ use crate::{
     targets::CastTarget,
 };
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
-use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
+use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Limits, Queue, TextureView};
 
 /// Executes recipes. It never creates a device and never submits. [`prepare`](Self::prepare)
 /// creates and writes the resources of a frame, [`encode`](Self::encode) records the passes.
@@ -66,6 +70,12 @@ pub struct ShadowRenderer {
 }
 
 impl ShadowRenderer {
+    /// The limits that recipes with compute passes require: those of WebGL 2, and compute shaders
+    /// with a storage texture, which WebGPU and OpenGL ES 3.1 guarantee. These are recipes of moment
+    /// maps, and of kernels with [`in_compute`](umbrage_core::ReceiveKernel::in_compute). Larger
+    /// images, or tables in storage buffers, require more.
+    pub const REQUIRED_LIMITS: Limits = COMPUTE_LIMITS;
+
     /// Returns a renderer for this device. No GPU objects are created yet.
     ///
     /// # Errors
@@ -130,6 +140,7 @@ impl ShadowRenderer {
         recipe.validate(&self.limits)?;
         let limits = self.device.limits();
         check_counting(recipe, self.device.features())?;
+        check_compute(recipe, &limits)?;
         check_faces(recipe, limits.max_buffer_size)?;
         let inputs = frame.inputs;
         check_size(inputs.size, self.limits.image_side)?;

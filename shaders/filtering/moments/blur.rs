@@ -1,63 +1,152 @@
-//! Box filter along one axis. Two passes compute the mean of a square of texels.
+//! A moment map: moments of depths, each texel the mean over a square of them.
 
-use crate::filtering::moments::stored::{Encoding, Load, Store};
-use glam::{IVec2, UVec2};
+use crate::{
+    filtering::moments::{
+        exp2::EXP2,
+        of_depth::{MOMENTS_OF_DEPTH, MomentKind, MomentsOfRow},
+        stored::{Encoding, MomentPrecision, Store},
+        tile::MomentTile,
+    },
+    shadow_map::{
+        packing::unpack_depth,
+        variants::{constant, stored_depth},
+    },
+};
+use glam::{IVec2, UVec2, Vec4};
 use std::borrow::Cow;
 use umbrage_core::{
-    FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
+    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
 };
 
 uniforms! {
-    /// Uniforms of [`BoxBlurKernel`].
-    pub struct BoxBlurUniforms {
-        /// Number of texels on each side.
+    /// Uniforms of [`MomentMapKernel`].
+    pub struct MomentMapUniforms {
+        /// Powers of two per unit of centred depth, of the exponential that rises with depth.
+        pub rising: f32,
+        /// Powers of two per unit of centred depth, of the exponential that falls with depth.
+        pub falling: f32,
+        /// Number of texels on each side that are averaged.
         pub radius: i32,
-        /// (1, 0) along rows, (0, 1) along columns.
-        pub step: IVec2,
-        /// Weight of each texel: one over their number.
+        /// Weight of each texel of a row or a column: one over their number.
         pub share: f32,
+        /// Size of the tile that a workgroup writes, texels.
+        pub tile: IVec2,
+        /// Number of rows of depths that a workgroup reads at a time.
+        pub rows: i32,
     }
 }
 
-/// Filter to an image of the same size and format. Each texel becomes the mean of the texels up to
-/// `radius` away in its row or column. The image's edge repeats. Sums run from left to right, or
-/// from top to bottom.
+/// Filter from a depth map to a moment map of the same size. Each texel is the mean of the moments
+/// of the depths up to `radius` texels away in both directions. The map's edge repeats.
+///
+/// Means along rows are averaged along columns. Sums run from left to right, and from top to
+/// bottom. Only the result is rounded to the map's precision.
 #[derive(Clone, Copy, Debug)]
-pub struct BoxBlurKernel {
-    /// Encoding in which channels are averaged.
+pub struct MomentMapKernel {
+    kind: MomentKind,
     encoding: Encoding,
+    /// True if each depth of the input occupies four channels.
+    packed: bool,
     /// Uniforms.
-    pub uniforms: BoxBlurUniforms,
+    pub uniforms: MomentMapUniforms,
 }
 
-impl BoxBlurKernel {
-    /// Returns the filter along rows for moments in this encoding.
-    pub(crate) fn along_rows(radius: u32, encoding: Encoding) -> Self {
-        Self::along_step(IVec2::X, radius, encoding)
-    }
-
-    /// Returns the filter along columns.
-    pub(crate) fn along_columns(radius: u32, encoding: Encoding) -> Self {
-        Self::along_step(IVec2::Y, radius, encoding)
-    }
-
-    fn along_step(step: IVec2, radius: u32, encoding: Encoding) -> Self {
-        let share = 1.0 / (2 * radius + 1) as f32;
+impl MomentMapKernel {
+    /// Returns the filter for these moments and this precision, with a blur of `radius` texels.
+    /// `packed` is whether each depth occupies four channels.
+    pub(crate) fn new(
+        kind: MomentKind,
+        precision: MomentPrecision,
+        radius: u32,
+        packed: bool,
+    ) -> Self {
+        let (rising, falling) = match kind {
+            MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),
+            MomentKind::OneExponential { rising } => (rising, 0.0),
+            MomentKind::TwoExponentials { rising, falling } => (rising, falling),
+        };
+        let MomentTile { size, rows } = MomentTile::for_radius(radius);
         Self {
-            encoding: encoding.of_means(),
-            uniforms: BoxBlurUniforms {
+            kind,
+            encoding: kind.encoding(precision),
+            packed,
+            uniforms: MomentMapUniforms {
+                rising,
+                falling,
                 radius: radius as i32,
-                step,
-                share,
+                share: 1.0 / (2 * radius + 1) as f32,
+                tile: size.as_ivec2(),
+                rows: rows as i32,
             },
         }
     }
+
+    /// Returns a row of depths of the input.
+    fn depths<'a>(&self, inputs: &Inputs<'a>, y: u32, layer: u32) -> Cow<'a, [f32]> {
+        let image = &inputs.images[0];
+        let first = image.index(0, y as i32, layer);
+        let count = image.desc.size.x as usize * image.desc.format.channels();
+        let row = &image.texels[first..first + count];
+        if !self.packed {
+            return Cow::Borrowed(row);
+        }
+        let depth = |&channels: &[f32; 4]| unpack_depth(Vec4::from_array(channels));
+        Cow::Owned(row.as_chunks().0.iter().map(depth).collect())
+    }
+
+    /// Writes the means along a row. `padded` has room for the row's moments and `radius` texels
+    /// on either side.
+    fn average_row(
+        &self,
+        inputs: &Inputs<'_>,
+        depths: &[f32],
+        padded: &mut [f32],
+        means: &mut [f32],
+    ) {
+        let channels = means.len() / depths.len();
+        let margin = self.uniforms.radius as usize * channels;
+        let end = margin + means.len();
+        // Compute the moments.
+        inputs.simd.run_task(MomentsOfRow {
+            kind: self.kind,
+            depths,
+            out: &mut padded[margin..end],
+        });
+        // Repeat the first and the last one.
+        for i in 0..margin {
+            padded[i] = padded[margin + i % channels];
+            padded[end + i] = padded[end - channels + i % channels];
+        }
+        // Average.
+        means.fill(0.0);
+        for first in (0..=2 * margin).step_by(channels) {
+            inputs.simd.run_task(Add {
+                sum: &mut *means,
+                values: &padded[first..],
+            });
+        }
+        inputs.simd.run_task(Scale {
+            values: means,
+            factor: self.uniforms.share,
+        });
+    }
 }
 
-impl Kernel for BoxBlurKernel {
+const VARIANCE: Module = constant!("MOMENTS = VARIANCE");
+const EXPONENTIALS: Module = constant!("MOMENTS = EXPONENTIALS");
+const POWERS: Module = constant!("MOMENTS = POWERS");
+
+impl Kernel for MomentMapKernel {
     fn modules(&self) -> Vec<Module> {
-        let mut modules = self.encoding.modules();
-        modules.push(module!("blur"));
+        let moments = match self.kind {
+            MomentKind::Variance => VARIANCE,
+            MomentKind::OneExponential { .. } | MomentKind::TwoExponentials { .. } => EXPONENTIALS,
+            MomentKind::Powers => POWERS,
+        };
+        let mut modules = stored_depth(self.packed).to_vec();
+        modules.extend([EXP2, MOMENTS_OF_DEPTH]);
+        modules.extend(self.encoding.modules());
+        modules.extend([moments, module!("blur")]);
         modules
     }
 
@@ -66,79 +155,61 @@ impl Kernel for BoxBlurKernel {
     }
 }
 
-impl FilterKernel for BoxBlurKernel {
+impl FilterKernel for MomentMapKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let BoxBlurUniforms {
-            radius,
-            step,
-            share,
-        } = self.uniforms;
-        let image = &inputs.images[0];
-        let y = start.y as i32;
-        out.fill(0.0);
-        // Sum the texels along a row, or the rows of a column.
-        if step == IVec2::X {
-            let row = loaded_row(inputs, self.encoding, y, layer);
-            let padded = padded_row(&row, image.desc.format.channels(), radius);
-            let channels = image.desc.format.channels();
-            for first in (0..=2 * radius as usize).map(|i| i * channels) {
+        self.filter_rows(inputs, start.y, layer, out.len(), out);
+    }
+
+    fn filter_rows(
+        &self,
+        inputs: &Inputs<'_>,
+        first: u32,
+        layer: u32,
+        row_len: usize,
+        out: &mut [f32],
+    ) {
+        let size = inputs.images[0].desc.size;
+        let radius = self.uniforms.radius as u32;
+        let margin = radius as usize * row_len / size.x as usize;
+        let mut padded = vec![0.0; row_len + 2 * margin];
+        // Keep the means along the rows that an output row needs, each at its number modulo their
+        // count.
+        let count = 2 * radius as usize + 1;
+        let mut kept = vec![0.0; count * row_len];
+        let place = |y: u32| {
+            let start = y as usize % count * row_len;
+            start..start + row_len
+        };
+        let mut next = first.saturating_sub(radius);
+        for (y, out) in (first..).zip(out.chunks_exact_mut(row_len)) {
+            while next <= (y + radius).min(size.y - 1) {
+                let depths = self.depths(inputs, next, layer);
+                self.average_row(inputs, &depths, &mut padded, &mut kept[place(next)]);
+                next += 1;
+            }
+            // Average along columns. The map's edge repeats.
+            out.fill(0.0);
+            for row in y..=y + 2 * radius {
+                let row = row.saturating_sub(radius).min(size.y - 1);
                 inputs.simd.run_task(Add {
-                    sum: out,
-                    values: &padded[first..],
+                    sum: &mut *out,
+                    values: &kept[place(row)],
                 });
             }
-        } else {
-            let last = image.desc.size.y as i32 - 1;
-            for i in -radius..=radius {
-                let row = loaded_row(inputs, self.encoding, (y + i).clamp(0, last), layer);
-                inputs.simd.run_task(Add {
-                    sum: out,
-                    values: &row,
-                });
-            }
+            inputs.simd.run_task(Scale {
+                values: &mut *out,
+                factor: self.uniforms.share,
+            });
+            inputs.simd.run_task(Store {
+                encoding: self.encoding,
+                texels: out,
+            });
         }
-        // Turn sums into means, and encode them.
-        inputs.simd.run_task(Scale {
-            values: &mut *out,
-            factor: share,
-        });
-        inputs.simd.run_task(Store {
-            encoding: self.encoding,
-            texels: out,
-        });
     }
-}
 
-/// Returns a row of the first input, decoded for averaging.
-pub(super) fn loaded_row<'a>(
-    inputs: &Inputs<'a>,
-    encoding: Encoding,
-    y: i32,
-    layer: u32,
-) -> Cow<'a, [f32]> {
-    let row = row(&inputs.images[0], y, layer);
-    if encoding == Encoding::Floats {
-        return Cow::Borrowed(row);
+    fn tile(&self) -> Option<UVec2> {
+        Some(self.uniforms.tile.as_uvec2())
     }
-    let mut texels = row.to_vec();
-    inputs.simd.run_task(Load {
-        encoding,
-        texels: &mut texels,
-    });
-    Cow::Owned(texels)
-}
-
-/// Returns a row of a layer, with interleaved channels.
-fn row<'a>(image: &ImageView<'a>, y: i32, layer: u32) -> &'a [f32] {
-    let first = image.index(0, y, layer);
-    &image.texels[first..first + image.desc.size.x as usize * image.desc.format.channels()]
-}
-
-/// Returns a row with `radius` additional copies of its first and last texel on either side.
-fn padded_row(row: &[f32], channels: usize, radius: i32) -> Vec<f32> {
-    let radius = radius as usize;
-    let (first, last) = (&row[..channels], &row[row.len() - channels..]);
-    [&first.repeat(radius), row, &last.repeat(radius)].concat()
 }
 
 /// Elementwise addition of `values` to `sum`.
@@ -178,43 +249,50 @@ impl SimdTask for Scale<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filtering::moments::{
+        exp2::power_of_two,
+        of_depth::{centre_depth, power_moments},
+    };
     use umbrage_core::{Format, Image, ImageDesc, Simd};
 
-    /// Both passes together compute the mean of a square of texels, with a repeated edge.
-    #[test]
-    fn two_passes_are_the_mean_of_a_square() {
+    fn depths(size: UVec2) -> Image {
         let desc = ImageDesc {
             label: "test",
-            size: UVec2::new(9, 7),
+            size,
             layers: 2,
-            format: Format::Rg32,
+            format: Format::R32,
         };
         let mut image = Image::filled_with(desc, 0.0);
         for (i, value) in image.texels.iter_mut().enumerate() {
-            *value = (i as f32 * 0.37).sin();
+            *value = 0.5 + 0.5 * (i as f32 * 0.37).sin();
         }
+        image
+    }
+
+    /// Each texel is the mean of the moments of a square of depths, with a repeated edge.
+    #[test]
+    fn texels_are_means_of_squares() {
+        let image = depths(UVec2::new(9, 7));
         for radius in [0, 1, 3, 20] {
-            let rows = run_kernel(&BoxBlurKernel::along_rows(radius, Encoding::Floats), &image);
-            let both = run_kernel(
-                &BoxBlurKernel::along_columns(radius, Encoding::Floats),
-                &rows,
-            );
+            let kernel = kernel(MomentKind::Powers, radius);
+            let got = run_kernel(&kernel, &image, 7);
             let r = radius as i32;
             for (x, y, layer) in [(0, 0, 0), (4, 3, 1), (8, 6, 1), (2, 5, 0)] {
-                let mut expected = [0.0; 2];
+                let mut expected = [0.0; 4];
                 for dy in -r..=r {
                     for dx in -r..=r {
-                        let at =
-                            image
-                                .view()
-                                .index((x + dx).clamp(0, 8), (y + dy).clamp(0, 6), layer);
-                        expected[0] += f64::from(image.texels[at]);
-                        expected[1] += f64::from(image.texels[at + 1]);
+                        let (x, y) = ((x + dx).clamp(0, 8), (y + dy).clamp(0, 6));
+                        let depth = image.view().load(x, y, layer);
+                        for (sum, moment) in
+                            expected.iter_mut().zip(power_moments(depth).to_array())
+                        {
+                            *sum += f64::from(moment);
+                        }
                     }
                 }
                 let count = f64::from((2 * r + 1) * (2 * r + 1));
-                let at = both.view().index(x, y, layer);
-                for (got, sum) in both.texels[at..at + 2].iter().zip(expected) {
+                let at = got.view().index(x, y, layer);
+                for (got, sum) in got.texels[at..at + 4].iter().zip(expected) {
                     let off = f64::from(*got) - sum / count;
                     assert!(off.abs() < 1e-6, "radius {radius} at {x}, {y}: {off}");
                 }
@@ -222,18 +300,47 @@ mod tests {
         }
     }
 
-    fn run_kernel(kernel: &BoxBlurKernel, image: &Image) -> Image {
-        let mut out = Image::filled_with(image.desc, 9.0);
-        let row = image.desc.size.x as usize * image.desc.format.channels();
+    /// Rows computed together have the bits of rows computed one by one.
+    #[test]
+    fn parts_don_t_change_bits() {
+        let image = depths(UVec2::new(17, 23));
+        let kind = MomentKind::OneExponential { rising: 40.0 };
+        for radius in [0, 2, 15] {
+            let kernel = kernel(kind, radius);
+            let one = run_kernel(&kernel, &image, 1);
+            for rows in [2, 5, 23] {
+                assert_eq!(run_kernel(&kernel, &image, rows).texels, one.texels);
+            }
+        }
+        // Without a blur, texels are the moments themselves.
+        let sharp = run_kernel(&kernel(kind, 0), &image, 23);
+        let up = power_of_two(40.0 * centre_depth(image.texels[5]));
+        assert_eq!(sharp.texels[10..12], [up, up * up]);
+    }
+
+    fn kernel(kind: MomentKind, radius: u32) -> MomentMapKernel {
+        MomentMapKernel::new(kind, MomentPrecision::Bits32, radius, false)
+    }
+
+    /// Runs the kernel with this number of rows at a time.
+    fn run_kernel(kernel: &MomentMapKernel, image: &Image, rows: usize) -> Image {
+        let desc = ImageDesc {
+            format: kernel.kind.format(MomentPrecision::Bits32),
+            ..image.desc
+        };
+        let mut out = Image::filled_with(desc, 9.0);
+        let row_len = desc.size.x as usize * desc.format.channels();
         let images = [image.view()];
         let inputs = Inputs {
             images: &images,
             simd: Simd::Native,
         };
-        for (i, out) in out.texels.chunks_exact_mut(row).enumerate() {
-            let height = image.desc.size.y as usize;
-            let start = UVec2::new(0, (i % height) as u32);
-            kernel.filter(&inputs, start, (i / height) as u32, out);
+        let layers = out.texels.chunks_mut(row_len * desc.size.y as usize);
+        for (layer, texels) in (0..).zip(layers) {
+            for (part, out) in texels.chunks_mut(row_len * rows).enumerate() {
+                let first = (part * rows) as u32;
+                kernel.filter_rows(&inputs, first, layer, row_len, out);
+            }
         }
         out
     }

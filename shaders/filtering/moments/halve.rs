@@ -1,15 +1,16 @@
-//! Levels of a mipmapped moment map. All are means of the first level, computed in two filters like
-//! the blur: along rows, then along columns. One image holds all levels from 1 on, so that a kernel
+//! Levels of a mipmapped moment map. All are means of the first level, computed in two filters:
+//! along rows, then along columns. One image holds all levels from 1 on, so that a kernel
 //! reads two images for any number of levels.
 
 use crate::filtering::moments::{
-    blur::{Add, Scale, loaded_row},
+    blur::{Add, Scale},
     mipmaps::level_side,
-    stored::{Encoding, Store},
+    stored::{Encoding, Load, Store},
 };
 use glam::UVec2;
+use std::borrow::Cow;
 use umbrage_core::{
-    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
+    FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
 };
 
 uniforms! {
@@ -127,6 +128,26 @@ impl FilterKernel for HalveKernel {
             texels: out,
         });
     }
+}
+
+/// Returns a row of the first input, decoded for averaging.
+fn loaded_row<'a>(inputs: &Inputs<'a>, encoding: Encoding, y: i32, layer: u32) -> Cow<'a, [f32]> {
+    let row = row(&inputs.images[0], y, layer);
+    if encoding == Encoding::Floats {
+        return Cow::Borrowed(row);
+    }
+    let mut texels = row.to_vec();
+    inputs.simd.run_task(Load {
+        encoding,
+        texels: &mut texels,
+    });
+    Cow::Owned(texels)
+}
+
+/// Returns a row of a layer, with interleaved channels.
+fn row<'a>(image: &ImageView<'a>, y: i32, layer: u32) -> &'a [f32] {
+    let first = image.index(0, y, layer);
+    &image.texels[first..first + image.desc.size.x as usize * image.desc.format.channels()]
 }
 
 /// Means of runs of `count` texels of a row.

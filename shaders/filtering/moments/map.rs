@@ -2,10 +2,10 @@
 
 use crate::{
     filtering::moments::{
-        blur::BoxBlurKernel,
+        blur::MomentMapKernel,
         halve::HalveKernel,
         mipmaps::{self, MipmapUniforms, level_reach, level_side, level_start},
-        of_depth::{MomentKind, MomentsKernel},
+        of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
     shadow_map::{CompareMethod, MapFormat, ShadowMap, layers::ShadowMapUniforms},
@@ -147,25 +147,16 @@ impl MomentImages {
             layers: spaces.spaces.len() as u32,
             format: kind.format(precision),
         };
+        // Convert depths to blurred moments.
         let packed = map.format == MapFormat::Rgba8;
-        // Convert depths to moments.
         let moments = maps.image(desc("moments"));
-        let of_depth = MomentsKernel::new(kind, precision, packed);
+        let of_depth = MomentMapKernel::new(kind, precision, blur, packed);
         maps.filter(Arc::new(of_depth), vec![maps.map], moments);
-        // The average along rows is used by the blur and then by the levels.
-        let mut rows = None;
-        if blur > 0 {
-            let rows = *rows.insert(maps.image(desc("moments blurred along rows")));
-            let along_rows = BoxBlurKernel::along_rows(blur, self.encoding());
-            maps.filter(Arc::new(along_rows), vec![moments], rows);
-            let along_columns = BoxBlurKernel::along_columns(blur, self.encoding());
-            maps.filter(Arc::new(along_columns), vec![rows], moments);
-        }
         maps.map = moments;
         // Add the mipmap levels.
         let mut coarser = None;
         if levels > 0 {
-            let rows = rows.unwrap_or_else(|| maps.image(desc("moments averaged along rows")));
+            let rows = maps.image(desc("moments averaged along rows"));
             let along_rows = HalveKernel::along_rows(levels, self.encoding());
             maps.filter(Arc::new(along_rows), vec![moments], rows);
             let below_each_other = ImageDesc {

@@ -5,7 +5,7 @@
 //!
 //! - `of_depth.rs`: the moments of a texel
 //! - `stored.rs`: moments as channels of 16 bits
-//! - `blur.rs`: one axis of the box
+//! - `blur.rs`: the filter that averages them over squares; `tile.rs`: the tiles of its workgroups
 //! - `halve.rs`: the levels of mipmaps, all in one image, so that a kernel reads at most two images
 //! - `map.rs`: the images and filters of a recipe
 //! - `mipmaps.rs`: the levels for a pixel
@@ -27,3 +27,4 @@ pub(crate) mod map;
 pub(crate) mod mipmaps;
 pub(crate) mod of_depth;
 pub(crate) mod stored;
+pub(crate) mod tile;

@@ -1,19 +1,11 @@
 //! Moments of depth, which a map stores and averages before it is looked up.
 
-use crate::{
-    filtering::moments::{
-        exp2::{EXP2, power_of_two},
-        stored::{Encoding, MomentPrecision, Store},
-    },
-    shadow_map::{
-        packing::unpack_depth,
-        variants::{constant, stored_depth},
-    },
+use crate::filtering::moments::{
+    exp2::power_of_two,
+    stored::{Encoding, MomentPrecision},
 };
-use glam::{UVec2, Vec2, Vec4};
-use umbrage_core::{
-    FilterKernel, Format, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
-};
+use glam::{Vec2, Vec4};
+use umbrage_core::{Format, Module, SimdTask, module};
 
 /// WGSL half of the functions that read no image.
 pub(crate) const MOMENTS_OF_DEPTH: Module = module!("of_depth");
@@ -106,103 +98,11 @@ impl MomentKind {
     }
 }
 
-uniforms! {
-    /// Uniforms of [`MomentsKernel`].
-    pub struct MomentsUniforms {
-        /// Powers of two per unit of centred depth, of the exponential that rises with depth.
-        pub rising: f32,
-        /// Powers of two per unit of centred depth, of the exponential that falls with depth.
-        pub falling: f32,
-    }
-}
-
-/// Filter from a depth map to a moment map.
-#[derive(Clone, Copy, Debug)]
-pub struct MomentsKernel {
-    kind: MomentKind,
-    encoding: Encoding,
-    uniforms: MomentsUniforms,
-    /// Number of moments per texel.
-    channels: usize,
-    /// True if each depth of the input occupies four channels.
-    packed: bool,
-}
-
-impl MomentsKernel {
-    /// Returns the filter for these moments and this precision. `packed` is whether each depth
-    /// occupies four channels.
-    pub(crate) fn new(kind: MomentKind, precision: MomentPrecision, packed: bool) -> Self {
-        let (rising, falling) = match kind {
-            MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),
-            MomentKind::OneExponential { rising } => (rising, 0.0),
-            MomentKind::TwoExponentials { rising, falling } => (rising, falling),
-        };
-        Self {
-            kind,
-            encoding: kind.encoding(precision),
-            uniforms: MomentsUniforms { rising, falling },
-            channels: kind.format(precision).channels(),
-            packed,
-        }
-    }
-}
-
-const VARIANCE: Module = constant!("MOMENTS = VARIANCE");
-const EXPONENTIALS: Module = constant!("MOMENTS = EXPONENTIALS");
-const POWERS: Module = constant!("MOMENTS = POWERS");
-
-impl Kernel for MomentsKernel {
-    fn modules(&self) -> Vec<Module> {
-        let moments = match self.kind {
-            MomentKind::Variance => VARIANCE,
-            MomentKind::OneExponential { .. } | MomentKind::TwoExponentials { .. } => EXPONENTIALS,
-            MomentKind::Powers => POWERS,
-        };
-        let fill = module!("fill");
-        let mut modules = stored_depth(self.packed).to_vec();
-        modules.extend([EXP2, MOMENTS_OF_DEPTH]);
-        modules.extend(self.encoding.modules());
-        modules.extend([moments, fill]);
-        modules
-    }
-
-    fn uniforms(&self) -> Option<&dyn UniformBlock> {
-        Some(&self.uniforms)
-    }
-}
-
-impl FilterKernel for MomentsKernel {
-    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let image = &inputs.images[0];
-        let first = image.index(start.x as i32, start.y as i32, layer);
-        let row = &image.texels[first..];
-        let unpacked: Vec<f32>;
-        let depths = if self.packed {
-            let (texels, _) = row.as_chunks();
-            let count = out.len() / self.channels;
-            let depth = |&channels: &[f32; 4]| unpack_depth(Vec4::from_array(channels));
-            unpacked = texels.iter().take(count).map(depth).collect();
-            &unpacked
-        } else {
-            row
-        };
-        inputs.simd.run_task(MomentsOfRow {
-            kernel: self,
-            depths,
-            out: &mut *out,
-        });
-        inputs.simd.run_task(Store {
-            encoding: self.encoding,
-            texels: out,
-        });
-    }
-}
-
 /// Moments of a row of depths, which may be longer than the row of moments.
-struct MomentsOfRow<'a> {
-    kernel: &'a MomentsKernel,
-    depths: &'a [f32],
-    out: &'a mut [f32],
+pub(super) struct MomentsOfRow<'a> {
+    pub(super) kind: MomentKind,
+    pub(super) depths: &'a [f32],
+    pub(super) out: &'a mut [f32],
 }
 
 impl SimdTask for MomentsOfRow<'_> {
@@ -210,34 +110,30 @@ impl SimdTask for MomentsOfRow<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let MomentsUniforms {
-            rising, falling, ..
-        } = self.kernel.uniforms;
         let (pairs, _) = self.out.as_chunks_mut::<2>();
-        match self.kernel.kind {
+        match self.kind {
             MomentKind::Variance => {
                 for (pair, &depth) in pairs.iter_mut().zip(self.depths) {
                     *pair = variance_moments(depth).to_array();
                 }
-                return;
             }
-            MomentKind::OneExponential { .. } => {
+            MomentKind::OneExponential { rising } => {
                 for (pair, &depth) in pairs.iter_mut().zip(self.depths) {
                     let up = power_of_two(rising * centre_depth(depth));
                     *pair = [up, up * up];
                 }
-                return;
             }
-            MomentKind::TwoExponentials { .. } | MomentKind::Powers => {}
-        }
-        let (texels, _) = self.out.as_chunks_mut::<4>();
-        if self.kernel.kind == MomentKind::Powers {
-            for (texel, &depth) in texels.iter_mut().zip(self.depths) {
-                *texel = power_moments(depth).to_array();
+            MomentKind::TwoExponentials { rising, falling } => {
+                let (texels, _) = self.out.as_chunks_mut::<4>();
+                for (texel, &depth) in texels.iter_mut().zip(self.depths) {
+                    *texel = exponential_moments(depth, rising, falling).to_array();
+                }
             }
-        } else {
-            for (texel, &depth) in texels.iter_mut().zip(self.depths) {
-                *texel = exponential_moments(depth, rising, falling).to_array();
+            MomentKind::Powers => {
+                let (texels, _) = self.out.as_chunks_mut::<4>();
+                for (texel, &depth) in texels.iter_mut().zip(self.depths) {
+                    *texel = power_moments(depth).to_array();
+                }
             }
         }
     }
@@ -246,7 +142,7 @@ impl SimdTask for MomentsOfRow<'_> {
 /// All twins of this module, for the tests that compare them.
 #[cfg(feature = "testing")]
 pub(crate) const TWINS: &[umbrage_core::Twin] = &[
-    umbrage_core::twin!(MOMENTS_OF_DEPTH, variance_moments(depth: f32) -> Vec2, needs [EXP2]),
-    umbrage_core::twin!(MOMENTS_OF_DEPTH, exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4, needs [EXP2]),
-    umbrage_core::twin!(MOMENTS_OF_DEPTH, power_moments(depth: f32) -> Vec4, needs [EXP2]),
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, variance_moments(depth: f32) -> Vec2, needs [crate::filtering::moments::exp2::EXP2]),
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4, needs [crate::filtering::moments::exp2::EXP2]),
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, power_moments(depth: f32) -> Vec4, needs [crate::filtering::moments::exp2::EXP2]),
 ];

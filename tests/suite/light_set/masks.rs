@@ -16,7 +16,7 @@ use umbrage_tests::{
     light_stage::{Stage, camera, hard, spot},
 };
 use umbrage_wgpu::{
-    ApiErrors, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
+    ApiErrors, DepthBuffer, GBuffer, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
     MaskReceivers, NormalCoding, SetBudget, SetNormals, ShadowedLight,
 };
 use wgpu::{TextureFormat, TextureView};
@@ -166,6 +166,133 @@ fn errors_of_the_compiler_are_reported_at_once_or_later() {
         assert!(found[0].iter().all(|&v| v == 1.0), "nothing casts here");
         assert_eq!(stage.set.take_error().map(|e| e.to_string()), None);
     }
+}
+
+/// Stripes of any visibility along x, whose mask is drawn or computed.
+#[derive(Clone, Copy, Debug)]
+struct Stripes {
+    in_compute: bool,
+    /// Stripes of another width.
+    spoilt: bool,
+}
+
+impl Kernel for Stripes {
+    fn modules(&self) -> Vec<Module> {
+        let text = if self.spoilt {
+            "fn receive(r: Receiver) -> f32 { return fract(r.position.x * 0.38 + r.normal.y); }"
+        } else {
+            "fn receive(r: Receiver) -> f32 { return fract(r.position.x * 0.37 + r.normal.y); }"
+        };
+        let name = "stripes";
+        Vec::from([Module { name, text }])
+    }
+}
+
+impl ReceiveKernel for Stripes {
+    fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
+        out.fill(1.0);
+    }
+
+    fn in_compute(&self) -> bool {
+        self.in_compute
+    }
+}
+
+impl ShadowTechnique for Stripes {
+    fn name(&self) -> &'static str {
+        "stripes"
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        let mut recipe = Broken.recipe(view)?;
+        recipe.receive.kernel = Arc::new(*self);
+        Ok(recipe)
+    }
+}
+
+/// Returns the bytes of the masks of these lights over a wavy floor of this size, with some pixels
+/// that don't receive.
+fn bytes_of_masks(
+    stage: &mut Stage,
+    size: UVec2,
+    lights: &[LightId],
+    format: MaskFormat,
+) -> Vec<u8> {
+    let d = stage.program.d;
+    let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y)));
+    let positions: Vec<[f32; 4]> = pixels
+        .map(|(x, y)| {
+            let receives = f32::from(u8::from((x * 7 + y * 3) % 11 != 0));
+            [x as f32 * 0.731 - 9.0, 0.0, y as f32 * 0.613, receives]
+        })
+        .collect();
+    let normals: Vec<[f32; 4]> = positions
+        .iter()
+        .map(|p| [0.0, p[2].cos(), 0.0, 0.0])
+        .collect();
+    let floats = TextureFormat::Rgba32Float;
+    let position = foreign::upload(d, size, floats, cast_slice(&positions));
+    let normal = foreign::upload(d, size, floats, cast_slice(&normals));
+    let inputs = MaskInputs {
+        size,
+        receivers: MaskReceivers::Positions(GBuffer {
+            position: &position,
+            normal: &normal,
+            triangle: None,
+        }),
+        lights,
+        format,
+    };
+    stage.set.prepare_masks(&inputs).expect("prepares");
+    let mut encoder = stage.program.encoder();
+    let masks = stage.set.encode_masks(&mut encoder).expect("was prepared");
+    foreign::read_bytes(d, encoder, &masks.clone())
+}
+
+/// Masks that are computed have the bits of those that are drawn, next to each other, in both
+/// formats and in sizes that workgroups don't divide. Another kernel's masks differ.
+#[test]
+fn computed_masks_are_those_that_are_drawn() {
+    let mut stage = Stage::new(SetBudget::default(), &PLACES);
+    let map = stage.light(PLACES[1], 1.0);
+    let mut add = |in_compute, spoilt| {
+        let light = ShadowedLight {
+            light: spot(0.0),
+            technique: Arc::new(Stripes { in_compute, spoilt }),
+            priority: 1.0,
+        };
+        stage.set.add_light(light).expect("valid")
+    };
+    let [drawn, computed, spoilt] =
+        [(false, false), (true, false), (true, true)].map(|(a, b)| add(a, b));
+    stage.frame();
+    let lights = [computed, map, drawn, spoilt];
+    for size in [(1, 1), (3, 17), (77, 53), (256, 8), (301, 9)] {
+        let size = UVec2::from(size);
+        for format in [MaskFormat::Unorm8, MaskFormat::Float32] {
+            let bytes = bytes_of_masks(&mut stage, size, &lights, format);
+            let layers: Vec<&[u8]> = bytes.chunks(bytes.len() / lights.len()).collect();
+            assert!(layers[0] == layers[2], "{size} {format:?}");
+            if size.x > 3 {
+                assert!(layers[0] != layers[3], "{size} {format:?}");
+            }
+            // Alone, and after the other kind alone, masks are the same.
+            for (light, expected) in [(drawn, layers[2]), (computed, layers[0])] {
+                let alone = bytes_of_masks(&mut stage, size, &[light], format);
+                assert!(alone == expected, "{size} {format:?}: alone");
+            }
+        }
+    }
+    // Lights that are switched off have white masks.
+    stage.set.set_enabled(computed, false).expect("is there");
+    stage.frame();
+    let white = bytes_of_masks(
+        &mut stage,
+        UVec2::new(9, 5),
+        &[computed],
+        MaskFormat::Unorm8,
+    );
+    assert!(white.iter().all(|&byte| byte == 255));
 }
 
 /// The camera's view of the floor: positions for one renderer, depths for another.

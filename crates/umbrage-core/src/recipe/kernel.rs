@@ -54,6 +54,14 @@ pub trait ReceiveKernel: Kernel {
     /// has the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
 
+    /// Returns whether the GPU backend computes masks in compute passes instead of drawing them.
+    /// Return true for kernels with long loops over tables, such as rays: some devices have far
+    /// fewer units for fragments than for compute. Results are the same. Forward shading calls the
+    /// WGSL half in fragment shaders in any case.
+    fn in_compute(&self) -> bool {
+        false
+    }
+
     /// Returns the visibility of all receivers of an image at once, equal to that of
     /// [`receive`](Self::receive), and 1 for pixels that don't receive. `None` if this is no faster
     /// than `receive` for each span.
@@ -64,11 +72,40 @@ pub trait ReceiveKernel: Kernel {
 }
 
 /// A kernel that computes an image from images of any size. Its WGSL entry is
-/// `fn filter_texel(texel: vec2i, layer: i32) -> vec4f`.
+/// `fn filter_texel(texel: vec2i, layer: i32) -> vec4f`, called for each texel, or that of
+/// [`tile`](Self::tile), called for each tile of texels.
 pub trait FilterKernel: Kernel {
     /// Runs the Rust half: writes one row of the output, channels interleaved. `start` is the row's
     /// first texel.
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]);
+
+    /// Writes consecutive rows of the output of `row_len` floats each, equal to those of
+    /// [`filter`](Self::filter). `first` is the first row. Kernels whose rows share work override
+    /// it.
+    fn filter_rows(
+        &self,
+        inputs: &Inputs<'_>,
+        first: u32,
+        layer: u32,
+        row_len: usize,
+        out: &mut [f32],
+    ) {
+        for (y, row) in (first..).zip(out.chunks_exact_mut(row_len)) {
+            self.filter(inputs, UVec2::new(0, y), layer, row);
+        }
+    }
+
+    /// Returns the size in texels of the tiles that compute workgroups write. `None` for kernels
+    /// whose WGSL half is `filter_texel`.
+    ///
+    /// With a tile the WGSL entry is `fn filter_tile(tile: vec2i, layer: i32, lane: vec2i)`. All
+    /// 8 x 8 invocations of a workgroup call it in uniform control flow, so it may have workgroup
+    /// variables (at most 16,352 bytes) and barriers. `tile` is the tile's column and row, `lane`
+    /// is 0..8 along each axis. It calls `store_texel(texel: vec2i, layer: i32, channels: vec4f)`,
+    /// declared by the backend, for each texel of the tile that is within the output.
+    fn tile(&self) -> Option<UVec2> {
+        None
+    }
 }
 
 /// A kernel that shades visible geometry. Its WGSL entry is

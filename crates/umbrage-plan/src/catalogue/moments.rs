@@ -3,7 +3,7 @@
 use super::{CataloguedTechnique, ClosedFormDemand, kernel::KernelCost};
 use std::any::Any;
 use umbrage_core::FilterKernel;
-use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};
+use umbrage_techniques::{HalveKernel, HalveUniforms, MomentMapKernel, MomentPrecision, ShadowMap};
 
 /// Greatest distance of a bound from light or darkness where a formula is exact. Rounding terms in
 /// the moments, the least variance, and the variance of curved surfaces cause it.
@@ -72,8 +72,9 @@ pub(super) use catalogued_kernel;
 /// one.
 pub(super) fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
     let filter: &dyn Any = filter;
-    if let Some(blur) = filter.downcast_ref::<BoxBlurKernel>() {
-        return Some(2 * blur.uniforms.radius.unsigned_abs() + 1);
+    if let Some(map) = filter.downcast_ref::<MomentMapKernel>() {
+        // The sums along a row and along a column.
+        return Some(2 * (2 * map.uniforms.radius.unsigned_abs() + 1));
     }
     let HalveUniforms {
         levels,

@@ -12,6 +12,7 @@ use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages
 /// # Errors
 /// Errors with the first missing feature, and advice.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
+    check_compute(recipe, &adapter.limits())?;
     check_drawable(adapter, TextureFormat::R32Float)?;
     if recipe.shade.is_some() {
         check_drawable(adapter, TextureFormat::Rgba32Float)?;
@@ -51,12 +52,35 @@ pub(crate) fn limits(device: &Device) -> BackendLimits {
     }
 }
 
-/// Errors with the first limit of a device that is below a required one.
-pub(crate) fn check_limits(required: &Limits, device: &Limits) -> Result<(), Invalid> {
+/// Limits of compute filters and masks. Those of WebGL 2 are raised, which has no compute shaders.
+/// WebGPU and OpenGL ES 3.1 guarantee them.
+pub(crate) const COMPUTE_LIMITS: Limits = Limits {
+    max_storage_textures_per_shader_stage: 1,
+    max_compute_workgroup_storage_size: 16_352,
+    max_compute_invocations_per_workgroup: 64,
+    max_compute_workgroup_size_x: 8,
+    max_compute_workgroup_size_y: 8,
+    max_compute_workgroup_size_z: 1,
+    max_compute_workgroups_per_dimension: 65_535,
+    ..Limits::downlevel_webgl2_defaults()
+};
+
+/// Errors if a recipe has compute passes that exceed the limits of a device.
+pub(crate) fn check_compute(recipe: &Recipe, limits: &Limits) -> Result<(), Invalid> {
+    let computes = recipe.receive.kernel.in_compute();
+    if computes || recipe.filters.iter().any(|f| f.kernel.tile().is_some()) {
+        return check_limits(&COMPUTE_LIMITS, limits, "ShadowRenderer");
+    }
+    Ok(())
+}
+
+/// Errors with the first limit of a device that is below a required one. `owner` is the type with
+/// the constant of required limits.
+pub(crate) fn check_limits(required: &Limits, device: &Limits, owner: &str) -> Result<(), Invalid> {
     let mut missing = None;
     required.check_limits_with_fail_fn(device, false, |name, needed, held| {
-        let why = format!("has `{name}` {held}, and light sets need {needed}");
-        let help = "request it with `LightSet::REQUIRED_LIMITS`";
+        let why = format!("has `{name}` {held}, and `{owner}` needs {needed}");
+        let help = format!("request it with `{owner}::REQUIRED_LIMITS`");
         missing.get_or_insert_with(|| Invalid::new("device", why, help));
     });
     missing.map_or(Ok(()), Err)

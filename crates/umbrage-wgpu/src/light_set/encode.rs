@@ -7,7 +7,7 @@ use crate::{
         masks,
         passes::OwnDraws,
         shader::unprepared_error,
-        timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
+        timestamps::{PassCasters, PassClock, PassTimer, SetPass, SetTimestamps, TimedPass},
     },
     targets::CastTarget,
 };
@@ -85,8 +85,9 @@ impl LightSet {
         self.casters.instances.encode(encoder);
         let mut timer = timer;
         // Record the hierarchies.
-        self.hierarchies
-            .encode(encoder, &self.lights, |id| timer.as_mut()?.hierarchy(id));
+        self.hierarchies.encode(encoder, &self.lights, |id| {
+            timer.as_mut()?.compute_writes(id, SetPass::Hierarchy)
+        });
         let mut clock = PassClock {
             meter: match &timer {
                 Some(_) => None,

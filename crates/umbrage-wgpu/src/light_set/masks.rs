@@ -5,6 +5,7 @@ use crate::{
     frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
+        computed_masks::{ComputedMasks, MaskGroups},
         ids::{LightId, LightKey},
         shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
@@ -14,9 +15,9 @@ use crate::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         images::{extent, layers_view},
-        pipelines::{Pipelines, Targets, fullscreen_pipeline},
+        pipelines::{Pipelines, Targets, compute_pipeline, fullscreen_pipeline, shader as module},
     },
-    wgsl::stages::{ReceiverSource, mask_shader},
+    wgsl::stages::{ReceiverSource, mask_compute_shader, mask_shader},
 };
 use glam::UVec2;
 use umbrage_core::{BackendError, Invalid};
@@ -25,6 +26,28 @@ use wgpu::{
     RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureSampleType,
     TextureUsages, TextureView, TextureViewDimension,
 };
+
+/// The pass that writes a light's mask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MaskPass {
+    /// Clears the mask, for lights without shadows.
+    Clear,
+    /// Draws the mask of the light with this index in shaders.
+    Draw(u32),
+    /// Computes the mask of the light with this index in shaders.
+    Compute(u32),
+}
+
+impl MaskPass {
+    /// Returns the pass of a light with this index.
+    pub(crate) fn new(in_compute: bool, light: u32) -> Self {
+        if in_compute {
+            Self::Compute(light)
+        } else {
+            Self::Draw(light)
+        }
+    }
+}
 
 /// Inputs of the masks.
 #[derive(Clone, Copy, Debug)]
@@ -112,9 +135,12 @@ struct MaskKey {
 #[derive(Debug, Default)]
 pub(crate) struct MaskStage {
     made_for: Option<MaskKey>,
+    /// Pipeline of drawn masks.
     pipeline: Option<RenderPipeline>,
+    /// Receivers of drawn masks.
     receivers: Binding,
-    /// The textures bound by `receivers`.
+    computed: ComputedMasks,
+    /// The textures of the receivers.
     seen: Option<SeenTextures>,
     camera: Option<Buffer>,
     /// Contents of `camera`.
@@ -123,8 +149,8 @@ pub(crate) struct MaskStage {
     /// View of all layers.
     whole: Option<TextureView>,
     layers: Vec<TextureView>,
-    /// For each layer, the light and its index in shaders; `None` for lights without shadows.
-    lights: Vec<(LightKey, Option<u32>)>,
+    /// For each layer, the light and its pass.
+    lights: Vec<(LightKey, MaskPass)>,
 }
 
 /// The caller's bound textures: depth and normals, or positions, normals and triangles.
@@ -249,10 +275,29 @@ impl MaskInputs<'_> {
 }
 
 impl MaskStage {
-    /// Returns whether everything but the camera uniforms is up to date.
+    /// Sets the lights of the layers.
+    pub(crate) fn set_lights(&mut self, lights: impl Iterator<Item = (LightKey, MaskPass)>) {
+        self.lights.clear();
+        self.lights.extend(lights);
+    }
+
+    /// Returns whether masks are drawn.
+    fn draws(&self) -> bool {
+        let mut lights = self.lights.iter();
+        lights.any(|(_, pass)| matches!(pass, MaskPass::Draw(_)))
+    }
+
+    /// Returns whether masks are computed.
+    fn computes(&self) -> bool {
+        let mut lights = self.lights.iter();
+        lights.any(|(_, pass)| matches!(pass, MaskPass::Compute(_)))
+    }
+
+    /// Returns whether everything but the uniforms is up to date.
     pub(crate) fn is_made_for(&self, shader: &SetShader, inputs: &MaskInputs<'_>) -> bool {
         self.fits(inputs)
-            && self.pipeline.is_some()
+            && (self.pipeline.is_some() || !self.draws())
+            && (self.computed.pipeline.is_some() || !self.computes())
             && self.made_for == Some(MaskKey::of_inputs(shader, inputs))
             && self
                 .seen
@@ -260,43 +305,64 @@ impl MaskStage {
                 .is_some_and(|seen| seen.are(&inputs.receivers))
     }
 
-    /// Creates missing objects, and writes the camera. `lights` are the lights with their indices
-    /// in shaders, `None` for lights without shadows.
+    /// Creates missing objects, and writes the camera and the choices of lights.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         shader: &SetShader,
         inputs: &MaskInputs<'_>,
-        lights: impl Iterator<Item = (LightKey, Option<u32>)>,
     ) -> Result<(), BackendError> {
         // Write the per-frame data.
-        self.lights.clear();
-        self.lights.extend(lights);
         if let MaskReceivers::Depth { depth, .. } = &inputs.receivers {
             self.write_camera(factory, &DepthCamera::of_source(depth)?);
         }
-        if self.is_made_for(shader, inputs) {
+        let computes = self.computes();
+        let has_choices = !computes
+            || self
+                .computed
+                .write_choices(factory, &self.lights, inputs.size);
+        if has_choices && self.is_made_for(shader, inputs) {
             return Ok(());
         }
-        // Replace texture and bindings.
+        // Replace the texture, and outdated pipelines.
         self.fit_texture(factory, inputs);
-        let key = MaskKey::of_inputs(shader, inputs);
-        let layout = self.bind(factory, pipelines, &inputs.receivers);
         self.seen = Some(SeenTextures::of_receivers(&inputs.receivers));
-        if self.made_for == Some(key) && self.pipeline.is_some() {
+        let key = MaskKey::of_inputs(shader, inputs);
+        if self.made_for != Some(key) {
+            self.pipeline = None;
+            self.computed.pipeline = None;
+        }
+        // Bind the inputs, and build the pipelines.
+        if self.draws() {
+            self.prepare_draws(factory, pipelines, shader, inputs)?;
+        }
+        if computes {
+            self.prepare_compute(factory, pipelines, shader, inputs)?;
+        }
+        self.made_for = Some(key);
+        Ok(())
+    }
+
+    fn prepare_draws(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        shader: &SetShader,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        let entries = self.receiver_entries(&inputs.receivers);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::FRAGMENT;
+        let layout = self
+            .receivers
+            .bind(factory, layouts, stage, "umbrage receivers", entries);
+        if self.pipeline.is_some() {
             return Ok(());
         }
-        // Build the pipeline.
-        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared_error)?;
+        let groups = GroupLayouts::new(shader, &layout)?;
         let own_group = own_group(shader.group());
-        let mut groups = [None, None, None, None];
-        let mut count = 0;
-        for (group, layout) in [(shader.group(), set_layout), (own_group, &layout)] {
-            groups[group as usize] = Some(layout);
-            count = count.max(group as usize + 1);
-        }
-        let text = mask_shader(shader.text(), own_group, key.receivers);
+        let text = mask_shader(shader.text(), own_group, inputs.receivers.source());
         factory.counters.pipelines += 1;
         self.pipeline = Some(fullscreen_pipeline(
             factory.device,
@@ -304,9 +370,42 @@ impl MaskStage {
             &text,
             ["umbrage_fullscreen", "umbrage_mask"],
             &Targets::Colors(&[inputs.format.texture_format()]),
-            &groups[..count],
+            groups.list(),
         ));
-        self.made_for = Some(key);
+        Ok(())
+    }
+
+    fn prepare_compute(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        shader: &SetShader,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        let has_bytes = inputs.format == MaskFormat::Unorm8;
+        self.computed.fit_bytes(factory, inputs.size, has_bytes)?;
+        let mut entries = self.receiver_entries(&inputs.receivers);
+        let whole = self.whole.iter();
+        entries.extend(whole.flat_map(|masks| self.computed.entries(masks)));
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::COMPUTE;
+        let binding = &mut self.computed.binding;
+        let layout = binding.bind(factory, layouts, stage, "umbrage masks", entries);
+        if self.computed.pipeline.is_some() {
+            return Ok(());
+        }
+        let groups = GroupLayouts::new(shader, &layout)?;
+        let own_group = own_group(shader.group());
+        let source = inputs.receivers.source();
+        let text = mask_compute_shader(shader.text(), own_group, source, has_bytes);
+        factory.counters.pipelines += 1;
+        self.computed.pipeline = Some(compute_pipeline(
+            factory.device,
+            &module(factory.device, "umbrage masks", &text),
+            "umbrage_compute_mask",
+            &[],
+            groups.list(),
+        ));
         Ok(())
     }
 
@@ -317,27 +416,40 @@ impl MaskStage {
         shader: &SetShader,
         mut timer: Option<PassTimer<'_, '_>>,
     ) -> Option<&TextureView> {
-        let pipeline = self.pipeline.as_ref()?;
+        let texture = self.texture.as_ref()?;
         let (set_group, _) = shader.bind_group()?;
-        for (layer, (id, light)) in self.layers.iter().zip(&self.lights) {
+        let groups = MaskGroups {
+            set: (shader.group(), set_group),
+            own: own_group(shader.group()),
+        };
+        for (index, (view, (id, pass))) in (0..).zip(self.layers.iter().zip(&self.lights)) {
+            if let MaskPass::Compute(_) = pass {
+                let stamps = match &mut timer {
+                    Some(timer) => timer.compute_writes(*id, SetPass::Mask),
+                    None => None,
+                };
+                self.computed
+                    .encode(encoder, groups, texture, index, stamps);
+                continue;
+            }
             let timestamp_writes = match &mut timer {
                 Some(timer) => timer.writes(*id, SetPass::Mask),
                 None => None,
             };
-            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            let mut drawn = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage mask"),
                 // Pixels that don't receive, and lights without shadows, stay lit.
-                color_attachments: &[Some(color_attachment(layer, Color::WHITE))],
+                color_attachments: &[Some(color_attachment(view, Color::WHITE))],
                 timestamp_writes,
                 ..RenderPassDescriptor::default()
             });
-            let Some(light) = *light else {
+            let (MaskPass::Draw(light), Some(pipeline)) = (*pass, &self.pipeline) else {
                 continue;
             };
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(shader.group(), set_group, &[]);
-            pass.set_bind_group(own_group(shader.group()), self.receivers.group(), &[]);
-            pass.draw(0..3, light..light + 1);
+            drawn.set_pipeline(pipeline);
+            drawn.set_bind_group(shader.group(), set_group, &[]);
+            drawn.set_bind_group(groups.own, self.receivers.group(), &[]);
+            drawn.draw(0..3, light..light + 1);
         }
         self.whole.as_ref()
     }
@@ -357,7 +469,13 @@ impl MaskStage {
         }
         let size = mask_extent(inputs);
         let format = inputs.format.texture_format();
-        let usage = TextureUsages::RENDER_ATTACHMENT
+        // Compute passes store floats. Bytes, for which core WebGPU lacks that, are copied.
+        let computed = match inputs.format {
+            MaskFormat::Float32 => TextureUsages::STORAGE_BINDING,
+            MaskFormat::Unorm8 => TextureUsages::COPY_DST,
+        };
+        let usage = computed
+            | TextureUsages::RENDER_ATTACHMENT
             | TextureUsages::TEXTURE_BINDING
             | TextureUsages::COPY_SRC;
         let label = "umbrage masks";
@@ -372,21 +490,12 @@ impl MaskStage {
         self.texture = Some(texture);
     }
 
-    /// Binds the receivers. Returns the layout.
-    fn bind(
-        &mut self,
-        factory: &mut ResourceFactory<'_>,
-        pipelines: &mut Pipelines,
-        receivers: &MaskReceivers<'_>,
-    ) -> BindGroupLayout {
-        let entries = match receivers {
+    /// Returns the bindings of the receivers.
+    fn receiver_entries(&self, receivers: &MaskReceivers<'_>) -> Vec<(Slot, Bound)> {
+        match receivers {
             MaskReceivers::Positions(textures) => gbuffer_entries(textures),
             MaskReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
-        };
-        let layouts = &mut pipelines.layouts;
-        let stage = ShaderStages::FRAGMENT;
-        self.receivers
-            .bind(factory, layouts, stage, "umbrage receivers", entries)
+        }
     }
 
     /// Writes the depth buffer's camera if it changed.
@@ -414,6 +523,26 @@ impl MaskStage {
             entries.push((floats, Bound::View(normals.texture.clone())));
         }
         entries
+    }
+}
+
+/// Layouts of the bind groups of a pipeline: the set's, and the masks' own.
+struct GroupLayouts<'a>([Option<&'a BindGroupLayout>; 4], usize);
+
+impl<'a> GroupLayouts<'a> {
+    /// Errors if the set has no bind group.
+    fn new(shader: &'a SetShader, own: &'a BindGroupLayout) -> Result<Self, BackendError> {
+        let (_, set) = shader.bind_group().ok_or_else(shader::unprepared_error)?;
+        let mut groups = Self([None; 4], 0);
+        for (group, layout) in [(shader.group(), set), (own_group(shader.group()), own)] {
+            groups.0[group as usize] = Some(layout);
+            groups.1 = groups.1.max(group as usize + 1);
+        }
+        Ok(groups)
+    }
+
+    fn list(&self) -> &[Option<&'a BindGroupLayout>] {
+        &self.0[..self.1]
     }
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod buffers;
 mod caster_hierarchies;
 mod casters;
+mod computed_masks;
 mod corners;
 mod culling;
 mod encode;
@@ -44,7 +45,7 @@ pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 use crate::{
     device::{
         later_errors::LaterErrors,
-        requirements::{check_limits, limits},
+        requirements::{COMPUTE_LIMITS, check_limits, limits},
     },
     light_set::{
         buffers::MAX_LIGHTS,
@@ -181,12 +182,13 @@ impl LightSet {
     /// draws.
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
-    /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment
-    /// shaders. Maps or layers beyond these limits require more.
+    /// The limits that a set requires: those of a [`ShadowRenderer`](crate::ShadowRenderer), and
+    /// three storage buffers in shaders, which WebGPU and OpenGL ES 3.1 guarantee. Maps or layers
+    /// beyond these limits require more.
     pub const REQUIRED_LIMITS: Limits = Limits {
-        max_storage_buffers_per_shader_stage: 2,
+        max_storage_buffers_per_shader_stage: 3,
         max_storage_buffer_binding_size: 1 << 27,
-        ..Limits::downlevel_webgl2_defaults()
+        ..COMPUTE_LIMITS
     };
 
     /// Returns an empty set for this device and its queue, both of which it keeps. A device that
@@ -207,7 +209,7 @@ impl LightSet {
             max_storage_buffer_binding_size: 0,
             ..Self::REQUIRED_LIMITS
         };
-        check_limits(&needed, &device.limits())?;
+        check_limits(&needed, &device.limits(), "LightSet")?;
         let groups = device.limits().max_bind_groups;
         if options.group >= groups {
             let why = format!("is {}", options.group);

@@ -101,6 +101,7 @@ impl LightPlan {
                 (layout.name, layout.size)
             }),
             shape: KernelInterface::new(&recipe, kernel, &receive.inputs, &receive.tables),
+            in_compute: kernel.in_compute(),
         };
         let uniforms = block.map_or_else(Vec::new, |block| block.uniform_bytes());
         Ok(Self {

@@ -7,7 +7,7 @@ use crate::{
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         caster_hierarchies::{CasterHierarchies, why_not_built},
         ids::{LightId, LightKey},
-        masks::{MaskInputs, MaskReceivers, MaskStage},
+        masks::{MaskInputs, MaskPass, MaskReceivers, MaskStage},
         options::{SetFrame, SetReport},
         passes::{CastSources, PassList},
         plan::{Difference, LightPlan, PlanLimits},
@@ -157,28 +157,27 @@ impl LightSet {
         for &id in inputs.lights {
             self.light_key(id)?;
         }
-        // Open scopes only for new objects: otherwise there are no device errors.
-        let makes = !self.masks.is_made_for(&self.shader, inputs);
-        let scopes = makes.then(|| Scopes::open(&self.device));
-        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
+        // Choose the pass of each light. All ids were checked above.
         let lights = &self.lights;
-        // All ids were checked above.
         let keys = inputs
             .lights
             .iter()
             .filter_map(|id| id.key_in(self.number).ok());
-        let lights = keys.map(|key| {
+        self.masks.set_lights(keys.map(|key| {
             let light = &lights[key];
-            let is_shown = light.is_enabled && light.state.shown_plan().is_some();
-            (key, is_shown.then_some(light.index))
-        });
-        let result = self.masks.prepare(
-            &mut factory,
-            &mut self.pipelines,
-            &self.shader,
-            inputs,
-            lights,
-        );
+            let pass = match light.state.shown_plan() {
+                Some(plan) if light.is_enabled => MaskPass::new(plan.kind.in_compute, light.index),
+                _ => MaskPass::Clear,
+            };
+            (key, pass)
+        }));
+        // Open scopes only for new objects: otherwise there are no device errors.
+        let makes = !self.masks.is_made_for(&self.shader, inputs);
+        let scopes = makes.then(|| Scopes::open(&self.device));
+        let mut factory = ResourceFactory::new(&self.device, &self.queue, &mut self.counters);
+        let result = self
+            .masks
+            .prepare(&mut factory, &mut self.pipelines, &self.shader, inputs);
         let closed = scopes.map_or(Ok(()), |scopes| {
             self.errors.close(scopes, self.options.errors)
         });

@@ -33,10 +33,11 @@ pub enum SetPass {
     },
     /// All filter passes of a light's layers.
     Filters,
-    /// All passes that build a light's hierarchy of casters; the first one also includes the transform of
-    /// the casters.
+    /// All passes that build a light's hierarchy of casters; the first one also includes the
+    /// transform of the casters.
     Hierarchy,
-    /// A light's mask.
+    /// A light's mask. If it is computed in [`MaskFormat::Unorm8`](crate::MaskFormat), without the
+    /// copy to its layer.
     Mask,
 }
 
@@ -136,9 +137,13 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         Some(begin)
     }
 
-    /// Returns the timestamps of the pass that builds a light's hierarchy.
-    pub(crate) fn hierarchy(&mut self, light: LightKey) -> Option<ComputePassTimestampWrites<'a>> {
-        let begin = self.begin(light, SetPass::Hierarchy)?;
+    /// Returns the timestamps of one compute pass.
+    pub(crate) fn compute_writes(
+        &mut self,
+        light: LightKey,
+        pass: SetPass,
+    ) -> Option<ComputePassTimestampWrites<'a>> {
+        let begin = self.begin(light, pass)?;
         Some(ComputePassTimestampWrites {
             query_set: self.queries,
             beginning_of_pass_write_index: Some(begin),
@@ -146,7 +151,7 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         })
     }
 
-    /// Returns the timestamps of one pass.
+    /// Returns the timestamps of one render pass.
     pub(crate) fn writes(
         &mut self,
         light: LightKey,

@@ -5,8 +5,8 @@ use std::{collections::HashMap, num::NonZeroU64};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindGroupLayoutEntry, BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType,
-    Device, Sampler, SamplerBindingType, ShaderStages, TextureSampleType, TextureView,
-    TextureViewDimension,
+    Device, Sampler, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+    TextureSampleType, TextureView, TextureViewDimension,
 };
 
 /// The kind of one binding.
@@ -33,6 +33,11 @@ pub(crate) enum Slot {
     Table,
     /// A storage buffer that compute shaders write.
     Written,
+    /// A texture that compute shaders write.
+    Stored {
+        format: TextureFormat,
+        layered: bool,
+    },
     /// A comparison sampler.
     Sampler,
 }
@@ -50,6 +55,11 @@ impl Slot {
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Comparison),
             Self::Table => buffer_type(BufferBindingType::Storage { read_only: true }, false),
             Self::Written => buffer_type(BufferBindingType::Storage { read_only: false }, false),
+            Self::Stored { format, layered } => BindingType::StorageTexture {
+                access: StorageTextureAccess::WriteOnly,
+                format,
+                view_dimension: dimension_of(layered),
+            },
         }
     }
 }
@@ -63,15 +73,18 @@ fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
 }
 
 fn texture_type(sample_type: TextureSampleType, layered: bool, multisampled: bool) -> BindingType {
-    let view_dimension = if layered {
+    BindingType::Texture {
+        sample_type,
+        view_dimension: dimension_of(layered),
+        multisampled,
+    }
+}
+
+fn dimension_of(layered: bool) -> TextureViewDimension {
+    if layered {
         TextureViewDimension::D2Array
     } else {
         TextureViewDimension::D2
-    };
-    BindingType::Texture {
-        sample_type,
-        view_dimension,
-        multisampled,
     }
 }
 

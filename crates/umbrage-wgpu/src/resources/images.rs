@@ -149,8 +149,11 @@ fn usage(format: TextureFormat) -> TextureUsages {
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
     if format.has_depth_aspect() {
         all
-    } else {
+    } else if format.has_stencil_aspect() {
         all | TextureUsages::COPY_DST
+    } else {
+        // Compute passes write all other formats.
+        all | TextureUsages::COPY_DST | TextureUsages::STORAGE_BINDING
     }
 }
 

@@ -11,12 +11,11 @@ use crate::{
     wgsl::kernel::{InputImage, InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
-use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
+use wgpu::{Buffer, BufferUsages, ShaderStages};
 
 /// Resources of one kernel of a recipe, kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct KernelStage {
-    pub(crate) pipeline: Option<RenderPipeline>,
     pub(crate) binding: Binding,
     uniforms: Option<Buffer>,
 }

@@ -91,6 +91,8 @@ pub(crate) struct Pipelines {
     casts: Vec<(CastKey, RenderPipeline)>,
     /// Pipelines by shader text, which declares the bindings, and target format.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
+    /// Compute pipelines by shader text.
+    computes: HashMap<String, ComputePipeline>,
     /// Shaders by the kind of alpha test, if any.
     cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
@@ -167,6 +169,28 @@ impl Pipelines {
             groups,
         );
         self.kernels.entry(key).insert_entry(pipeline).get().clone()
+    }
+
+    /// Returns the pipeline of the compute shader `entry` of the shader `text`.
+    pub(crate) fn compute(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        label: &str,
+        text: String,
+        entry: &str,
+        groups: &[Option<&BindGroupLayout>],
+    ) -> ComputePipeline {
+        if let Some(pipeline) = self.computes.get(&text) {
+            return pipeline.clone();
+        }
+        factory.counters.pipelines += 1;
+        let module = shader(factory.device, label, &text);
+        let pipeline = compute_pipeline(factory.device, &module, entry, &[], groups);
+        self.computes
+            .entry(text)
+            .insert_entry(pipeline)
+            .get()
+            .clone()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Timestamps around the stages.
 
-use wgpu::{QuerySet, RenderPassTimestampWrites};
+use wgpu::{ComputePassTimestampWrites, QuerySet, RenderPassTimestampWrites};
 
 /// Six timestamp queries for [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed):
 /// begin and end of casts, filters and the receive stage. Those of a stage without passes are not
@@ -38,4 +38,13 @@ pub(crate) fn pass_stamps<'a>(
         beginning_of_pass_write_index: is_first.then_some(begin),
         end_of_pass_write_index: is_last.then_some(begin + 1),
     })
+}
+
+/// Returns the timestamps of a compute pass, given those of a render pass.
+pub(crate) fn of_compute(stamps: RenderPassTimestampWrites<'_>) -> ComputePassTimestampWrites<'_> {
+    ComputePassTimestampWrites {
+        query_set: stamps.query_set,
+        beginning_of_pass_write_index: stamps.beginning_of_pass_write_index,
+        end_of_pass_write_index: stamps.end_of_pass_write_index,
+    }
 }

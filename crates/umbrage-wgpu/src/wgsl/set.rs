@@ -21,6 +21,8 @@ pub(crate) struct KernelKind {
     /// Name of the uniform struct in WGSL, and its size in bytes.
     pub(crate) uniforms: Option<(&'static str, u64)>,
     pub(crate) shape: KernelInterface,
+    /// True if masks are computed, not drawn.
+    pub(crate) in_compute: bool,
 }
 
 /// A texture binding of the set: a class of layers, and how kernels read it.

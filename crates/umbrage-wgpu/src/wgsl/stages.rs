@@ -1,6 +1,9 @@
 //! The shaders that are assembled from files, alone or after the text of a kernel or a set.
 
-use crate::wgsl::resolver::{assemble, constant};
+use crate::{
+    resources::images::texture_format,
+    wgsl::resolver::{assemble, constant},
+};
 use umbrage_core::{
     Format, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
@@ -39,6 +42,7 @@ const FILES: &[Module] = &[
     file!("depth_samples"),
     file!("depth_single"),
     file!("filter"),
+    file!("filter_tile"),
     file!("filter_words"),
     file!("fullscreen"),
     file!("fullscreen_instances"),
@@ -52,9 +56,14 @@ const FILES: &[Module] = &[
     file!("holes_hashed"),
     file!("holes_nearest"),
     file!("mask"),
+    file!("mask_bytes"),
+    file!("mask_choice"),
+    file!("mask_floats"),
     file!("no_triangle_ids"),
+    file!("pixel_block"),
     file!("probe_fusing"),
     file!("receive"),
+    file!("receive_compute"),
     file!("seen"),
     file!("seen_in_depth"),
     file!("seen_in_depth_and_normals"),
@@ -62,6 +71,7 @@ const FILES: &[Module] = &[
     file!("shade"),
     file!("sort"),
     file!("triangle_ids"),
+    file!("words"),
 ];
 
 /// Lookup of alpha textures for images.
@@ -73,7 +83,7 @@ pub(crate) enum HoleRule {
     Hashed,
 }
 
-/// Source of the receivers of a full-screen pass.
+/// Source of the receivers of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReceiverSource {
     /// Positions and normals.
@@ -93,10 +103,15 @@ pub(crate) fn shader_of(files: &[&str]) -> String {
 }
 
 /// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group
-/// `group`.
-pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool) -> String {
+/// `group`. If it is a compute shader, the mask is the last binding of that group.
+pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool, computes: bool) -> String {
     let receivers = ReceiverSource::GBuffer { triangles };
-    kernel.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["receive"])
+    let text = kernel.to_owned() + &seen_wgsl(group, receivers);
+    if computes {
+        text + &mask_constant(receivers) + &shader_of(&["receive_compute"])
+    } else {
+        text + &shader_of(&["receive"])
+    }
 }
 
 /// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's
@@ -115,9 +130,58 @@ pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
     kernel.to_owned() + &shader_of(&[file])
 }
 
+/// Bind group of the image that compute filters write.
+pub(crate) const FILTER_OUTPUT_GROUP: u32 = 1;
+
+/// Returns the shader that computes an image by tiles, with a kernel's `filter_tile`. `layered` is
+/// true if the image has several layers.
+pub(crate) fn tile_filter_shader(kernel: &str, output: Format, layered: bool) -> String {
+    // WGSL's name of a format is wgpu's in lower case.
+    let format = format!("{:?}", texture_format(output)).to_lowercase();
+    let (kind, layer) = match layered {
+        true => ("texture_storage_2d_array", " layer,"),
+        false => ("texture_storage_2d", ""),
+    };
+    let (value, words) = match output {
+        Format::Rg16 | Format::Rgba16 => ("vec4u(umbrage_words(channels), vec2u())", "words"),
+        _ => ("channels", ""),
+    };
+    let files = [words, "filter_tile"];
+    let files: Vec<&str> = files.into_iter().filter(|file| !file.is_empty()).collect();
+    let store = format!(
+        "@group({FILTER_OUTPUT_GROUP}) @binding(0) var umbrage_output: {kind}<{format}, write>;
+fn store_texel(texel: vec2i, layer: i32, channels: vec4f) {{
+    textureStore(umbrage_output, texel,{layer} {value});
+}}
+"
+    );
+    kernel.to_owned() + &store + &shader_of(&files)
+}
+
 /// Returns the shader of masks, which calls a set's `shadow_on`; the instance is the light.
 pub(crate) fn mask_shader(set: &str, group: u32, receivers: ReceiverSource) -> String {
     set.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["mask"])
+}
+
+/// Returns the compute shader of masks. The last bindings of bind group `group` are the choice of a
+/// light, and the output: `bytes` in a buffer, or floats in a texture.
+pub(crate) fn mask_compute_shader(
+    set: &str,
+    group: u32,
+    receivers: ReceiverSource,
+    bytes: bool,
+) -> String {
+    let file = if bytes { "mask_bytes" } else { "mask_floats" };
+    set.to_owned() + &seen_wgsl(group, receivers) + &mask_constant(receivers) + &shader_of(&[file])
+}
+
+/// Returns the number of the first binding after those of the receivers.
+fn mask_constant(receivers: ReceiverSource) -> String {
+    let first = match receivers {
+        ReceiverSource::GBuffer { triangles: false } | ReceiverSource::Depth { .. } => 2,
+        ReceiverSource::GBuffer { triangles: true } | ReceiverSource::DepthAndNormals { .. } => 3,
+    };
+    constant("UMBRAGE_MASK_BINDING", format!("{first}u"))
 }
 
 /// Returns `umbrage_seen` for bind group `group`.
