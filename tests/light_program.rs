@@ -54,12 +54,11 @@ pub struct ForwardProgram {
     size: UVec2,
 }
 
-/// A pipeline that contains a set's text, and its render target.
+/// A pipeline that contains a set's text.
 #[derive(Debug)]
 struct SetPipeline {
     revision: u64,
     pipeline: RenderPipeline,
-    own_group: BindGroup,
 }
 
 /// A program's renderer of one set.
@@ -182,6 +181,7 @@ impl Forward {
             _ => program.compile(set.wgsl(), revision, layout),
         };
         let d = program.d;
+        let own_group = program.own_group();
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
         let target = foreign::texture(d, program.size, TextureFormat::R32Float, usage);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
@@ -199,7 +199,7 @@ impl Forward {
             ..RenderPassDescriptor::default()
         });
         pass.set_pipeline(&drawn.pipeline);
-        pass.set_bind_group(0, &drawn.own_group, &[]);
+        pass.set_bind_group(0, &own_group, &[]);
         pass.set_bind_group(GROUP, group, &[]);
         pass.draw(0..3, light..light + 1);
         drop(pass);
@@ -243,7 +243,11 @@ impl ForwardProgram {
             multiview_mask: None,
             cache: None,
         });
-        // Bind the receivers.
+        SetPipeline { revision, pipeline }
+    }
+
+    /// Binds the receivers.
+    fn own_group(&self) -> BindGroup {
         let entries: Vec<_> = (0..)
             .zip([&self.position, &self.normal, &self.triangle])
             .map(|(binding, view)| wgpu::BindGroupEntry {
@@ -251,16 +255,11 @@ impl ForwardProgram {
                 resource: BindingResource::TextureView(view),
             })
             .collect();
-        let own_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        self.d.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
-            layout: &own_layout,
+            layout: &self.own_layout(),
             entries: &entries,
-        });
-        SetPipeline {
-            revision,
-            pipeline,
-            own_group,
-        }
+        })
     }
 
     fn own_layout(&self) -> BindGroupLayout {

@@ -20,8 +20,8 @@ use umbrage_tests::{
     light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, MeshId, SetBudget,
-    SetFrame, ShadowedLight, StillLayers, Unserved, VertexLayout,
+    CasterId, CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, MeshId,
+    SetBudget, SetFrame, ShadowedLight, StillLayers, Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
@@ -79,13 +79,23 @@ impl World {
     }
 
     pub(super) fn set(&self) -> LightSet {
-        let mut set = self.program.set(SetBudget::default(), StillLayers::Auto);
-        for mesh in self.meshes(&mut set) {
-            set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
-        }
+        let mut set = self.empty_set();
+        self.add_casters(&mut set);
+        set
+    }
+
+    pub(super) fn empty_set(&self) -> LightSet {
+        self.program.set(SetBudget::default(), StillLayers::Auto)
+    }
+
+    /// Adds the scene's casters to a set. Returns those of meshes, without the alpha-tested ones.
+    pub(super) fn add_casters(&self, set: &mut LightSet) -> Vec<(MeshId, CasterId)> {
+        let meshes = self.meshes(set);
+        let mut add = |mesh| set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
+        let casters = meshes.into_iter().map(|mesh| (mesh, add(mesh))).collect();
         let cut_outs = self.cut_outs();
         set.set_cut_outs(cut_outs.as_ref()).expect("valid");
-        set
+        casters
     }
 
     /// Adds the scene's casters to a set as meshes, which cast nothing yet, except alpha-tested

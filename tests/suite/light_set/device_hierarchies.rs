@@ -3,7 +3,10 @@
 use super::alike::{World, count_differing};
 use glam::{Affine3A, Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
-use std::sync::Arc;
+use std::{
+    cell::{Cell, RefCell},
+    sync::Arc,
+};
 use umbrage_core::{
     Backend, Camera, DeviceHierarchy, Instance, Kernel, Light, Mesh, NO_TRIANGLE, Scene,
     ShadowTechnique, Uniforms, join,
@@ -19,7 +22,7 @@ use umbrage_tests::{
     light_stage::{Stage, spot},
     random_scene,
 };
-use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, StillLayers, Unserved};
+use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, Unserved};
 
 /// Scenes with suns and point lights, with closed and open casters, some with a light among the
 /// casters, some of real size, some small or large, and one far from the origin.
@@ -102,22 +105,63 @@ fn extent_and_far(bytes: &[u8]) -> [f32; 2] {
 }
 
 /// Returns a light's mask from its set.
-fn mask(world: &World, set: &LightSet, id: LightId) -> Vec<f32> {
+fn mask(world: &World, set: &LightSet, id: LightId, forward: &mut Forward) -> Vec<f32> {
     let index = set.index_of(id).expect("is there");
-    Forward::default().mask(&world.program, set, index)
+    forward.mask(&world.program, set, index)
 }
 
-/// Returns the number of receivers at which rays differ, and the number in shadow.
-fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
-    let id = set.add_light(exact(light)).expect("valid");
-    world.program.update(set, &world.frame_without_triangles());
-    let unserved: Vec<_> = set.unserved_lights().collect();
-    assert!(unserved.is_empty(), "{unserved:?}");
-    let found = mask(world, set, id);
-    let expected = world.trace_mask(set, &light);
-    set.remove_light(id).expect("is there");
-    let shadowed = expected.iter().filter(|&&v| v < 1.0).count();
-    [count_differing(&found, &expected), shadowed]
+/// A set and a program's renderer of it. All scenes of a test share them, because pipelines take
+/// far longer to compile than a scene takes to draw.
+struct Comparison {
+    set: LightSet,
+    forward: Forward,
+}
+
+impl Comparison {
+    fn new() -> Self {
+        let set = World::new("cubes").empty_set();
+        let forward = Forward::default();
+        Self { set, forward }
+    }
+
+    /// Returns the number of receivers at which rays differ, and the number in shadow, summed over
+    /// a scene's lights.
+    fn count(&mut self, world: &World) -> [usize; 2] {
+        let casters = world.add_casters(&mut self.set);
+        let mut sums = [0; 2];
+        for &light in &world.scene.lights {
+            let [wrong, shadowed] = self.count_light(world, light);
+            sums[0] += wrong;
+            sums[1] += shadowed;
+        }
+        for (mesh, caster) in casters {
+            self.set.remove_caster(caster).expect("is there");
+            self.set.remove_mesh(mesh).expect("is there");
+        }
+        sums
+    }
+
+    fn count_light(&mut self, world: &World, light: Light) -> [usize; 2] {
+        let set = &mut self.set;
+        let id = set.add_light(exact(light)).expect("valid");
+        world.program.update(set, &world.frame_without_triangles());
+        let unserved: Vec<_> = set.unserved_lights().collect();
+        assert!(unserved.is_empty(), "{unserved:?}");
+        let found = mask(world, set, id, &mut self.forward);
+        let expected = world.trace_mask(set, &light);
+        set.remove_light(id).expect("is there");
+        let shadowed = expected.iter().filter(|&&v| v < 1.0).count();
+        [count_differing(&found, &expected), shadowed]
+    }
+
+    /// Checks that a scene's lights have the results of rays, and returns the number of receivers
+    /// in shadow.
+    fn check(&mut self, world: &World, what: &str) -> usize {
+        let [wrong, shadowed] = self.count(world);
+        let allowed = allowed_pixels(world.receivers.len() * world.scene.lights.len());
+        assert!(wrong <= allowed, "{what}: {wrong} of {allowed} pixels");
+        shadowed
+    }
 }
 
 /// Returns the allowed number of differences: none on drivers that round like the CPU; on others, a
@@ -132,17 +176,10 @@ fn allowed_pixels(pixels: usize) -> usize {
 
 #[test]
 fn hierarchies_of_the_device_answer_as_rays_do() {
+    let mut comparison = Comparison::new();
     for (_, name) in SCENES.iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
-        let world = World::new(name);
-        let mut set = world.set();
-        for &light in &world.scene.lights {
-            let [wrong, shadowed] = compare(&world, &mut set, light);
-            assert!(
-                wrong <= allowed_pixels(world.receivers.len()),
-                "{name}: {wrong}"
-            );
-            assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
-        }
+        let shadowed = comparison.check(&World::new(name), name);
+        assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
     }
 }
 
@@ -150,28 +187,29 @@ fn hierarchies_of_the_device_answer_as_rays_do() {
 #[test]
 fn random_scenes_answer_as_rays_do() {
     let config = ProptestConfig {
-        cases: 75 / nth_case() as u32,
+        cases: 200 / nth_case() as u32,
         max_shrink_iters: 100,
         rng_seed: RngSeed::Fixed(11),
         failure_persistence: None,
         ..ProptestConfig::default()
     };
-    let in_shadow = std::cell::Cell::new(0);
+    let in_shadow = Cell::new(0);
+    let comparison = RefCell::new(Comparison::new());
     proptest!(config, |(scene in random_scene::scenes())| {
         let Some(world) = world_of(scene) else {
             return Ok(());
         };
-        let mut set = world.set();
+        let mut comparison = comparison.borrow_mut();
         // With capacity for strips, and without.
         for most in [None, Some(0)] {
-            set.limit_references(most);
-            let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
+            comparison.set.limit_references(most);
+            let [wrong, shadowed] = comparison.count(&world);
             prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
             in_shadow.set(in_shadow.get() + shadowed);
         }
     });
     let in_shadow = in_shadow.get();
-    let least = 50_000 / nth_case();
+    let least = 100_000 / nth_case();
     assert!(in_shadow > least, "only {in_shadow} in shadow");
 }
 
@@ -191,7 +229,7 @@ fn rays_of_another_light_answer_otherwise() {
     world
         .program
         .update(&mut set, &world.frame_without_triangles());
-    let found = mask(&world, &set, id);
+    let found = mask(&world, &set, id, &mut Forward::default());
     let moved = Light::Directional {
         direction: light.direction_from(Vec3::ZERO) * -1.0 + Vec3::new(0.02, 0.0, 0.0),
         angular_diameter: 0.0,
@@ -203,16 +241,10 @@ fn rays_of_another_light_answer_otherwise() {
 /// anywhere. The answers are the same.
 #[test]
 fn hierarchies_without_room_answer_alike() {
+    let mut comparison = Comparison::new();
+    comparison.set.limit_references(Some(0));
     for name in ["figure", "lamp-in-room", "bar-at-lamp"] {
-        let world = World::new(name);
-        let mut set = world.set();
-        let light = world.scene.lights[0];
-        set.limit_references(Some(0));
-        let [wrong, shadowed] = compare(&world, &mut set, light);
-        assert!(
-            wrong <= allowed_pixels(world.receivers.len()),
-            "{name}: {wrong}"
-        );
+        let shadowed = comparison.check(&World::new(name), name);
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
     }
 }
@@ -227,21 +259,10 @@ fn add_triangles(scene: &mut Scene, triangles: &[[Vec3; 3]]) {
     scene.instances.push(instance);
 }
 
-/// Checks that a scene's first light has the results of rays, and returns the number of receivers
-/// in shadow.
-fn check_world(world: &World, what: &str) -> usize {
-    let mut set = world.set();
-    let [wrong, shadowed] = compare(world, &mut set, world.scene.lights[0]);
-    assert!(
-        wrong <= allowed_pixels(world.receivers.len()),
-        "{what}: {wrong}"
-    );
-    shadowed
-}
-
 /// A triangle over everything puts everything in shadow, and one below everything changes nothing.
 #[test]
 fn casters_that_cover_everything_answer_as_rays_do() {
+    let mut comparison = Comparison::new();
     for name in ["cubes", "teapot-lamp"] {
         let [below, above] = [-1e3, 9.0].map(|height| {
             let mut world = World::new(name);
@@ -253,7 +274,7 @@ fn casters_that_cover_everything_answer_as_rays_do() {
             {
                 position.y = 10.0;
             }
-            check_world(&World::of_scene(world.scene), name)
+            comparison.check(&World::of_scene(world.scene), name)
         });
         assert!(above > below, "{name}: {below} of {above}");
     }
@@ -311,7 +332,7 @@ fn crowds_of_casters_answer_as_rays_do() {
     let count = std::env::var("UMBRAGE_CROWD").ok();
     let count = count.map_or(20_000, |count| count.parse().expect("a number"));
     let world = crowd(count);
-    let shadowed = check_world(&world, "crowd");
+    let shadowed = Comparison::new().check(&world, "crowd");
     assert!(shadowed > 100, "only {shadowed} in shadow");
 }
 
@@ -346,7 +367,7 @@ fn casters_far_along_the_light_answer_as_rays_do() {
     let looks_at = away * 490.0;
     scene.cameras[0] =
         Camera::perspective(eye, looks_at, down, 0.8, near_far, size).expect("valid");
-    let shadowed = check_world(&World::of_scene(world.scene), "plates");
+    let shadowed = Comparison::new().check(&World::of_scene(world.scene), "plates");
     assert!(shadowed > 100, "only {shadowed} in shadow");
 }
 
@@ -369,8 +390,10 @@ fn lights_of_one_set_answer_as_rays_do() {
         .program
         .update(&mut set, &world.frame_without_triangles());
     assert_eq!(set.report().hierarchies, 3);
+    let mut forward = Forward::default();
     for (id, light) in ids.into_iter().zip(lights) {
-        let wrong = count_differing(&mask(&world, &set, id), &world.trace_mask(&set, &light));
+        let found = mask(&world, &set, id, &mut forward);
+        let wrong = count_differing(&found, &world.trace_mask(&set, &light));
         assert!(
             wrong <= allowed_pixels(world.receivers.len()),
             "{light:?}: {wrong}"
@@ -386,7 +409,7 @@ fn casters_that_move_leave_nothing_behind() {
     let frame = world.frame_without_triangles();
     let light = world.scene.lights[0];
     let start = || {
-        let mut set = world.program.set(SetBudget::default(), StillLayers::Auto);
+        let mut set = world.empty_set();
         let meshes = world.meshes(&mut set);
         let id = set.add_light(exact(light)).expect("valid");
         (set, meshes, id)
@@ -398,9 +421,10 @@ fn casters_that_move_leave_nothing_behind() {
         casters.collect::<Result<Vec<_>, _>>().expect("valid")
     };
     let casters = add(&mut set, Affine3A::IDENTITY);
-    let seen = |set: &mut LightSet| {
+    let mut forward = Forward::default();
+    let mut seen = |set: &mut LightSet| {
         world.program.update(set, &frame);
-        mask(&world, set, id)
+        mask(&world, set, id, &mut forward)
     };
     let first = seen(&mut set);
     assert!(
@@ -470,19 +494,24 @@ fn hierarchies_of_lights_that_are_off_are_not_rebuilt() {
         world.program.update(set, &frame);
         set.report().hierarchies
     };
+    let mut forward = Forward::default();
     assert_eq!(update(&mut set), 2);
     assert!(set.wgsl() == text.wgsl && set.wgsl_revision() == text.revision);
-    let shadowed = mask(&world, &set, ids[1]);
+    let shadowed = mask(&world, &set, ids[1], &mut forward);
     set.set_enabled(ids[1], false).expect("is there");
     for _ in 0..2 {
         set.touch(&everything).expect("finite");
         assert_eq!(update(&mut set), 1);
-        assert!(mask(&world, &set, ids[1]).iter().all(|&lit| lit == 1.0));
-        assert_eq!(mask(&world, &set, ids[0]), shadowed);
+        assert!(
+            mask(&world, &set, ids[1], &mut forward)
+                .iter()
+                .all(|&lit| lit == 1.0)
+        );
+        assert_eq!(mask(&world, &set, ids[0], &mut forward), shadowed);
     }
     set.set_enabled(ids[1], true).expect("is there");
     assert_eq!(update(&mut set), 1);
-    assert_eq!(mask(&world, &set, ids[1]), shadowed);
+    assert_eq!(mask(&world, &set, ids[1], &mut forward), shadowed);
     assert_eq!(update(&mut set), 0);
 }
 

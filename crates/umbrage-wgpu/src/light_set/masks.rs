@@ -403,7 +403,6 @@ impl MaskStage {
             factory.device,
             &module(factory.device, "umbrage masks", &text),
             "umbrage_compute_mask",
-            &[],
             groups.list(),
         ));
         Ok(())

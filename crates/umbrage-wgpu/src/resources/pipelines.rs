@@ -185,7 +185,7 @@ impl Pipelines {
         }
         factory.counters.pipelines += 1;
         let module = shader(factory.device, label, &text);
-        let pipeline = compute_pipeline(factory.device, &module, entry, &[], groups);
+        let pipeline = compute_pipeline(factory.device, &module, entry, groups);
         self.computes
             .entry(text)
             .insert_entry(pipeline)
