@@ -7,7 +7,7 @@ use crate::shadow_map::ShadowMap;
 use std::{any::Any, sync::Arc};
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
-use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_core::{CutOuts, DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// A technique and its settings. In a file, the field `technique` holds the name that
 /// [`ShadowTechnique::name`] returns. All other fields are those of its struct; missing ones have
@@ -77,8 +77,12 @@ impl ShadowTechnique for TechniquePreset {
         self.0.recipe(view)
     }
 
-    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
-        self.0.device_recipe(view)
+    fn device_recipe(
+        &self,
+        view: &View<'_>,
+        cut_outs: Option<&CutOuts>,
+    ) -> Option<Result<DeviceRecipe, RecipeError>> {
+        self.0.device_recipe(view, cut_outs)
     }
 
     fn follows_camera(&self, light: &Light) -> bool {

@@ -99,8 +99,12 @@ impl ShadowTechnique for Exact {
         Ok(recipe_of(ExactKernel::new(view, geometry)))
     }
 
-    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
-        Some(on_device::device_recipe(view))
+    fn device_recipe(
+        &self,
+        view: &View<'_>,
+        cut_outs: Option<&CutOuts>,
+    ) -> Option<Result<DeviceRecipe, RecipeError>> {
+        Some(on_device::device_recipe(view, cut_outs))
     }
 }
 
@@ -328,6 +332,7 @@ impl Kernel for ExactKernel {
         let mut modules = vec![RAY_BOX, RAY_TRIANGLE, LIGHT_SAMPLE, ITEM_KEY];
         if self.cut_outs.is_some() {
             modules.extend([CUT_OUT, HOLE, CASTER_CUT_OUT]);
+            modules.push(module!("list_records", "exact/list_records.wgsl"));
         } else {
             modules.push(CASTER_OPAQUE);
         }

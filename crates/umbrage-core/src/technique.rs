@@ -1,6 +1,7 @@
 //! The trait that a shadow technique implements.
 
 use crate::{
+    geometry::cut_out::CutOuts,
     recipe::{Recipe, device_hierarchy::DeviceRecipe},
     recipe_error::RecipeError,
     scene::light::Light,
@@ -22,10 +23,14 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
     /// Returns the recipe for a renderer whose vertices exist only on the device, which then builds
-    /// a hierarchy of the casters. `None` for techniques that need none, or can't use one of a
-    /// device.
-    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
-        let _ = view;
+    /// a hierarchy of the casters. `cut_outs` are the records of alpha-tested casters, if there are
+    /// any. `None` for techniques that need no hierarchy, or can't use one of a device.
+    fn device_recipe(
+        &self,
+        view: &View<'_>,
+        cut_outs: Option<&CutOuts>,
+    ) -> Option<Result<DeviceRecipe, RecipeError>> {
+        let _ = (view, cut_outs);
         None
     }
 

@@ -1,5 +1,6 @@
 // Lookup of a receiver in a hierarchy over the light's view, which a device builds (on_device/).
-// Tables: the hierarchy with its ids (table_0), the casters' corners (table_1).
+// Tables: the hierarchy with its ids (table_0), the casters' corners (table_1), and the records of
+// alpha-tested casters, if any (table_2).
 
 const NO_CASTER = 0xffffffffu;
 // Rows of the header of the nodes.

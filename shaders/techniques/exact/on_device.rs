@@ -10,14 +10,15 @@
 //! times the casters' distance.
 
 use super::{
-    CASTER_OPAQUE, ExactUniforms, FRAME_POINT,
+    CASTER_CUT_OUT, CASTER_OPAQUE, ExactUniforms, FRAME_POINT,
     light_frame::{LEAST_MARGIN, LightFrame, POSITION_MARGIN},
 };
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, Receive, ReceiveKernel,
-    Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
+    Aabb, CutOuts, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, Receive,
+    ReceiveKernel, Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
+    cut_out::{CUT_OUT, HOLE},
     glam::{DVec2, DVec3, Vec2, Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, ray_origin, segment},
     math::dot3,
@@ -45,8 +46,12 @@ uniforms! {
     }
 }
 
-/// Returns the recipe for casters of which only the bounding box is known.
-pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError> {
+/// Returns the recipe for casters of which only the bounding box is known, and the records of
+/// alpha-tested ones.
+pub(super) fn device_recipe(
+    view: &View<'_>,
+    cut_outs: Option<&CutOuts>,
+) -> Result<DeviceRecipe, RecipeError> {
     view.validate()?;
     let reach = reach_around(view);
     let center = if view.casters.is_empty() {
@@ -65,9 +70,10 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
     let frame = LightFrame::around_casters(view.light, upright_pair, &casters, &everything, 1);
     let kernel = HierarchyKernel {
         uniforms: ExactUniforms::new(view, &frame, reach, 2.0 * reach),
+        has_cut_outs: cut_outs.is_some(),
     };
     Ok(DeviceRecipe {
-        recipe: recipe_without_casters(kernel),
+        recipe: recipe_without_casters(kernel, cut_outs),
         hierarchy: DeviceHierarchy {
             modules: modules(),
             uniforms_name: LightView::NAME,
@@ -134,26 +140,31 @@ fn modules() -> Vec<Module> {
 
 /// Returns a recipe with the hierarchy of no casters: a header with one level, and a node without
 /// children. The device's hierarchy replaces it.
-fn recipe_without_casters(kernel: HierarchyKernel) -> Recipe {
+fn recipe_without_casters(kernel: HierarchyKernel, cut_outs: Option<&CutOuts>) -> Recipe {
     let mut hierarchy = vec![[0; 4]; 8];
     hierarchy[0][0] = 1;
     let table = |label, rows: Vec<[u32; 4]>| Table {
         label,
         rows: rows.into(),
     };
+    let mut tables = vec![
+        table("hierarchy", hierarchy),
+        table("corners", vec![[0; 4]; 3]),
+    ];
+    tables.extend(cut_outs.map(|cut_outs| Table {
+        label: "cut-outs",
+        rows: cut_outs.rows().clone().into(),
+    }));
     Recipe {
         images: Vec::new(),
-        tables: vec![
-            table("hierarchy", hierarchy),
-            table("corners", vec![[0; 4]; 3]),
-        ],
-        casts: Vec::new(),
-        filters: Vec::new(),
         receive: Receive {
             kernel: Arc::new(kernel),
             inputs: Vec::new(),
-            tables: vec![0, 1],
+            tables: (0..tables.len()).collect(),
         },
+        tables,
+        casts: Vec::new(),
+        filters: Vec::new(),
         shade: None,
         keep_images: false,
     }
@@ -163,18 +174,21 @@ fn recipe_without_casters(kernel: HierarchyKernel) -> Recipe {
 #[derive(Clone, Debug)]
 struct HierarchyKernel {
     uniforms: ExactUniforms,
+    /// True if there are alpha-tested casters.
+    has_cut_outs: bool,
 }
 
 impl Kernel for HierarchyKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            RAY_BOX,
-            RAY_TRIANGLE,
-            LIGHT_SAMPLE,
-            CASTER_OPAQUE,
-            module!("hierarchy", "hierarchy.wgsl"),
-            FRAME_POINT,
-        ]
+        let mut modules = vec![RAY_BOX, RAY_TRIANGLE, LIGHT_SAMPLE];
+        if self.has_cut_outs {
+            modules.extend([CUT_OUT, HOLE, CASTER_CUT_OUT]);
+            modules.push(module!("hierarchy_records", "hierarchy_records.wgsl"));
+        } else {
+            modules.push(CASTER_OPAQUE);
+        }
+        modules.extend([module!("hierarchy", "hierarchy.wgsl"), FRAME_POINT]);
+        modules
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -192,5 +206,9 @@ impl ReceiveKernel for HierarchyKernel {
             let ray = segment(&u.light, origin, Vec2::ZERO, u.far);
             *out = f32::from(u8::from(dot3(n, ray) > 0.0));
         }
+    }
+
+    fn in_compute(&self) -> bool {
+        true
     }
 }

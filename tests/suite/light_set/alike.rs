@@ -421,26 +421,3 @@ fn come_and_go(world: &World) {
     assert_eq!(count_differing(&mask(&mut set), &with), 0);
     assert_eq!(set.casters_box(), before);
 }
-
-/// Lists from the device only use vertices, and therefore refuse alpha-tested casters.
-#[test]
-fn lists_of_the_device_refuse_casters_with_holes() {
-    let world = World::new(FENCE);
-    let mut set = world.set();
-    let exact = small(umbrage_techniques::find("exact").expect("built in"));
-    let light = world.scene.lights[0];
-    let without_triangles = SetFrame {
-        geometry: None,
-        ..world.frame()
-    };
-    let refusal = set
-        .check(&light, &*exact, &without_triangles)
-        .expect_err("has holes");
-    assert!(
-        refusal.to_string().contains("SetFrame::geometry"),
-        "{refusal}"
-    );
-    set.set_cut_outs(None).expect("valid");
-    set.check(&light, &*exact, &without_triangles)
-        .expect("has no holes");
-}

@@ -4,7 +4,7 @@ use crate::recipe::{Recipe, shader::Module};
 
 /// A hierarchy of eight children a node over the casters around a light, built by compute passes.
 /// For renderers whose vertices exist only on the device. It replaces the tables of the recipe's
-/// kernel, in this order: the hierarchy, the casters' corners.
+/// kernel, in this order: the hierarchy, the casters' corners. Tables after these are the recipe's.
 ///
 /// A caster has at least one reference, and further ones as far as capacity lasts. References are
 /// sorted by keys, and each 64 are grouped into 8 nodes, which are grouped alike. Level 1 has the
@@ -26,8 +26,8 @@ use crate::recipe::{Recipe, shader::Module};
 /// 4. `build_nodes` for each level below the last (an invocation for each node).
 ///
 /// They use these bindings in group 0: `view` (the uniform struct), `made` (`HierarchyPlace`),
-/// `tables: array<u32>` (four words a row; three rows a caster contain its corners, x, y, z,
-/// unused), `keys` and `values: array<u32>` (a word a reference), `head: array<atomic<u32>>`
+/// `tables: array<u32>` (four words a row; three rows a caster contain its corners, x, y, z, and the
+/// row of its record in [`CutOuts::rows`](crate::CutOuts::rows), 0 if it is opaque), `keys` and `values: array<u32>` (a word a reference), `head: array<atomic<u32>>`
 /// ([`HEAD`](Self::HEAD) words, initially 0), `references: array<vec2u>` (one a reference) and
 /// `boxes: array<vec4f>` (two a node). The hierarchy has [`HEADER`](Self::HEADER) rows, four rows a
 /// node, and then the ids, four a row.
@@ -45,6 +45,8 @@ pub struct DeviceHierarchy {
 }
 
 impl DeviceHierarchy {
+    /// Number of tables that the device writes.
+    pub const TABLES: usize = 2;
     /// Number of words of `head`.
     pub const HEAD: u64 = 32;
     /// Number of rows before the nodes.

@@ -23,7 +23,7 @@ use crate::{
 };
 use slotmap::{SecondaryMap, SlotMap};
 use std::num::NonZeroU64;
-use umbrage_core::{DeviceHierarchy, Module, RecipeError, join};
+use umbrage_core::{CutOuts, DeviceHierarchy, Module, RecipeError, join};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor,
     ComputePassTimestampWrites, ComputePipeline, Device, Limits, ShaderStages,
@@ -124,12 +124,6 @@ pub(crate) fn why_not_built(casters: &Casters, limits: &Limits) -> Option<String
                 .to_owned(),
         );
     }
-    if casters.meshes().any(|(_, mesh)| mesh.draw.holes.is_some()) {
-        return Some(
-            "hierarchies of a device support alpha-tested triangles only in `SetFrame::geometry`"
-                .to_owned(),
-        );
-    }
     why_unreadable(casters, limits)
 }
 
@@ -217,6 +211,7 @@ impl CasterHierarchies {
         pipelines: &mut Pipelines,
         lights: &SlotMap<LightKey, HeldLight>,
         casters: &Casters,
+        cut_outs: Option<&CutOuts>,
         tables: &SharedTables,
     ) {
         if self.lights.is_empty() {
@@ -242,7 +237,7 @@ impl CasterHierarchies {
         }
         if self.corners_stale {
             self.corners
-                .prepare(factory, pipelines, casters, buffer, corners);
+                .prepare(factory, pipelines, casters, cut_outs, buffer, corners);
         }
         let places = self.prepare_shared(factory, pipelines, tables, corners);
         let (Some(scratch), Some(places)) = (&self.scratch, places) else {

@@ -16,13 +16,14 @@ use crate::{
 };
 use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
+use umbrage_core::CutOuts;
 use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
 
 /// Rows per triangle.
 pub(crate) const CORNERS: u32 = 3;
 
 /// Bytes of `PlacedMesh` in corners.wgsl.
-const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
+const NUMBERS: NonZeroU64 = NonZeroU64::new(44).unwrap();
 
 /// Transforms the casters of all meshes to world space.
 #[derive(Debug, Default)]
@@ -44,13 +45,14 @@ fn triangles_of(mesh: &MeshSlots) -> u64 {
 }
 
 impl CornerStage {
-    /// Writes the inputs of the passes. `first_row` is the row at which the corners begin in the
-    /// tables.
+    /// Writes the inputs of the passes. `cut_outs` are the records of alpha-tested casters, if there
+    /// are any. `first_row` is the row at which the corners begin in the tables.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         casters: &Casters,
+        cut_outs: Option<&CutOuts>,
         tables: &Buffer,
         first_row: u32,
     ) {
@@ -67,7 +69,7 @@ impl CornerStage {
                 return None;
             }
             placed.push((id, triangles));
-            let numbers = numbers_of(mesh, row);
+            let numbers = numbers_of(mesh, cut_outs, row);
             row += CORNERS * triangles;
             Some(numbers)
         });
@@ -140,7 +142,7 @@ pub(crate) fn group_counts(invocations: u32) -> [u32; 2] {
     [across, groups.div_ceil(across)]
 }
 
-fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
+fn numbers_of(mesh: &MeshSlots, cut_outs: Option<&CutOuts>, first_row: u32) -> [u32; 11] {
     let draw = &mesh.draw;
     let slots = mesh.slots();
     let format = match draw.layout.format {
@@ -153,6 +155,10 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         Some((_, IndexFormat::Uint16)) => 16,
         Some((_, IndexFormat::Uint32)) => 32,
     };
+    let first_record = match (draw.holes, cut_outs) {
+        (Some(_), Some(cut_outs)) => cut_outs.record_row(draw.range.start / 3),
+        _ => None,
+    };
     [
         slots.start,
         slots.len() as u32,
@@ -164,6 +170,7 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         index_bits,
         draw.range.start,
         draw.base_vertex.cast_unsigned(),
+        first_record.unwrap_or(0),
     ]
 }
 

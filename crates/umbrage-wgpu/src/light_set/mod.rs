@@ -73,7 +73,7 @@ use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique, View,
+    Aabb, BackendError, BackendLimits, Camera, CutOuts, Invalid, Light, ShadowTechnique, View,
 };
 use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits, Queue};
 
@@ -164,6 +164,13 @@ pub struct LightSet {
 struct SetCutOuts {
     lists: GpuCutOuts,
     casters: Vec<CasterKey>,
+}
+
+impl SetCutOuts {
+    /// Returns the records of the alpha-tested triangles.
+    fn records(&self) -> &CutOuts {
+        &self.lists.cut_outs
+    }
 }
 
 /// Inputs of all plans in addition to their lights.
@@ -387,6 +394,10 @@ impl LightSet {
             for caster in before.casters {
                 self.casters.remove_cut_outs(caster)?;
             }
+        }
+        // Plan all lights again: recipes of hierarchies contain the records.
+        for light in self.lights.values_mut() {
+            light.has_changed = true;
         }
         let Some(CutOutBuffers { lists, parts }) = cut_outs else {
             return Ok(());

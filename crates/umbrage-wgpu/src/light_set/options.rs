@@ -99,8 +99,8 @@ pub struct ShadowedLight {
     pub light: Light,
     /// The technique, with its settings. Some are refused in a set. `planar` and `volumes` draw from
     /// the camera. `traced` and `soft` need the triangles on the CPU ([`SetFrame::geometry`]), as
-    /// does `exact` with alpha-tested triangles or casters that the program draws itself; otherwise
-    /// the device builds its lists from the set's meshes.
+    /// does `exact` with casters that the program draws itself; otherwise the device builds a
+    /// hierarchy from the set's meshes and alpha-tested triangles.
     pub technique: Arc<dyn ShadowTechnique>,
     /// Priority, 0 or more. Lights with greater numbers come first if not all lights can have
     /// shadows, or be redrawn in one frame. A good measure is the light's intensity times the

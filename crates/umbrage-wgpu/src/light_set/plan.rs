@@ -6,16 +6,18 @@ use crate::{
 };
 use std::sync::Arc;
 use umbrage_core::{
-    BackendLimits, Cast, CastMode, DeviceHierarchy, Filter, Invalid, Recipe, RecipeError,
+    BackendLimits, Cast, CastMode, CutOuts, DeviceHierarchy, Filter, Invalid, Recipe, RecipeError,
     ShadowTechnique, Source, Table, View,
 };
 
 /// Inputs of plans in addition to their view.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlanLimits<'a> {
+pub(crate) struct PlanInputs<'a> {
     pub(crate) recipes: &'a BackendLimits,
     /// Reason why the device can't build hierarchies of casters, if it can't.
     pub(crate) unbuilt: Option<&'a str>,
+    /// Records of the set's alpha-tested casters, if there are any.
+    pub(crate) cut_outs: Option<&'a CutOuts>,
 }
 
 /// A light's recipe, and the bindings of its kernel.
@@ -50,23 +52,23 @@ impl LightPlan {
     pub(crate) fn of_light(
         technique: &dyn ShadowTechnique,
         view: &View<'_>,
-        limits: PlanLimits<'_>,
+        inputs: PlanInputs<'_>,
     ) -> Result<Self, RecipeError> {
         if view.geometry.is_none()
-            && let Some(made) = technique.device_recipe(view)
+            && let Some(made) = technique.device_recipe(view, inputs.cut_outs)
         {
             let made = made?;
-            if let Some(why) = limits.unbuilt {
+            if let Some(why) = inputs.unbuilt {
                 return Err(RecipeError::unsupported_because(why));
             }
-            made.recipe.validate(limits.recipes)?;
+            made.recipe.validate(inputs.recipes)?;
             return Ok(Self {
                 hierarchy: Some(made.hierarchy),
                 ..Self::new(made.recipe)?
             });
         }
         let recipe = technique.recipe(view)?;
-        recipe.validate(limits.recipes)?;
+        recipe.validate(inputs.recipes)?;
         Self::new(recipe)
     }
 
@@ -136,6 +138,16 @@ impl LightPlan {
         } else {
             Difference::Numbers
         }
+    }
+
+    /// Returns the kernel's tables that the device doesn't write, which are the last ones.
+    pub(crate) fn given_tables(&self) -> impl Iterator<Item = &Table> {
+        let written = match self.hierarchy {
+            Some(_) => DeviceHierarchy::TABLES,
+            None => 0,
+        };
+        let given = self.recipe.receive.tables.iter().skip(written);
+        given.map(|&table| &self.recipe.tables[table])
     }
 
     /// Returns the bytes of all images.

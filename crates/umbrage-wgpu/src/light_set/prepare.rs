@@ -3,14 +3,14 @@
 use crate::{
     device::error_scopes::Scopes,
     light_set::{
-        LightSet, PlannedFor,
+        LightSet, PlannedFor, SetCutOuts,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         caster_hierarchies::{CasterHierarchies, why_not_built},
         ids::{LightId, LightKey},
         masks::{MaskInputs, MaskPass, MaskReceivers, MaskStage},
         options::{SetFrame, SetReport},
         passes::{CastSources, PassList},
-        plan::{Difference, LightPlan, PlanLimits},
+        plan::{Difference, LightPlan, PlanInputs},
         pool::{LayerClass, LayerPool},
         shader::SetText,
         state::{HeldLight, LightMaps, LightState},
@@ -40,12 +40,13 @@ impl LightSet {
     ) -> Result<(), RecipeError> {
         light.validate()?;
         let unbuilt = why_not_built(&self.casters, &self.device.limits());
-        let limits = PlanLimits {
+        let inputs = PlanInputs {
             recipes: &self.limits,
             unbuilt: unbuilt.as_deref(),
+            cut_outs: self.cut_outs.as_ref().map(SetCutOuts::records),
         };
         let view = self.view(frame, light);
-        plan_light(technique, &view, !self.casters.own().is_empty(), limits)?;
+        plan_light(technique, &view, !self.casters.own().is_empty(), inputs)?;
         Ok(())
     }
 
@@ -69,9 +70,10 @@ impl LightSet {
             changed.insert(self.light_key(*id)?, technique);
         }
         let unbuilt = why_not_built(&self.casters, &self.device.limits());
-        let limits = PlanLimits {
+        let inputs = PlanInputs {
             recipes: &self.limits,
             unbuilt: unbuilt.as_deref(),
+            cut_outs: self.cut_outs.as_ref().map(SetCutOuts::records),
         };
         let has_own = !self.casters.own().is_empty();
         // Plan all lights that are on, as `prepare` does.
@@ -81,7 +83,7 @@ impl LightSet {
             let technique = changed.get(key).copied();
             let view = self.view(frame, &settings.light);
             let used = technique.unwrap_or(&settings.technique);
-            match plan_light(&**used, &view, has_own, limits) {
+            match plan_light(&**used, &view, has_own, inputs) {
                 Ok(plan) => drop(made.insert(key, plan)),
                 Err(error) if technique.is_some() => return Err(error),
                 // The light will be refused, and needs no text.
@@ -216,9 +218,10 @@ impl LightSet {
             meshes_changed = unbuilt != self.unbuilt;
             self.unbuilt = unbuilt;
         }
-        let limits = PlanLimits {
+        let inputs = PlanInputs {
             recipes: &self.limits,
             unbuilt: self.unbuilt.as_deref(),
+            cut_outs: self.cut_outs.as_ref().map(SetCutOuts::records),
         };
         // Replace the plans of lights with changed inputs.
         for light in self.lights.values_mut() {
@@ -239,7 +242,7 @@ impl LightSet {
             }
             self.report.planned += 1;
             let view = frame.view_of(&settings.light, now.casters, light.nearest_caster);
-            match plan_light(&*settings.technique, &view, now.has_own, limits) {
+            match plan_light(&*settings.technique, &view, now.has_own, inputs) {
                 Ok(plan) => {
                     self.layers_changed |= light.state.take_plan(plan) == Difference::Images;
                 }
@@ -461,6 +464,7 @@ impl LightSet {
             &mut self.pipelines,
             &self.lights,
             &self.casters,
+            self.cut_outs.as_ref().map(SetCutOuts::records),
             self.shader.tables(),
         );
         self.report.hierarchies = self.hierarchies.due_count();
@@ -502,24 +506,24 @@ fn plan_light(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
     has_own: bool,
-    limits: PlanLimits<'_>,
+    inputs: PlanInputs<'_>,
 ) -> Result<LightPlan, RecipeError> {
     if has_own && view.geometry.is_some() {
         let boxes_only = View {
             geometry: None,
             ..*view
         };
-        let plan = LightPlan::of_light(technique, &boxes_only, limits);
+        let plan = LightPlan::of_light(technique, &boxes_only, inputs);
         let Err(RecipeError::Unsupported(_)) = plan else {
             return plan;
         };
         // Techniques without maps may need the triangles.
-        return match LightPlan::of_light(technique, view, limits) {
+        return match LightPlan::of_light(technique, view, inputs) {
             Ok(with_triangles) if !with_triangles.recipe.casts.is_empty() => plan,
             with_triangles => with_triangles,
         };
     }
-    LightPlan::of_light(technique, view, limits)
+    LightPlan::of_light(technique, view, inputs)
 }
 
 /// Returns the lights whose maps fit into a number of bytes, by priority. `bytes` returns those that

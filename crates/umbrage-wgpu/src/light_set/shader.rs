@@ -28,7 +28,7 @@ use std::{
     hash::{DefaultHasher, Hash as _, Hasher as _},
     sync::Arc,
 };
-use umbrage_core::{BackendError, ImageDesc, Invalid, RecipeError};
+use umbrage_core::{BackendError, DeviceHierarchy, ImageDesc, Invalid, RecipeError, Table};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 
 /// WGSL text, bindings and uniforms of a set.
@@ -368,13 +368,14 @@ impl SetShader {
                 first: light.maps.ranges[image].layers.start,
             };
         }
+        let mut first_given = 0;
         if plan.hierarchy.is_some() {
             entry.tables[0] = self.tables.place_of(Region::Light(id));
             entry.tables[1] = self.tables.place_of(Region::Corners);
-            return entry;
+            first_given = DeviceHierarchy::TABLES;
         }
-        for (i, &table) in receive.tables.iter().enumerate() {
-            entry.tables[i] = self.tables.place(&plan.recipe.tables[table]);
+        for (i, table) in (first_given..).zip(plan.given_tables()) {
+            entry.tables[i] = self.tables.place(table);
         }
         entry
     }
@@ -395,13 +396,9 @@ impl SetShader {
             let Some(plan) = light.state.shown_plan() else {
                 continue;
             };
-            if plan.hierarchy.is_some() {
-                continue;
-            }
             let mut with_own = bytes;
             let counted_before = counted.len();
-            let used = plan.recipe.receive.tables.iter();
-            for rows in used.map(|&i| plan.recipe.tables[i].rows()) {
+            for rows in plan.given_tables().map(Table::rows) {
                 if !counted.iter().any(|other| Arc::ptr_eq(other, rows)) {
                     counted.push(rows.clone());
                     with_own += size_of_val::<[[u32; 4]]>(rows) as u64;
@@ -426,11 +423,7 @@ impl SetShader {
     fn retain_tables(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
         let plans = || lights.values().filter_map(|light| light.state.shown_plan());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
-            plans().any(|plan| {
-                let receive = &plan.recipe.receive;
-                let mut used = receive.tables.iter().map(|&i| plan.recipe.tables[i].rows());
-                used.any(|held| held == rows)
-            })
+            plans().any(|plan| plan.given_tables().any(|table| table.rows() == rows))
         };
         let is_built = |id: LightKey| {
             let shown = lights.get(id).and_then(|light| light.state.shown_plan());

@@ -1,6 +1,6 @@
 // import math
 // Transforms the casters of one mesh to world space: three rows per triangle, in the layout in
-// which kernels read the corners of listed casters. The arithmetic is that of cast.wgsl.
+// which kernels read the corners of casters. The arithmetic is that of cast.wgsl.
 
 struct PlacedMesh {
     // Slot of the first caster among the instances.
@@ -20,6 +20,8 @@ struct PlacedMesh {
     // The first index or vertex.
     first: u32,
     base_vertex: i32,
+    // Row of the first triangle's record in the table of cut_out.rs; 0 for opaque casters.
+    first_record: u32,
 }
 
 @group(0) @binding(0) var<uniform> mesh: PlacedMesh;
@@ -65,16 +67,20 @@ fn place_corners(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgrou
     }
     opaque_zero = mesh.index_bits >> 31u;
     let slot = mesh.first_slot + number / mesh.triangles;
+    let triangle = number % mesh.triangles;
+    // An alpha-tested triangle has a record of two rows.
+    let record = select(0u, mesh.first_record + 2u * triangle, mesh.first_record > 0u);
     let x = vec4f(column(slot, 0u), 0.0);
     let y = vec4f(column(slot, 1u), 0.0);
     let z = vec4f(column(slot, 2u), 0.0);
     let world_from_local = mat4x4f(x, y, z, vec4f(column(slot, 3u), 1.0));
     for (var i = 0u; i < 3u; i++) {
-        let p = position_of(vertex_of(mesh.first + 3u * (number % mesh.triangles) + i));
+        let p = position_of(vertex_of(mesh.first + 3u * triangle + i));
         let corner = transform(world_from_local, p);
         let word = 4u * (mesh.first_row + 3u * number + i);
         tables[word] = bitcast<u32>(corner.x);
         tables[word + 1u] = bitcast<u32>(corner.y);
         tables[word + 2u] = bitcast<u32>(corner.z);
+        tables[word + 3u] = record;
     }
 }

@@ -1,0 +1,10 @@
+// Records of alpha-tested casters, for lists: the table of cut_out.rs (table_4). The fourth word of
+// a caster's second row of corners is the row of its record, 0 if it is opaque.
+
+fn cut_out_row(i: u32) -> vec4u {
+    return table_4[i];
+}
+
+fn record_of(caster: u32) -> u32 {
+    return table_3[3u * caster + 1u].w;
+}
