@@ -31,6 +31,10 @@ const RECEIVERS_REACH: f32 = 4.0;
 uniforms! {
     /// The light's view. Twin of `LightView` in view.wgsl.
     pub struct LightView {
+        /// 1 if the light has a position; half the size of a face, across and down; distance from a
+        /// point light within which casters may be anywhere. It is the first field: see
+        /// `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
+        pub face: Vec4,
         /// World position of frame space's origin; w: error of the triangle test.
         pub origin: Vec4,
         /// First row of the matrix from the world, relative to the origin, to frame space; w: the
@@ -40,9 +44,6 @@ uniforms! {
         pub down: Vec4,
         /// Third row; w: value subtracted from a directional light's depth.
         pub away: Vec4,
-        /// Half the size of a face, across and down; 1 if the light has a position; distance from a
-        /// point light within which casters may be anywhere.
-        pub face: Vec4,
     }
 }
 
@@ -103,11 +104,11 @@ fn light_view(frame: &LightFrame, casters: &Aabb) -> LightView {
     };
     let is_lamp = f32::from(u8::from(frame.is_lamp));
     LightView {
+        face: Vec4::new(is_lamp, frame.half.x, frame.half.y, frame.at_lamp()),
         origin: frame.origin.extend(frame.rounding),
         across: across.extend(least_margin),
         down: down.extend(frame.depth_margin()),
         away: away.extend(frame.nearest),
-        face: Vec4::new(frame.half.x, frame.half.y, is_lamp, frame.at_lamp()),
     }
 }
 

@@ -11,8 +11,8 @@ use crate::recipe::{Recipe, shader::Module};
 /// nodes above references, and the last level one node.
 ///
 /// The modules declare a uniform struct named [`uniforms_name`](Self::uniforms_name), and `struct
-/// HierarchyPlace { nodes: u32, ids: u32, corners: u32, casters: u32, capacity: u32, levels: u32,
-/// level: u32, unused: u32, firsts: array<vec4u, 3> }`. The fields are the first rows of the
+/// HierarchyPlace { unused: u32, nodes: u32, ids: u32, corners: u32, casters: u32, capacity: u32,
+/// levels: u32, level: u32, firsts: array<vec4u, 3> }`. The fields are the first rows of the
 /// hierarchy, its ids and the corners, the number of casters, the capacity for references (at least
 /// the number of casters), the number of levels, the level whose items a pass groups, and the first
 /// node of each level.

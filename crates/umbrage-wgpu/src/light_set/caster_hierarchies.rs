@@ -463,8 +463,9 @@ impl LightHierarchy {
         let layout = &self.layout;
         let mut words = [0; PLACE_WORDS];
         let ids = nodes + layout.first_id_row();
-        words[..4].copy_from_slice(&[nodes, ids, corners, self.casters]);
-        words[4..7].copy_from_slice(&[layout.capacity, layout.levels, level]);
+        // The first word stays 0: see `STEADY_FIRST_WORD`.
+        words[1..5].copy_from_slice(&[nodes, ids, corners, self.casters]);
+        words[5..8].copy_from_slice(&[layout.capacity, layout.levels, level]);
         words[8..].copy_from_slice(&layout.firsts);
         words
     }

@@ -159,14 +159,15 @@ fn numbers_of(mesh: &MeshSlots, cut_outs: Option<&CutOuts>, first_row: u32) -> [
         (Some(_), Some(cut_outs)) => cut_outs.record_row(draw.range.start / 3),
         _ => None,
     };
+    // The format is first, since it depends on no placement: see `STEADY_FIRST_WORD`.
     [
+        format,
         slots.start,
         slots.len() as u32,
         draw.triangles() as u32,
         first_row,
         (draw.layout.stride / 4) as u32,
         (draw.layout.position_offset / 4) as u32,
-        format,
         index_bits,
         draw.range.start,
         draw.base_vertex.cast_unsigned(),

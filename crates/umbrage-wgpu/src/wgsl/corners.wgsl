@@ -3,6 +3,8 @@
 // which kernels read the corners of casters. The arithmetic is that of cast.wgsl.
 
 struct PlacedMesh {
+    // 0: three floats. 1: four 16-bit floats. 2: four 16-bit normalized integers for -1..=1.
+    format: u32,
     // Slot of the first caster among the instances.
     first_slot: u32,
     casters: u32,
@@ -13,8 +15,6 @@ struct PlacedMesh {
     // Words from one vertex to the next, and from a vertex to its position.
     stride: u32,
     position: u32,
-    // 0: three floats. 1: four 16-bit floats. 2: four 16-bit normalized integers for -1..=1.
-    format: u32,
     // Bits of an index; 0 if there are none.
     index_bits: u32,
     // The first index or vertex.

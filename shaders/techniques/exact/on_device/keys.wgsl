@@ -26,7 +26,7 @@ fn hilbert(at: vec2u, log2: u32) -> u32 {
 
 fn key_of(face: u32, rect: Rect) -> u32 {
     let log2 = select(SUN_CURVE_LOG2, LAMP_CURVE_LOG2, is_lamp());
-    let half = select(max(view.face.x, view.face.y), 1.0, is_lamp());
+    let half = select(max(view.face.y, view.face.z), 1.0, is_lamp());
     let shift = select(0.0, FACE_STEP * f32(face), is_lamp());
     let centre = (rect.low + rect.high) * 0.5 - vec2f(shift, 0.0);
     let steps = f32(1u << log2);

@@ -40,7 +40,7 @@ fn piece_ratio(shape: Shape) -> f32 {
     let v = c - a;
     let area = 0.5 * abs(u.x * v.y - u.y * v.x);
     let waste = size.x * size.y - area;
-    let share = select(4.0 * view.face.x * view.face.y, 24.0, is_lamp()) / f32(made.casters);
+    let share = select(4.0 * view.face.y * view.face.z, 24.0, is_lamp()) / f32(made.casters);
     let allowed = min(share, ALLOWED_AREA * area + LEAST_SHARE * share);
     return FIRST_RATIO * sqrt(max(waste, 0.0) / allowed);
 }

@@ -1,6 +1,7 @@
 // Inputs and outputs of the passes that build a hierarchy. A row of `tables` is four words.
 
 struct HierarchyPlace {
+    unused: u32,
     // First rows of the hierarchy (its header, then four rows a node), of its ids (four a row), and
     // of the casters' corners (three rows a caster: x, y, z, unused).
     nodes: u32,
@@ -12,7 +13,6 @@ struct HierarchyPlace {
     // Number of levels of nodes, and the level whose items a pass groups: 0 for references.
     levels: u32,
     level: u32,
-    unused: u32,
     // First node of each level, from 1 on.
     firsts: array<vec4u, 3>,
 }

@@ -2,6 +2,9 @@
 // arithmetic, whose rounding is within the margins.
 
 struct LightView {
+    // 1 if the light has a position; half the size of a face, across and down; distance from a point
+    // light within which casters may be anywhere.
+    face: vec4f,
     // Frame space's origin, world space; w: error of the triangle test.
     origin: vec4f,
     // Rows of the matrix from the world, relative to the origin, to frame space. w: the least
@@ -11,16 +14,13 @@ struct LightView {
     down: vec4f,
     // w: value subtracted from a directional light's depth.
     away: vec4f,
-    // Half the size of a face, across and down; 1 if the light has a position; distance from a
-    // point light within which casters may be anywhere.
-    face: vec4f,
 }
 
 // A point's greatest coordinate is at least this fraction of its distance.
 const COORDINATE = 0.577;
 
 fn is_lamp() -> bool {
-    return view.face.z == 1.0;
+    return view.face.x == 1.0;
 }
 
 fn faces() -> u32 {
