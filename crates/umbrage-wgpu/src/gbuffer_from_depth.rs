@@ -144,7 +144,8 @@ impl GBufferFromDepth {
             label: "umbrage normals",
             ..positions
         };
-        fit_images(factory, &mut self.images, &[positions, normals], &[]);
+        let images = &mut self.images;
+        fit_images(factory, images, &[positions, normals], &[], |_| false);
         // Write the camera, and bind the inputs.
         let usage = BufferUsages::UNIFORM;
         let bytes = camera.bytes();

@@ -156,7 +156,8 @@ impl PixelStage {
             layers: 1,
             format: pixel.format,
         };
-        fit_images(factory, &mut self.image, &[image], &[]);
+        let computes = pixel.pass == PixelPass::Compute;
+        fit_images(factory, &mut self.image, &[image], &[], |_| computes);
         // Bind the kernel's inputs and the receivers.
         let shape = self.kernel.bind(
             factory,

@@ -71,8 +71,8 @@ pub struct ShadowRenderer {
 
 impl ShadowRenderer {
     /// The limits that recipes with compute passes require: those of WebGL 2, and compute shaders
-    /// with a storage texture, which WebGPU and OpenGL ES 3.1 guarantee. These are recipes of moment
-    /// maps, and of kernels with [`in_compute`](umbrage_core::ReceiveKernel::in_compute). Larger
+    /// with a storage texture, which WebGPU guarantees. These are recipes of moment maps,
+    /// and of kernels with [`in_compute`](umbrage_core::ReceiveKernel::in_compute). Larger
     /// images, or tables in storage buffers, require more.
     pub const REQUIRED_LIMITS: Limits = COMPUTE_LIMITS;
 

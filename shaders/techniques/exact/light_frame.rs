@@ -29,9 +29,11 @@
 //!   axes: `8.5u (D + w)`, and some roundings of `w`. `TEST_ERROR` in WGSL is `32u`. Its part with w is
 //!   added to the caster's rectangle. The part with D, and that of the receiver's position, is added
 //!   by the lookup, times the depth below the node's nearest caster, which is at least D.
-//! * The depth of a hit is a sum of the corners' depths relative to the receiver, with weights of one
-//!   sign. It keeps its sign if all corners are behind the receiver. Otherwise it has an error of
-//!   some roundings of w, which the margin contains.
+//! * The test's distance is a sum of the corners' coordinates along the ray's longest axis relative
+//!   to the receiver, with weights of one sign: that of a point of the caster with the computed
+//!   weights. This point is off the ray by its shift (next item). The ray's depth at its coordinate
+//!   differs from its depth by at most the shift times the slope of the ray to the axis, `sqrt(2)`.
+//!   So depths have a margin of `w / 512` (`SHIFT_DEPTH`), and `1.5w` for grazing casters.
 //! * A strip has its own least depth. A hit has the depth of the point with the computed weights.
 //!   Each weight has an error of at most `9u w^2`, of a sum that is at least `w^2 / 512` (`GRAZING`). So the
 //!   point is at most `27u * 512 w`, or `w / 1,200`, from the exact one, and strips are a 512th of their

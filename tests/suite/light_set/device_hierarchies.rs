@@ -1,6 +1,7 @@
 //! Tests of hierarchies that a device builds, against rays.
 
 use super::alike::{World, count_differing};
+use bytemuck::cast_slice;
 use glam::{Affine3A, Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::{
@@ -16,13 +17,17 @@ use umbrage_core::{
 use umbrage_techniques::{Exact, ExactUniforms, LightView};
 use umbrage_tests::{
     driver_model::{is_chosen, nth_case},
+    foreign,
     gpu::gpu,
     layouts::check,
     light_program::Forward,
     light_stage::{Stage, spot},
     random_scene,
 };
-use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, ShadowedLight, Unserved};
+use umbrage_wgpu::{
+    CasterMesh, LightId, LightSet, SetBudget, SetFrame, ShadowedLight, Unserved, VertexLayout,
+};
+use wgpu::BufferUsages;
 
 /// Scenes with suns and point lights, with closed, open and alpha-tested casters, some with a light
 /// among the casters, some of real size, some small or large, and one far from the origin.
@@ -271,6 +276,38 @@ fn add_triangles(scene: &mut Scene, triangles: &[[Vec3; 3]]) {
     let instance = Instance::new(scene.meshes.len(), Affine3A::IDENTITY);
     scene.meshes.push(mesh);
     scene.instances.push(instance);
+}
+
+/// Casters that are not finite cast nothing, and change no other shadow.
+#[test]
+fn casters_that_are_not_finite_change_nothing() {
+    for name in ["cubes", "teapot-lamp"] {
+        let world = World::new(name);
+        let mut comparison = Comparison::new();
+        let shadowed = comparison.check(&world, name);
+        assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
+        let d = world.program.d;
+        for odd in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            let corners = [[odd, 1.0, 0.0], [0.0, odd, 1.0], [1.0, 0.0, odd]];
+            let usage = BufferUsages::STORAGE | BufferUsages::VERTEX;
+            let vertices = foreign::buffer(d, usage, cast_slice(&corners));
+            let mesh = CasterMesh {
+                label: "not finite",
+                vertices: &vertices,
+                layout: VertexLayout::PACKED,
+                indices: None,
+                range: 0..3,
+                base_vertex: 0,
+                bounds: world.geometry.caster_bounds(),
+            };
+            let mesh = comparison.set.add_mesh(&mesh).expect("valid");
+            let caster = comparison.set.add_caster(mesh, Affine3A::IDENTITY);
+            comparison.check(&world, &format!("{name} and {odd}"));
+            let set = &mut comparison.set;
+            set.remove_caster(caster.expect("valid")).expect("is there");
+            set.remove_mesh(mesh).expect("is there");
+        }
+    }
 }
 
 /// A triangle over everything puts everything in shadow, and one below everything changes nothing.

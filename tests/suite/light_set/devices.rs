@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use umbrage_core::{Geometry, ShadowTechnique, View};
-use umbrage_techniques::Traced;
+use umbrage_techniques::{MapFilter as _, ShadowMap, Traced, Vsm};
 use umbrage_tests::{
     adapter::{TestDevice, open_with},
     foreign,
@@ -81,13 +81,44 @@ fn the_required_limits_are_enough() {
         assert!(shadowed.into_iter().all(|count| count > 0));
     }
     assert!(stage.set.wgsl().contains("var<storage> shadow_set"));
-    let inputs = MaskInputs {
-        size: stage.program.size(),
-        receivers: MaskReceivers::Positions(stage.program.gbuffer()),
-        lights: &lights[..2],
-        format: MaskFormat::Unorm8,
+    // Compute passes filter the moment map and write masks of rays.
+    let moments = Vsm::default().on(ShadowMap {
+        size: 64,
+        ..ShadowMap::default()
+    });
+    let techniques: [Arc<dyn ShadowTechnique>; 2] =
+        [Arc::new(moments), Arc::new(Traced { samples: 1 })];
+    for technique in techniques {
+        let light = ShadowedLight {
+            light: spot(PLACES[1]),
+            technique,
+            priority: 2.0,
+        };
+        lights.push(stage.set.add_light(light).expect("valid"));
+    }
+    let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: Some(FrameGeometry {
+            triangles: &geometry,
+            revision: 0,
+        }),
     };
-    stage.set.prepare_masks(&inputs).expect("the masks, too");
+    stage.program.update(&mut stage.set, &frame);
+    assert_eq!(stage.unserved_ids(), []);
+    for format in [MaskFormat::Unorm8, MaskFormat::Float32] {
+        let inputs = MaskInputs {
+            size: stage.program.size(),
+            receivers: MaskReceivers::Positions(stage.program.gbuffer()),
+            lights: &lights[28..],
+            format,
+        };
+        stage.set.prepare_masks(&inputs).expect("the masks, too");
+        let mut encoder = stage.program.encoder();
+        stage.set.encode_masks(&mut encoder).expect("was prepared");
+        stage.program.d.queue.submit([encoder.finish()]);
+    }
 }
 
 #[test]

@@ -210,43 +210,62 @@ impl ShadowTechnique for Stripes {
     }
 }
 
-/// Returns the bytes of the masks of these lights over a wavy floor of this size, with some pixels
-/// that don't receive.
+/// Returns the bytes of the masks of these lights over a new wavy floor of this size.
 fn bytes_of_masks(
     stage: &mut Stage,
     size: UVec2,
     lights: &[LightId],
     format: MaskFormat,
 ) -> Vec<u8> {
-    let d = stage.program.d;
-    let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y)));
-    let positions: Vec<[f32; 4]> = pixels
-        .map(|(x, y)| {
-            let receives = f32::from(u8::from((x * 7 + y * 3) % 11 != 0));
-            [x as f32 * 0.731 - 9.0, 0.0, y as f32 * 0.613, receives]
-        })
-        .collect();
-    let normals: Vec<[f32; 4]> = positions
-        .iter()
-        .map(|p| [0.0, p[2].cos(), 0.0, 0.0])
-        .collect();
-    let floats = TextureFormat::Rgba32Float;
-    let position = foreign::upload(d, size, floats, cast_slice(&positions));
-    let normal = foreign::upload(d, size, floats, cast_slice(&normals));
-    let inputs = MaskInputs {
-        size,
-        receivers: MaskReceivers::Positions(GBuffer {
-            position: &position,
-            normal: &normal,
-            triangle: None,
-        }),
-        lights,
-        format,
-    };
-    stage.set.prepare_masks(&inputs).expect("prepares");
-    let mut encoder = stage.program.encoder();
-    let masks = stage.set.encode_masks(&mut encoder).expect("was prepared");
-    foreign::read_bytes(d, encoder, &masks.clone())
+    let floor = WavyFloor::new(&stage.program, size);
+    floor.bytes_of_masks(stage, lights, format)
+}
+
+/// Receivers of a wavy floor, some of whose pixels don't receive.
+struct WavyFloor {
+    size: UVec2,
+    position: TextureView,
+    normal: TextureView,
+}
+
+impl WavyFloor {
+    fn new(program: &ForwardProgram, size: UVec2) -> Self {
+        let d = program.d;
+        let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y)));
+        let positions: Vec<[f32; 4]> = pixels
+            .map(|(x, y)| {
+                let receives = f32::from(u8::from((x * 7 + y * 3) % 11 != 0));
+                [x as f32 * 0.731 - 9.0, 0.0, y as f32 * 0.613, receives]
+            })
+            .collect();
+        let normals: Vec<[f32; 4]> = positions
+            .iter()
+            .map(|p| [0.0, p[2].cos(), 0.0, 0.0])
+            .collect();
+        let floats = TextureFormat::Rgba32Float;
+        Self {
+            size,
+            position: foreign::upload(d, size, floats, cast_slice(&positions)),
+            normal: foreign::upload(d, size, floats, cast_slice(&normals)),
+        }
+    }
+
+    fn bytes_of_masks(&self, stage: &mut Stage, lights: &[LightId], format: MaskFormat) -> Vec<u8> {
+        let inputs = MaskInputs {
+            size: self.size,
+            receivers: MaskReceivers::Positions(GBuffer {
+                position: &self.position,
+                normal: &self.normal,
+                triangle: None,
+            }),
+            lights,
+            format,
+        };
+        stage.set.prepare_masks(&inputs).expect("prepares");
+        let mut encoder = stage.program.encoder();
+        let masks = stage.set.encode_masks(&mut encoder).expect("was prepared");
+        foreign::read_bytes(stage.program.d, encoder, &masks.clone())
+    }
 }
 
 /// Masks that are computed have the bits of those that are drawn, next to each other, in both
@@ -293,6 +312,36 @@ fn computed_masks_are_those_that_are_drawn() {
         MaskFormat::Unorm8,
     );
     assert!(white.iter().all(|&byte| byte == 255));
+}
+
+/// Masks that were not used while the receivers changed have the new receivers afterwards.
+#[test]
+fn unused_masks_follow_new_receivers() {
+    for format in [MaskFormat::Unorm8, MaskFormat::Float32] {
+        for first_in_compute in [true, false] {
+            let mut stage = Stage::new(SetBudget::default(), &PLACES);
+            let mut add = |in_compute, spoilt| {
+                let light = ShadowedLight {
+                    light: spot(0.0),
+                    technique: Arc::new(Stripes { in_compute, spoilt }),
+                    priority: 1.0,
+                };
+                stage.set.add_light(light).expect("valid")
+            };
+            // They differ, so that one's content is not taken for that of the other.
+            let first = add(first_in_compute, true);
+            let second = add(!first_in_compute, false);
+            stage.frame();
+            let large = WavyFloor::new(&stage.program, UVec2::new(77, 53));
+            let small = WavyFloor::new(&stage.program, UVec2::new(30, 9));
+            let expected = small.bytes_of_masks(&mut stage, &[first], format);
+            large.bytes_of_masks(&mut stage, &[first, second], format);
+            let other = small.bytes_of_masks(&mut stage, &[second], format);
+            let found = small.bytes_of_masks(&mut stage, &[first], format);
+            assert!(other != expected, "{format:?}: both are the same");
+            assert!(found == expected, "{format:?}, {first_in_compute}");
+        }
+    }
 }
 
 /// The camera's view of the floor: positions for one renderer, depths for another.

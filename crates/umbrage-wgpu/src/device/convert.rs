@@ -111,7 +111,7 @@ impl Converter {
                 });
             }
         }
-        fit_images(factory, &mut self.floats, &descs, &[]);
+        fit_images(factory, &mut self.floats, &descs, &[], |_| false);
         converted
     }
 

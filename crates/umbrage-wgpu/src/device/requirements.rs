@@ -19,8 +19,13 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
     }
     check_counting(recipe, adapter.features())?;
     for filter in &recipe.filters {
-        if let Some(image) = recipe.images.get(filter.output) {
-            check_drawable(adapter, texture_format(image.format))?;
+        let Some(image) = recipe.images.get(filter.output) else {
+            continue;
+        };
+        let format = texture_format(image.format);
+        check_drawable(adapter, format)?;
+        if filter.kernel.tile().is_some() {
+            check_storable(adapter, format)?;
         }
     }
     let flags = adapter.get_downlevel_capabilities().flags;
@@ -52,13 +57,13 @@ pub(crate) fn limits(device: &Device) -> BackendLimits {
     }
 }
 
-/// Limits of compute filters and masks. Those of WebGL 2 are raised, which has no compute shaders.
-/// WebGPU and OpenGL ES 3.1 guarantee them.
+/// Limits of compute filters and masks: those of WebGL 2, which has no compute shaders, are raised.
+/// WebGPU guarantees them.
 pub(crate) const COMPUTE_LIMITS: Limits = Limits {
     max_storage_textures_per_shader_stage: 1,
     max_compute_workgroup_storage_size: 16_352,
     max_compute_invocations_per_workgroup: 64,
-    max_compute_workgroup_size_x: 8,
+    max_compute_workgroup_size_x: 64,
     max_compute_workgroup_size_y: 8,
     max_compute_workgroup_size_z: 1,
     max_compute_workgroups_per_dimension: 65_535,
@@ -98,6 +103,17 @@ pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     Err(missing_requirement(
         adapter,
         "cannot read storage buffers in vertex shaders",
+    ))
+}
+
+fn check_storable(adapter: &Adapter, format: TextureFormat) -> Result<(), BackendError> {
+    let usages = adapter.get_texture_format_features(format).allowed_usages;
+    if usages.contains(TextureUsages::STORAGE_BINDING) {
+        return Ok(());
+    }
+    Err(missing_requirement(
+        adapter,
+        &format!("cannot store to {format:?} in compute shaders"),
     ))
 }
 

@@ -106,11 +106,12 @@ struct LightHierarchy {
 /// Returns the reason why a device can't build hierarchies, or `None`.
 pub(crate) fn why_not_built(casters: &Casters, limits: &Limits) -> Option<String> {
     let has_compute = limits.max_compute_invocations_per_workgroup >= 256
+        && limits.max_compute_workgroup_size_x >= 256
         && limits.max_compute_workgroups_per_dimension >= 65_535
         && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
     if !has_compute {
         return Some(format!(
-            "building hierarchies of casters needs compute workgroups of 256 and {STORAGE_BUFFERS} storage buffers, which exceeds the device's limits"
+            "building hierarchies of casters needs compute workgroups of 256, 65535 of them, and {STORAGE_BUFFERS} storage buffers, which exceeds the device's limits: request `wgpu::Limits::default()`"
         ));
     }
     if triangle_count(casters) >= MOST_CASTERS {
@@ -163,7 +164,10 @@ impl CasterHierarchies {
         }
         let triangles = triangle_count(casters) as u32;
         let mut changed = tables.reserve(Region::Corners, CORNERS * triangles.max(1));
-        let most = device.limits().max_storage_buffer_binding_size;
+        let limits = device.limits();
+        let most = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
         for (id, light) in lights.iter_mut() {
             let Some(made) = shown_hierarchy(light) else {
                 continue;

@@ -333,11 +333,12 @@ impl MaskStage {
             self.pipeline = None;
             self.computed.pipeline = None;
         }
-        // Bind the inputs, and build the pipelines.
-        if self.draws() {
+        // Bind the inputs, and build the pipelines. A kind that is not used now, but has a pipeline,
+        // is bound, too: it may be used again with the same inputs.
+        if self.draws() || self.pipeline.is_some() {
             self.prepare_draws(factory, pipelines, shader, inputs)?;
         }
-        if computes {
+        if computes || self.computed.pipeline.is_some() {
             self.prepare_compute(factory, pipelines, shader, inputs)?;
         }
         self.made_for = Some(key);

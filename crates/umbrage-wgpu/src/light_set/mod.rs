@@ -190,8 +190,9 @@ impl LightSet {
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
     /// The limits that a set requires: those of a [`ShadowRenderer`](crate::ShadowRenderer), and
-    /// three storage buffers in shaders, which WebGPU and OpenGL ES 3.1 guarantee. Maps or layers
-    /// beyond these limits require more.
+    /// three storage buffers in shaders, which WebGPU guarantees. Maps or layers beyond these limits
+    /// require more, and so does `exact` with a hierarchy that the device builds: workgroups of 256,
+    /// and seven storage buffers.
     pub const REQUIRED_LIMITS: Limits = Limits {
         max_storage_buffers_per_shader_stage: 3,
         max_storage_buffer_binding_size: 1 << 27,

@@ -41,8 +41,8 @@ pub(crate) struct GpuImage {
 }
 
 impl GpuImage {
-    pub(crate) fn new(factory: &mut ResourceFactory<'_>, desc: ImageDesc) -> Self {
-        let texture = make_texture(factory, &desc, texture_format(desc.format));
+    fn new(factory: &mut ResourceFactory<'_>, desc: ImageDesc, usage: TextureUsages) -> Self {
+        let texture = make_texture(factory, &desc, texture_format(desc.format), usage);
         Self::part(texture, desc, TextureAspect::All)
     }
 
@@ -52,7 +52,8 @@ impl GpuImage {
         depth: ImageDesc,
         counts: ImageDesc,
     ) -> [Self; 2] {
-        let texture = make_texture(factory, &depth, TextureFormat::Depth32FloatStencil8);
+        let format = TextureFormat::Depth32FloatStencil8;
+        let texture = make_texture(factory, &depth, format, usage(format, false));
         let depth = Self::part(texture.clone(), depth, TextureAspect::DepthOnly);
         let counts = Self::part(texture, counts, TextureAspect::StencilOnly);
         [depth, counts]
@@ -128,8 +129,13 @@ pub(crate) fn layers_view(
 /// Creates a texture for the layers of several images.
 pub(crate) fn layered_texture(factory: &mut ResourceFactory<'_>, desc: &ImageDesc) -> Texture {
     let format = texture_format(desc.format);
-    // Layers are copied from others of the same format, including depth.
-    let usage = usage(format) | TextureUsages::COPY_DST;
+    // Layers are copied from others of the same format, including depth. Compute filters store
+    // moments.
+    let holds_moments = matches!(
+        desc.format,
+        Format::Rg16 | Format::Rgba16 | Format::Rg32 | Format::Rgba32
+    );
+    let usage = usage(format, holds_moments) | TextureUsages::COPY_DST;
     factory.texture(desc.label, extent(desc.size, desc.layers), format, usage)
 }
 
@@ -137,24 +143,25 @@ fn make_texture(
     factory: &mut ResourceFactory<'_>,
     desc: &ImageDesc,
     format: TextureFormat,
+    usage: TextureUsages,
 ) -> Texture {
     let size = extent(desc.size, desc.layers);
-    factory.texture(desc.label, size, format, usage(format))
+    factory.texture(desc.label, size, format, usage)
 }
 
 /// Returns the usage of a texture. Tests need copies, to replay a stage from given images and to
-/// inspect its output. Data can't be copied to 32-bit depth.
-fn usage(format: TextureFormat) -> TextureUsages {
-    let all =
+/// inspect its output. Data can't be copied to 32-bit depth. `is_stored` is true for outputs of
+/// compute passes; others don't get this usage, which may turn off compression.
+fn usage(format: TextureFormat, is_stored: bool) -> TextureUsages {
+    let mut all =
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
-    if format.has_depth_aspect() {
-        all
-    } else if format.has_stencil_aspect() {
-        all | TextureUsages::COPY_DST
-    } else {
-        // Compute passes write all other formats.
-        all | TextureUsages::COPY_DST | TextureUsages::STORAGE_BINDING
+    if !format.has_depth_aspect() {
+        all |= TextureUsages::COPY_DST;
     }
+    if is_stored {
+        all |= TextureUsages::STORAGE_BINDING;
+    }
+    all
 }
 
 pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
@@ -166,12 +173,13 @@ pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
 }
 
 /// Makes `held` match the list `wanted`. Reuses held images with an equal description. `pairs`
-/// share textures.
+/// share textures. `is_stored` returns whether a compute pass writes the image with this index.
 pub(crate) fn fit_images(
     factory: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,
     wanted: &[ImageDesc],
     pairs: &[CountingPair],
+    is_stored: impl Fn(usize) -> bool,
 ) {
     let mut old = std::mem::take(held);
     let mut paired: Vec<Option<GpuImage>> = vec![None; wanted.len()];
@@ -183,18 +191,19 @@ pub(crate) fn fit_images(
         paired[pair.depth] = Some(depth);
         paired[pair.counts] = Some(counts);
     }
-    for (paired, &desc) in paired.into_iter().zip(wanted) {
-        let image = match paired {
-            Some(image) => image,
-            None => take_single(&mut old, desc).unwrap_or_else(|| GpuImage::new(factory, desc)),
-        };
+    for (i, (paired, &desc)) in paired.into_iter().zip(wanted).enumerate() {
+        let usage = usage(texture_format(desc.format), is_stored(i));
+        let image = paired
+            .or_else(|| take_single(&mut old, desc, usage))
+            .unwrap_or_else(|| GpuImage::new(factory, desc, usage));
         held.push(image);
     }
 }
 
-fn take_single(old: &mut Vec<GpuImage>, desc: ImageDesc) -> Option<GpuImage> {
+fn take_single(old: &mut Vec<GpuImage>, desc: ImageDesc, usage: TextureUsages) -> Option<GpuImage> {
     take(old, |image| {
-        image.desc == desc && image.aspect == TextureAspect::All
+        let is_single = image.aspect == TextureAspect::All;
+        is_single && image.desc == desc && image.texture.usage() == usage
     })
 }
 

@@ -61,7 +61,11 @@ impl Resources {
             tables,
             faces,
         } = shared;
-        fit_images(factory, &mut self.images, &recipe.images, pairs);
+        let is_stored = |image| {
+            let mut filters = recipe.filters.iter();
+            filters.any(|filter| filter.output == image && filter.kernel.tile().is_some())
+        };
+        fit_images(factory, &mut self.images, &recipe.images, pairs, is_stored);
         self.casts.prepare(
             factory,
             pipelines,

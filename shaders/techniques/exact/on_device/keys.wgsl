@@ -118,13 +118,17 @@ fn make_keys(
     let is_caster = id < made.casters;
     let factor = ratio_factor();
     var corners: array<vec3f, 3>;
+    // Number of pieces on each face. It is computed once: drivers may round another computation
+    // differently.
+    var counts: array<u32, 6>;
     var wanted = 0u;
     if is_caster {
         corners = corners_of(id);
         for (var face = 0u; face < faces(); face++) {
             let shape = shape_of(face, corners);
             if shape.is_there {
-                wanted += pieces_of(factor * piece_ratio(shape));
+                counts[face] = pieces_of(factor * piece_ratio(shape));
+                wanted += counts[face];
             }
         }
     }
@@ -161,11 +165,11 @@ fn make_keys(
     }
     var next = id;
     for (var face = 0u; face < faces(); face++) {
-        let shape = shape_of(face, corners);
-        if !shape.is_there {
+        let count = counts[face];
+        if count == 0u {
             continue;
         }
-        let count = pieces_of(factor * piece_ratio(shape));
+        let shape = shape_of(face, corners);
         for (var i = 0u; i < count; i++) {
             put_reference(next, face, id, shape, i, count);
             next = select(next + 1u, begin, next == id);

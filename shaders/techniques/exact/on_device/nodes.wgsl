@@ -24,7 +24,9 @@ fn load_reference(at: u32, lane: u32) {
     let face = reference.x >> 29u;
     let shape = shape_of(face, corners_of(id));
     let rect = rect_of(face, shape, reference.y & 0xffffu, reference.y >> 16u);
-    if rect.is_there {
+    // Leave out casters that are not finite: they would make all boxes around them infinite.
+    let corners = abs(vec4f(rect.low, rect.high));
+    if rect.is_there && all(corners < vec4f(BEYOND)) && abs(rect.nearest) < BEYOND {
         lows[lane] = vec3f(rect.low, rect.nearest);
         highs[lane] = vec3f(rect.high, rect.nearest);
     }

@@ -10,7 +10,7 @@ struct Rect {
 }
 
 // Greatest number of pieces of a caster.
-const MOST_PIECES = 32.0;
+const MOST_PIECES = 32u;
 
 // A caster's allowance: a multiple of its area, and at least this part of its share of the face. At
 // most its share.
@@ -47,7 +47,7 @@ fn piece_ratio(shape: Shape) -> f32 {
 
 // Returns the number of pieces from a ratio of the current step.
 fn pieces_of(ratio: f32) -> u32 {
-    return u32(clamp(ratio, 1.0, MOST_PIECES));
+    return clamp(u32(ratio), 1u, MOST_PIECES);
 }
 
 // Error of a crossing with a strip's side, as a fraction of the caster's length: 8 roundings.
@@ -123,6 +123,6 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
         // Sums are monotonic when rounded, so a point in the rectangle remains in it.
         return Rect(start + shift, stop + shift, shape.nearest, all(start <= stop));
     }
-    let nearest = select(low.z, shape.nearest, shape.grazes);
+    let nearest = select(low.z - shape.before, shape.nearest, shape.grazes);
     return Rect(low.xy, high.xy, nearest, true);
 }

@@ -6,6 +6,8 @@ struct Shape {
     // Across, down, and depth of a directional light's corners.
     corners: array<vec3f, 3>,
     around: f32,
+    // Margin of a directional light's depths.
+    before: f32,
     nearest: f32,
     is_there: bool,
     // True if a computed hit may have the depth of any of its points.
@@ -20,6 +22,9 @@ struct Shape {
 const TEST_ERROR = 1.9073486e-6;
 // Twice the area of a caster that the light grazes, at most, over its longest side squared.
 const GRAZING = 0.001953125;
+// Margin of the depth of a computed hit, as a fraction of the longest side, see light_frame.rs.
+const SHIFT_DEPTH = 0.001953125;
+const GRAZING_SHIFT_DEPTH = 1.5;
 
 // The faces of a point light are next to each other in a strip.
 const FACE_STEP = 3.0;
@@ -134,10 +139,11 @@ fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
     let v = corners[2] - corners[0];
     let longest = max(max(length(u), length(v)), length(u - v));
     out.around = view.across.w + TEST_ERROR * longest;
-    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z) - out.around;
-    out.is_there = true;
     // A computed hit is at a point of the caster whose depth may be that of any point if the light
     // grazes it, see light_frame.rs.
     out.grazes = abs(u.x * v.y - u.y * v.x) < longest * longest * GRAZING;
+    out.before = out.around + longest * select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, out.grazes);
+    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z) - out.before;
+    out.is_there = true;
     return out;
 }
