@@ -108,8 +108,8 @@ const FIRST_LAMP: Lamp = Lamp {
 };
 
 /// Returns techniques with various maps: of two sizes, filtered, compared by the sampler, 16-bit
-/// moments with blur and mipmaps, cascades for suns that follow the camera, and lists from the
-/// device.
+/// moments with blur and mipmaps, cascades for suns that follow the camera, and hierarchies from
+/// the device.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
@@ -493,7 +493,7 @@ impl<'a> Model<'a> {
             self.frame();
         }
         for (id, reason) in self.set.unserved_lights() {
-            // Device-built lists can't contain the figure.
+            // Hierarchies of a device can't contain the figure.
             let lamp = self.lights.iter().find(|(other, _)| *other == id);
             let is_exact = lamp.is_some_and(|(_, lamp)| lamp.technique == 6);
             let is_refused = matches!(reason, Unserved::Refused(_));

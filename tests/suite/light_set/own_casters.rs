@@ -437,7 +437,7 @@ fn what_would_lose_a_shadow_of_the_program_is_refused() {
     assert!(stage.set.add_own_caster(Aabb::EMPTY).is_err());
     let id = stage.set.add_own_caster(bounds).expect("valid");
     assert!(stage.set.move_own_caster(id, Aabb::EMPTY).is_err());
-    // `exact` uses caster lists, which can't contain the figure.
+    // `exact` uses a hierarchy of casters, which can't contain the figure.
     stage.update();
     let reasons: Vec<Unserved> = stage.set.unserved_lights().map(|(_, why)| why).collect();
     let [Unserved::Refused(reason)] = &reasons[..] else {

@@ -26,10 +26,11 @@ use crate::recipe::{Recipe, shader::Module};
 /// 4. `build_nodes` for each level below the last (an invocation for each node).
 ///
 /// They use these bindings in group 0: `view` (the uniform struct), `made` (`HierarchyPlace`),
-/// `tables: array<u32>` (four words a row; three rows a caster contain its corners, x, y, z, and the
-/// row of its record in [`CutOuts::rows`](crate::CutOuts::rows), 0 if it is opaque), `keys` and `values: array<u32>` (a word a reference), `head: array<atomic<u32>>`
-/// ([`HEAD`](Self::HEAD) words, initially 0), `references: array<vec2u>` (one a reference) and
-/// `boxes: array<vec4f>` (two a node). The hierarchy has [`HEADER`](Self::HEADER) rows, four rows a
+/// `tables: array<u32>` (four words a row), `keys` and `values: array<u32>` (a word a reference),
+/// `head: array<atomic<u32>>` ([`HEAD`](Self::HEAD) words, initially 0), `references:
+/// array<vec2u>` (one a reference) and `boxes: array<vec4f>` (two a node). Three rows a caster contain
+/// its corners: x, y, z, and the row of its record in [`CutOuts::rows`](crate::CutOuts::rows), 0 if it
+/// is opaque. The hierarchy has [`HEADER`](Self::HEADER) rows, four rows a
 /// node, and then the ids, four a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceHierarchy {
