@@ -431,10 +431,13 @@ fn append_texture(
         ));
     }
     let first_row = rows.len();
-    for texels in texture.texels.chunks(TEXELS_A_ROW as usize) {
+    let count = texture.texels.len();
+    for first in (0..count).step_by(TEXELS_A_ROW as usize) {
+        let end = count.min(first + TEXELS_A_ROW as usize);
         let mut row = [0; 4];
-        for (i, texel) in texels.iter().enumerate() {
-            row[i / 32] |= u32::from(alpha.is_there(texel)) << (i % 32);
+        for (bit, i) in (first..end).enumerate() {
+            let is_there = alpha.is_there(&texture.texels.get(i));
+            row[bit / 32] |= u32::from(is_there) << (bit % 32);
         }
         rows.push(row);
     }
