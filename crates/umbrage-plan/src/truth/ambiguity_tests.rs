@@ -198,9 +198,31 @@ fn far_case(metres: f32) -> AmbiguityCase {
     }
 }
 
-/// Returns boxes and plates on a ground of 200 km that rises by this angle along x, radians.
+/// Returns boxes and plates on a ground of 200 km that rises by this angle along x, radians. Lights
+/// are a high and a low sun, and a rectangle. One camera is 10 cm above the ground.
 fn giant_cases(slope: f32) -> Vec<AmbiguityCase> {
     let turn = Affine3A::from_rotation_z(slope);
+    let sun = |x: f32, y: f32, z: f32| Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    };
+    let high_sun = sun(-0.5, -0.7, -0.3);
+    let rect = Light::Rect {
+        center: Vec3::new(-1.5, 3.5, 1.0),
+        half_u: Vec3::new(0.5, 0.0, 0.1),
+        half_v: Vec3::new(0.0, 0.1, 0.4),
+    };
+    let high = camera(Vec3::ZERO, false);
+    let eye = turn.transform_point3(Vec3::new(3.0, 0.1, 4.0));
+    let target = turn.transform_point3(Vec3::Y * 0.1);
+    let low = Camera::perspective(eye, target, Vec3::Y, 0.7, [0.1, 1e6], high.size);
+    let low = low.expect("a good camera");
+    let views = [
+        (high, high_sun),
+        (high, sun(-0.8, -0.05, -0.5)),
+        (high, rect),
+        (low, high_sun),
+    ];
     let mut out = Vec::new();
     for (name, shape) in [("boxes", boxes()), ("contacts", contacts())] {
         // The first two triangles are the small floor.
@@ -208,15 +230,12 @@ fn giant_cases(slope: f32) -> Vec<AmbiguityCase> {
         let corners: Vec<_> = on_giant
             .map(|t| t.map(|c| turn.transform_point3(c)))
             .collect();
-        for direction in [Vec3::new(-0.5, -0.7, -0.3), Vec3::new(-0.8, -0.05, -0.5)] {
+        for (camera, light) in views {
             out.push(AmbiguityCase {
                 name,
                 corners: corners.clone(),
-                camera: camera(Vec3::ZERO, false),
-                light: Light::Directional {
-                    direction,
-                    angular_diameter: 0.0,
-                },
+                camera,
+                light,
             });
         }
     }
@@ -336,16 +355,26 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     }
 }
 
+/// Tolerance for visible shares of area lights. The oracle's points misplace a straight edge by half
+/// a cell of their grid, 1/64 of the light's side, and shadows here have at most four in the light.
+const AREA_TOLERANCE: f64 = 4.0 / 64.0;
+
 /// On giant ground, depths are interpolated so far that the wrong one of two surfaces may be shown
 /// next to their intersection. The results are right for the triangles that are shown, also
-/// wherever rounding near the point may move them. Few pixels are marked.
+/// wherever rounding near the point may move them. Few pixels are marked. With a
+/// [`GIANT`](super::super::points::GIANT) of 1e9, these tests fail, and with one of 1 those of marks.
 #[test]
 fn answers_on_giant_ground_are_right_where_they_are_not_ambiguous() {
     for case in [0.0, 0.2].into_iter().flat_map(giant_cases) {
+        let is_ideal = case.light.is_ideal();
+        let tolerance = if is_ideal { 0.0 } else { AREA_TOLERANCE };
         let [wrong, pixels] = contradicted_pixels(&case, false, |oracle, (pixel, shown, value)| {
+            // A quarter of the pixels is enough for area lights, which take a thousand rays each.
+            let is_tested = is_ideal || (pixel[0] + pixel[1]).is_multiple_of(4);
             shown.is_some()
-                && (oracle.answer(pixel, shown) != value
-                    || oracle.changes(pixel, shown, 0.0196, 1.0, 24))
+                && is_tested
+                && ((oracle.answer(pixel, shown) - value).abs() > tolerance
+                    || is_ideal && oracle.changes(pixel, shown, 0.0196, 1.0, 24))
         });
         assert!(
             wrong == 0 && pixels > 6_000,
@@ -362,12 +391,13 @@ fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
     let giant = giant_cases(0.0)
         .into_iter()
-        .filter(|case| case.name == "contacts");
+        .filter(|case| case.name == "contacts" && case.light.is_ideal());
     for case in cases().into_iter().chain(giant) {
         let [firm, pixels] = contradicted_pixels(&case, true, |oracle, (pixel, shown, _)| {
-            ![None, shown]
-                .iter()
-                .any(|&shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000))
+            let [found, given] = [None, shown].map(|shown| oracle.answer(pixel, shown));
+            let changes = |shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000);
+            // Rounding alone may show another surface than the exact ray meets.
+            found == given && !changes(None) && !changes(shown)
         });
         assert_eq!(
             firm, 0,
