@@ -35,7 +35,7 @@ pub(super) fn groups(
         &Texture {
             name: "white".to_owned(),
             size: UVec2::ONE,
-            texels: vec![[1.0; 4]],
+            texels: vec![[1.0; 4]].into(),
         },
     );
     let is_used = |i: usize| materials.iter().any(|m| m.diffuse_texture == Some(i));
