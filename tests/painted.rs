@@ -188,7 +188,7 @@ fn checks() -> Texture {
     Texture {
         name: "checks".to_owned(),
         size: UVec2::new(4, 2),
-        texels: texels.to_vec(),
+        texels: texels.to_vec().into(),
     }
 }
 
@@ -196,12 +196,10 @@ fn checks() -> Texture {
 fn waves() -> Texture {
     let wave =
         |i: u32, count: f32| 0.5 + 0.5 * (i as f32 / 32.0 * count * std::f32::consts::TAU).sin();
-    let texels = (0..32 * 32)
-        .map(|i| [wave(i % 32, 4.0) * wave(i / 32, 2.0); 4])
-        .collect();
+    let texels = (0..32 * 32).map(|i| [wave(i % 32, 4.0) * wave(i / 32, 2.0); 4]);
     Texture {
         name: "waves".to_owned(),
         size: UVec2::splat(32),
-        texels,
+        texels: texels.collect(),
     }
 }

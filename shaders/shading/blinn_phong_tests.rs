@@ -46,7 +46,7 @@ fn flat(name: &str, texel: [f32; 4]) -> Texture {
     Texture {
         name: name.to_owned(),
         size: UVec2::ONE,
-        texels: vec![texel],
+        texels: vec![texel].into(),
     }
 }
 
@@ -279,7 +279,7 @@ fn textures_lie_as_their_picture_does() {
     let texture = Texture {
         name: "2x2".to_owned(),
         size: UVec2::splat(2),
-        texels,
+        texels: texels.into(),
     };
     let textured = Material {
         diffuse: Vec3::ONE,

@@ -66,7 +66,7 @@ impl SurfaceTables {
             vertices: or_zeros(vertex_rows(geometry), VERTEX_ROWS),
             triangles: or_zeros(triangle_rows(geometry, count), 1),
             materials: materials.into(),
-            texels: texels.into(),
+            texels,
         })
     }
 

@@ -5,6 +5,7 @@
 //! texture.
 
 use glam::{UVec2, UVec4, Vec2, Vec4};
+use std::{iter::repeat_n, sync::Arc};
 use umbrage_core::{Module, Texture, module};
 
 /// WGSL half. The including module declares the texel table and how to load from it.
@@ -72,29 +73,26 @@ fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
 
 /// Returns the texels of all textures in sequence, and each texture's location among them. The
 /// table is one row of zeros if there are none. Textures of `None` have no texels and the width 0.
-pub(crate) fn rows(textures: &[Option<&Texture>]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
-    // Growing by doubling would hold up to three times the texels.
+pub(crate) fn rows(textures: &[Option<&Texture>]) -> (Arc<[[u32; 4]]>, Vec<UVec4>) {
+    // Allocate once: a growing vector, and its conversion, would hold up to three times the texels.
     let shown = textures.iter().flatten();
-    let count = shown.map(|texture| texture.texels.len()).sum();
-    let mut rows = Vec::with_capacity(count);
+    let count: usize = shown.map(|texture| texture.texels.len()).sum();
+    let mut table: Arc<[[u32; 4]]> = repeat_n([0; 4], count.max(1)).collect();
+    let rows = Arc::make_mut(&mut table);
     let mut places = Vec::new();
+    let mut first = 0;
     for texture in textures {
         let Some(texture) = texture else {
             places.push(UVec4::ZERO);
             continue;
         };
-        places.push(UVec4::new(
-            rows.len() as u32,
-            texture.size.x,
-            texture.size.y,
-            0,
-        ));
-        rows.extend(texture.texels.iter().map(|t| t.map(f32::to_bits)));
+        places.push(UVec4::new(first as u32, texture.size.x, texture.size.y, 0));
+        for (row, texel) in rows[first..].iter_mut().zip(texture.texels.iter()) {
+            *row = texel.map(f32::to_bits);
+        }
+        first += texture.texels.len();
     }
-    if rows.is_empty() {
-        rows.push([0; 4]);
-    }
-    (rows, places)
+    (table, places)
 }
 
 /// All twins of this module, for the tests that compare them.
@@ -120,14 +118,14 @@ mod tests {
         Texture {
             name: "2x2".to_owned(),
             size: UVec2::splat(2),
-            texels,
+            texels: texels.into(),
         }
     }
 
     fn read(u: f32, v: f32) -> [f32; 4] {
         let other = Texture {
             size: UVec2::ONE,
-            texels: vec![[9.0; 4]],
+            texels: vec![[9.0; 4]].into(),
             ..texture()
         };
         let (rows, places) = rows(&[Some(&other), None, Some(&texture())]);
@@ -138,7 +136,7 @@ mod tests {
     /// u grows to the right, v down; texel centres are at quarters.
     #[test]
     fn the_origin_is_top_left() {
-        let [red, green, blue, white] = [0, 1, 2, 3].map(|i| texture().texels[i]);
+        let [red, green, blue, white] = [0, 1, 2, 3].map(|i| texture().texels.get(i));
         assert_eq!(
             [
                 read(0.25, 0.25),
@@ -176,7 +174,7 @@ mod tests {
         let flat = Texture {
             name: "flat".to_owned(),
             size: UVec2::new(5, 3),
-            texels: vec![[0.1, 0.5, 0.7, 1.0]; 15],
+            texels: vec![[0.1, 0.5, 0.7, 1.0]; 15].into(),
         };
         let (rows, places) = rows(&[Some(&flat)]);
         for i in 0..1000 {

@@ -79,7 +79,7 @@ pub use scene::{
     light_sample,
     material::{
         AlphaCutout, AlphaFilter, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material,
-        Texture,
+        Texels, Texture,
     },
 };
 pub use simd::{Simd, SimdTask};

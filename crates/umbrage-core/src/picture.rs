@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 /// Returns the linear value, 0 to 1, of an sRGB byte.
 pub fn decode(byte: u8) -> f32 {
-    linear(f64::from(byte)) as f32
+    DECODED[usize::from(byte)]
 }
 
 /// Returns the linear value, 0 to 1, of a 16-bit sRGB channel.
@@ -50,6 +50,10 @@ fn linear(byte: f64) -> f64 {
         ((encoded + 0.055) / 1.055).powf(2.4)
     }
 }
+
+/// Linear values of bytes: a power for each texel would take longer than reading a file.
+static DECODED: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f64) as f32));
 
 /// Borders between bytes: entry k is the least value of byte k + 1.
 static BORDERS: LazyLock<[f32; 255]> =

@@ -45,6 +45,8 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
+#[cfg(feature = "rays")]
+use {crate::geometry::ray_triangle::volumes_in_f64, glam::DVec2};
 
 /// The WGSL half. It calls [`RAY_BOX`](super::bvh::RAY_BOX) and
 /// [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
@@ -208,6 +210,28 @@ impl CutOuts {
         };
         let uv = record.uv_met(segment, corners);
         self.is_clear(&record, texel_at(uv, record.size))
+    }
+
+    /// Returns the result of [`is_hole`](Self::is_hole) with the uv interpolated in 64 bits, for
+    /// triangles so large that its rounding in 32 bits exceeds a texel. It has no twin.
+    #[cfg(feature = "rays")]
+    pub(crate) fn is_hole_in_f64(
+        &self,
+        triangle: u32,
+        corners: [Vec3; 3],
+        o: Vec3,
+        d: Vec3,
+    ) -> bool {
+        let Some(record) = self.record(triangle) else {
+            return false;
+        };
+        let weights = volumes_in_f64(o, d, corners);
+        let whole: f64 = weights.iter().sum();
+        let weighted = record.uvs.iter().zip(weights);
+        let uv: DVec2 = weighted.map(|(uv, weight)| uv.as_dvec2() * weight).sum();
+        // Keep the fraction, which 32 bits hold to a part of a texel: textures repeat.
+        let fraction = (uv / whole).map(|t| t - t.floor());
+        self.is_clear(&record, texel_at(fraction.as_vec2(), record.size))
     }
 
     /// Returns whether the ray through a pixel's centre meets a hole of a triangle, given its
@@ -431,10 +455,13 @@ fn append_texture(
         ));
     }
     let first_row = rows.len();
-    for texels in texture.texels.chunks(TEXELS_A_ROW as usize) {
+    let count = texture.texels.len();
+    for first in (0..count).step_by(TEXELS_A_ROW as usize) {
+        let end = count.min(first + TEXELS_A_ROW as usize);
         let mut row = [0; 4];
-        for (i, texel) in texels.iter().enumerate() {
-            row[i / 32] |= u32::from(alpha.is_there(texel)) << (i % 32);
+        for (bit, i) in (first..end).enumerate() {
+            let is_there = alpha.is_there(&texture.texels.get(i));
+            row[bit / 32] |= u32::from(is_there) << (bit % 32);
         }
         rows.push(row);
     }

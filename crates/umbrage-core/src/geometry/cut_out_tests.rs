@@ -16,7 +16,7 @@ fn texture(size: UVec2, is_there: impl Fn(u32, u32) -> bool) -> Texture {
     Texture {
         name: "holes".into(),
         size,
-        texels,
+        texels: texels.into(),
     }
 }
 
@@ -146,9 +146,7 @@ fn textures_without_holes_and_without_anything() {
 fn textures_without_a_hole_cut_nothing_out() {
     let has_holes = |alphas: [f32; 4], cutoff, filter| {
         let mut scene = card(Some(texture(UVec2::splat(2), |_, _| true)), 1.0);
-        for (texel, alpha) in scene.textures[0].texels.iter_mut().zip(alphas) {
-            texel[3] = alpha;
-        }
+        scene.textures[0].texels = alphas.map(|alpha| [1.0, 1.0, 1.0, alpha]).to_vec().into();
         scene.materials[0].alpha = Some(AlphaCutout {
             texture: 0,
             cutoff,

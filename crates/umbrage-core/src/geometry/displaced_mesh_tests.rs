@@ -224,7 +224,7 @@ fn what_cannot_be_displaced_is_refused() {
     assert!(message(&bare, 0.1).contains("has no texture coordinates"));
     assert!(message(&square(), f32::NAN).contains("holds NaN"));
     let empty = Texture {
-        texels: Vec::new(),
+        texels: Vec::new().into(),
         ..waves()
     };
     assert!(square().displace_mesh(&empty, 0.1).is_err());

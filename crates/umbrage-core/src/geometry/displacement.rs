@@ -136,7 +136,7 @@ pub fn height(texture: &Texture, uv: Vec2) -> f32 {
 
 fn first_channel(texture: &Texture, x: u32, y: u32) -> f32 {
     let index = u64::from(y) * u64::from(texture.size.x) + u64::from(x);
-    texture.texels[index as usize][0]
+    texture.texels.get(index as usize)[0]
 }
 
 /// The twins, for the lockstep tests.

@@ -18,8 +18,12 @@ fn tents(t: &Texture, uv: Vec2) -> f64 {
     let h = t.size.y as i64;
     let at = [f64::from(uv.x) * w as f64, f64::from(uv.y) * h as f64];
     let tent = |centre: i64, x: f64| (1.0 - (centre as f64 + 0.5 - x).abs()).max(0.0);
-    let texel =
-        |x: i64, y: i64| f64::from(t.texels[(y.rem_euclid(h) * w + x.rem_euclid(w)) as usize][0]);
+    let texel = |x: i64, y: i64| {
+        f64::from(
+            t.texels
+                .get((y.rem_euclid(h) * w + x.rem_euclid(w)) as usize)[0],
+        )
+    };
     let rows = -5 * h..5 * h;
     rows.flat_map(|y| (-5 * w..5 * w).map(move |x| (x, y)))
         .map(|(x, y)| texel(x, y) * tent(x, at[0]) * tent(y, at[1]))

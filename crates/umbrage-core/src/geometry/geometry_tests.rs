@@ -31,7 +31,7 @@ fn bake(meshes: Vec<Mesh>, instances: Vec<Instance>) -> Geometry {
     let textures = vec![Texture {
         name: "grey".to_owned(),
         size: UVec2::ONE,
-        texels: vec![[0.5; 4]],
+        texels: vec![[0.5; 4]].into(),
     }];
     let materials = vec![
         Material::default(),

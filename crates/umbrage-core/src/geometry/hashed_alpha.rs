@@ -354,7 +354,7 @@ fn append_levels(rows: &mut Vec<[u32; 4]>, texture: &Texture, cutoff: f32) -> us
     let first = rows.len();
     let last = last_level(texture.size);
     rows.resize(first + last as usize + 1, [0; 4]);
-    let is_there = |texel: &[f32; 4]| f32::from(u8::from(texel[3] >= cutoff));
+    let is_there = |texel: [f32; 4]| f32::from(u8::from(texel[3] >= cutoff));
     let mut coverages: Vec<f32> = texture.texels.iter().map(is_there).collect();
     let mut size = texture.size;
     let mut row = 0;

@@ -420,7 +420,10 @@ fn materials_with_holes(scene: &Scene) -> Vec<bool> {
         let key = (alpha.texture, alpha.cutoff.to_bits());
         *known.entry(key).or_insert_with(|| {
             let texels = &scene.textures[alpha.texture].texels;
-            !texels.par_iter().all(|texel| alpha.is_there(texel))
+            let indices = 0..texels.len();
+            !indices
+                .into_par_iter()
+                .all(|i| alpha.is_there(&texels.get(i)))
         })
     };
     let materials = scene.materials.iter();

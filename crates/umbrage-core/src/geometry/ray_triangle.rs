@@ -231,15 +231,25 @@ pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
 /// rounding of the 32-bit box tests around it. It has no twin.
 #[cfg(feature = "rays")]
 pub(crate) fn hits_in_f64(o: Vec3, d: Vec3, corners: [Vec3; 3]) -> bool {
+    let volumes = volumes_in_f64(o, d, corners);
     let d = d.as_dvec3();
     let [a, b, c] = corners.map(|corner| corner.as_dvec3() - o.as_dvec3());
-    let volumes = [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))];
     if !(volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0)) {
         return false;
     }
     // Intersect the line with the plane: t = n.a / n.d. NaN and infinity are no hits.
     let normal = (b - a).cross(c - a);
     (0.0..=1.0).contains(&(normal.dot(a) / normal.dot(d)))
+}
+
+/// Returns the volumes between a segment's line and a triangle's sides, each opposite to a corner.
+/// They are the barycentric coordinates of the point where the line meets the triangle's plane,
+/// times their sum.
+#[cfg(feature = "rays")]
+pub(crate) fn volumes_in_f64(o: Vec3, d: Vec3, corners: [Vec3; 3]) -> [f64; 3] {
+    let d = d.as_dvec3();
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3() - o.as_dvec3());
+    [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))]
 }
 
 /// The twins, for the lockstep tests.

@@ -1,7 +1,10 @@
 //! Materials and textures for colour images and detailed surfaces. Masks only depend on their
 //! displacement and alpha.
 
-use crate::invalid::{Invalid, finite, not_negative};
+use crate::{
+    invalid::{Invalid, finite, not_negative},
+    picture,
+};
 use glam::{UVec2, Vec3};
 
 /// Texels of any kind: colour, tangent-space normals, height, alpha.
@@ -12,8 +15,85 @@ pub struct Texture {
     pub name: String,
     /// Size in texels.
     pub size: UVec2,
-    /// Rows from the top. Colours are linear: loaders must decode sRGB.
-    pub texels: Vec<[f32; 4]>,
+    /// Rows from the top.
+    pub texels: Texels,
+}
+
+/// Texels of a texture. Images of 8 bits a channel keep their bytes, a quarter of the memory of
+/// floats; their values are computed on each access.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Texels {
+    /// Colours encoded as sRGB, and linear alpha: [`picture::decode`] returns a colour's value.
+    Srgb8(Vec<[u8; 4]>),
+    /// Linear values, in units of 1/255.
+    Unorm8(Vec<[u8; 4]>),
+    /// Linear values.
+    Float(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    /// Returns the number of texels.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Srgb8(texels) | Self::Unorm8(texels) => texels.len(),
+            Self::Float(texels) => texels.len(),
+        }
+    }
+
+    /// Returns whether there are no texels.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the linear values of texel `i`.
+    ///
+    /// # Panics
+    /// Panics if there is no such texel.
+    #[inline]
+    pub fn get(&self, i: usize) -> [f32; 4] {
+        let unorm = |byte: u8| f32::from(byte) / 255.0;
+        match self {
+            Self::Srgb8(texels) => {
+                let [red, green, blue, alpha] = texels[i];
+                let [red, green, blue] = [red, green, blue].map(picture::decode);
+                [red, green, blue, unorm(alpha)]
+            }
+            Self::Unorm8(texels) => texels[i].map(unorm),
+            Self::Float(texels) => texels[i],
+        }
+    }
+
+    /// Returns the linear values of all texels.
+    pub fn iter(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        (0..self.len()).map(|i| self.get(i))
+    }
+
+    /// Returns the stored bytes, in the machine's byte order.
+    pub fn as_bytes(&self) -> &[u8] {
+        match self {
+            Self::Srgb8(texels) | Self::Unorm8(texels) => texels.as_flattened(),
+            Self::Float(texels) => bytemuck::cast_slice(texels),
+        }
+    }
+}
+
+impl Default for Texels {
+    fn default() -> Self {
+        Self::Float(Vec::new())
+    }
+}
+
+impl From<Vec<[f32; 4]>> for Texels {
+    fn from(texels: Vec<[f32; 4]>) -> Self {
+        Self::Float(texels)
+    }
+}
+
+impl FromIterator<[f32; 4]> for Texels {
+    fn from_iter<I: IntoIterator<Item = [f32; 4]>>(texels: I) -> Self {
+        Self::Float(texels.into_iter().collect())
+    }
 }
 
 /// Appearance of a surface. Colours are linear, 0 to 1.
@@ -147,7 +227,10 @@ impl Texture {
             let help = "use width times height texels, at least one";
             return Err(Invalid::new(what, why, help));
         }
-        for (i, texel) in self.texels.iter().enumerate() {
+        let Texels::Float(floats) = &self.texels else {
+            return Ok(());
+        };
+        for (i, texel) in floats.iter().enumerate() {
             // Format names only for texels that are not finite: formatting one for each texel is
             // slow.
             if texel.iter().any(|v| !v.is_finite()) {
@@ -234,6 +317,26 @@ fn at_most(what: &str, value: u32, most: u32, unit: &str) -> Result<(), Invalid>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Bytes have the values of the formulas: the inverse transfer function, and quotients.
+    #[test]
+    fn texels_of_bytes_have_the_values_of_floats() {
+        let bytes: Vec<[u8; 4]> = (0..=255_u8).map(|i| [i, 255 - i, i / 2, i]).collect();
+        let unorm = |byte: u8| f32::from(byte) / 255.0;
+        let srgb = Texels::Srgb8(bytes.clone());
+        let linear = Texels::Unorm8(bytes.clone());
+        for (i, byte) in bytes.into_iter().enumerate() {
+            let [red, green, blue, alpha] = byte;
+            let colors = [red, green, blue].map(picture::decode);
+            assert_eq!(srgb.get(i)[..3], colors);
+            assert_eq!(srgb.get(i)[3], unorm(alpha));
+            assert_eq!(linear.get(i), byte.map(unorm));
+        }
+        let values: Texels = srgb.iter().collect();
+        assert_eq!((values.len(), values.get(77)), (256, srgb.get(77)));
+        assert_eq!(srgb.as_bytes()[4 * 77..][..4], [77, 178, 38, 77]);
+        assert_eq!(values.as_bytes()[..4], srgb.get(0)[0].to_ne_bytes());
+    }
 
     #[test]
     fn cut_outs_that_cannot_be_queried_are_refused() {

@@ -64,10 +64,7 @@ fn content_hash(input: &SceneInput) -> String {
     // Hash texels as bytes: as text, each takes some 50 bytes, a gigabyte for a large texture.
     let textures: Vec<_> = textures
         .iter()
-        .map(|texture| {
-            let texels = bytemuck::cast_slice::<[f32; 4], u8>(&texture.texels);
-            (&texture.name, texture.size, hash(texels))
-        })
+        .map(|texture| (&texture.name, texture.size, hash(texture.texels.as_bytes())))
         .collect();
     let surfaces = (meshes, instances, materials, textures);
     let rest = (name, lights, cameras, anchor, notices);

@@ -567,7 +567,7 @@ fn plans_differ_where_a_texel_or_the_size_of_a_texture_does() {
         scene.textures.push(umbrage_core::Texture {
             name: "tile".to_owned(),
             size: size.into(),
-            texels,
+            texels: texels.into(),
         });
         let input = SceneInput::new(scene, "");
         ComparisonPlan::new(&[input], &CompareOptions::default()).contents

@@ -1,6 +1,6 @@
 //! Reference data of a case: truth, and the mask of a perfect map.
 
-use super::texels::{Texels, last_point_inside, point_at, to_center};
+use super::texels::{MapTexels, last_point_inside, point_at, to_center};
 use crate::error::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
@@ -124,7 +124,7 @@ impl LightTruth {
         )?;
         let view = View::new(camera, light, geometry).with_receivers(&truth.receivers);
         let texels = match Fit::Tight.light_spaces(Layout::Auto, &view, map_size, 0.0) {
-            Ok(spaces) => Some(Texels::new(&spaces, map_size)),
+            Ok(spaces) => Some(MapTexels::new(&spaces, map_size)),
             Err(RecipeError::Unsupported(_)) => None,
             Err(e) => return Err(e.into()),
         };
@@ -233,7 +233,7 @@ pub(super) fn visibility_at_receivers(
 /// neighbor. So the center is moved no farther than the triangle reaches. Its visibility counts
 /// only if a true edge is no farther away in the image than the center.
 fn ideal(
-    texels: &Texels,
+    texels: &MapTexels,
     camera: &Camera,
     light: &Light,
     geometry: &Geometry,
@@ -301,7 +301,7 @@ const DIRECTIONS: [DVec2; 8] = [
 /// If the ground rises beyond the receiver's triangle, these points are below it and dark. So
 /// creases count as edges: errors there show in RMSE and shimmer, not as acne.
 fn open(
-    texels: Option<&Texels>,
+    texels: Option<&MapTexels>,
     center: &Light,
     geometry: &Geometry,
     truth: &Truth,

@@ -12,7 +12,7 @@ use umbrage_plan::truth::{PointTruth, ReceiverPoint, TruthOptions, trace_points}
 
 /// Maps of one size in their light spaces.
 #[derive(Clone, Debug)]
-pub struct Texels {
+pub struct MapTexels {
     spaces: Vec<ClipSpace>,
     /// Side of each map, texels.
     size: f64,
@@ -45,7 +45,7 @@ impl ClipSpace {
 /// unusable: a small step on the map is an unbounded one on the plane.
 const GRAZING: f64 = 1e-6;
 
-impl Texels {
+impl MapTexels {
     /// Returns the texels of maps of `size` texels a side in these light spaces.
     pub fn new(spaces: &LightSpaces, size: u32) -> Self {
         Self {
@@ -88,7 +88,7 @@ impl Texels {
 
     /// Returns each receiver moved to another point of its plane, and the traced visibility there.
     ///
-    /// `to` moves its map coordinates (as in [`Texels::moved_position`]). `keep` may move the point
+    /// `to` moves its map coordinates (as in [`MapTexels::moved_position`]). `keep` may move the point
     /// again, given the receiver's index. `None` if nothing receives or no map contains the
     /// receiver.
     ///
@@ -178,7 +178,7 @@ mod tests {
     use umbrage_core::{glam::Mat4, light_space};
 
     /// Returns a map of 10 texels that looks straight down on 10 x 10 m.
-    fn texels() -> Texels {
+    fn texels() -> MapTexels {
         let view_from_world =
             light_space::look_along(Vec3::Y * 5.0, Vec3::NEG_Y, Vec3::NEG_Z).expect("valid");
         let extents = light_space::Extents {
@@ -195,7 +195,7 @@ mod tests {
             clip_from_view,
         };
         let spaces = LightSpaces::with_all_casters(vec![space]);
-        Texels::new(&spaces, 10)
+        MapTexels::new(&spaces, 10)
     }
 
     #[test]

@@ -3,7 +3,10 @@
 use super::super::{oracle::Oracle, *};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use rayon::prelude::*;
-use umbrage_core::{Extents, Instance, Light, Mesh, Scene, light_sample::hash};
+use umbrage_core::{
+    AlphaCutout, AlphaFilter, Extents, Instance, Light, Material, Mesh, Scene, Texture,
+    light_sample::hash,
+};
 use umbrage_cpu::Cpu;
 
 /// Triangles with a camera and a light.
@@ -198,9 +201,31 @@ fn far_case(metres: f32) -> AmbiguityCase {
     }
 }
 
-/// Returns boxes and plates on a ground of 200 km that rises by this angle along x, radians.
+/// Returns boxes and plates on a ground of 200 km that rises by this angle along x, radians. Lights
+/// are a high and a low sun, and a rectangle. One camera is 10 cm above the ground.
 fn giant_cases(slope: f32) -> Vec<AmbiguityCase> {
     let turn = Affine3A::from_rotation_z(slope);
+    let sun = |x: f32, y: f32, z: f32| Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    };
+    let high_sun = sun(-0.5, -0.7, -0.3);
+    let rect = Light::Rect {
+        center: Vec3::new(-1.5, 3.5, 1.0),
+        half_u: Vec3::new(0.5, 0.0, 0.1),
+        half_v: Vec3::new(0.0, 0.1, 0.4),
+    };
+    let high = camera(Vec3::ZERO, false);
+    let eye = turn.transform_point3(Vec3::new(3.0, 0.1, 4.0));
+    let target = turn.transform_point3(Vec3::Y * 0.1);
+    let low = Camera::perspective(eye, target, Vec3::Y, 0.7, [0.1, 1e6], high.size);
+    let low = low.expect("a good camera");
+    let views = [
+        (high, high_sun),
+        (high, sun(-0.8, -0.05, -0.5)),
+        (high, rect),
+        (low, high_sun),
+    ];
     let mut out = Vec::new();
     for (name, shape) in [("boxes", boxes()), ("contacts", contacts())] {
         // The first two triangles are the small floor.
@@ -208,15 +233,12 @@ fn giant_cases(slope: f32) -> Vec<AmbiguityCase> {
         let corners: Vec<_> = on_giant
             .map(|t| t.map(|c| turn.transform_point3(c)))
             .collect();
-        for direction in [Vec3::new(-0.5, -0.7, -0.3), Vec3::new(-0.8, -0.05, -0.5)] {
+        for (camera, light) in views {
             out.push(AmbiguityCase {
                 name,
                 corners: corners.clone(),
-                camera: camera(Vec3::ZERO, false),
-                light: Light::Directional {
-                    direction,
-                    angular_diameter: 0.0,
-                },
+                camera,
+                light,
             });
         }
     }
@@ -239,6 +261,16 @@ fn camera(at: Vec3, parallel: bool) -> Camera {
     Camera::perspective(eye, at, Vec3::Y, 0.7, [0.5, 50.0], size).expect("a good camera")
 }
 
+/// Returns the truth of a valid scene.
+fn truth_of_scene(scene: &Scene, camera: &Camera, light: &Light) -> (Geometry, Truth) {
+    let geometry = Geometry::bake(scene).expect("a good scene");
+    let mut cpu = Cpu::new();
+    let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
+    let options = TruthOptions::default();
+    let truth = trace(camera, light, &geometry, &options, &mut find, &|_, _| {}).expect("valid");
+    (geometry, truth)
+}
+
 fn truth_of(case: &AmbiguityCase) -> (Geometry, Truth) {
     let positions = case.corners.iter().flatten().copied().collect();
     let triangles = (0..case.corners.len() as u32)
@@ -246,25 +278,12 @@ fn truth_of(case: &AmbiguityCase) -> (Geometry, Truth) {
         .collect();
     let mesh = Mesh::new(case.name, positions, triangles).expect("a good mesh");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
-    let geometry = Geometry::bake(&Scene {
+    let scene = Scene {
         meshes: vec![mesh],
         instances,
         ..Scene::default()
-    })
-    .expect("a good scene");
-    let mut cpu = Cpu::new();
-    let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
-    let options = TruthOptions::default();
-    let truth = trace(
-        &case.camera,
-        &case.light,
-        &geometry,
-        &options,
-        &mut find,
-        &|_, _| {},
-    )
-    .expect("valid");
-    (geometry, truth)
+    };
+    truth_of_scene(&scene, &case.camera, &case.light)
 }
 
 /// Pixel, the triangle that it shows, and its truth.
@@ -336,16 +355,26 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     }
 }
 
+/// Tolerance for visible shares of area lights. The oracle's points misplace a straight edge by half
+/// a cell of their grid, 1/64 of the light's side, and shadows here have at most four in the light.
+const AREA_TOLERANCE: f64 = 4.0 / 64.0;
+
 /// On giant ground, depths are interpolated so far that the wrong one of two surfaces may be shown
 /// next to their intersection. The results are right for the triangles that are shown, also
-/// wherever rounding near the point may move them. Few pixels are marked.
+/// wherever rounding near the point may move them. Few pixels are marked. With a
+/// [`GIANT`](super::super::points::GIANT) of 1e9, these tests fail, and with one of 1 those of marks.
 #[test]
 fn answers_on_giant_ground_are_right_where_they_are_not_ambiguous() {
     for case in [0.0, 0.2].into_iter().flat_map(giant_cases) {
+        let is_ideal = case.light.is_ideal();
+        let tolerance = if is_ideal { 0.0 } else { AREA_TOLERANCE };
         let [wrong, pixels] = contradicted_pixels(&case, false, |oracle, (pixel, shown, value)| {
+            // A quarter of the pixels is enough for area lights, which take a thousand rays each.
+            let is_tested = is_ideal || (pixel[0] + pixel[1]).is_multiple_of(4);
             shown.is_some()
-                && (oracle.answer(pixel, shown) != value
-                    || oracle.changes(pixel, shown, 0.0196, 1.0, 24))
+                && is_tested
+                && ((oracle.answer(pixel, shown) - value).abs() > tolerance
+                    || is_ideal && oracle.changes(pixel, shown, 0.0196, 1.0, 24))
         });
         assert!(
             wrong == 0 && pixels > 6_000,
@@ -362,12 +391,13 @@ fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
     let giant = giant_cases(0.0)
         .into_iter()
-        .filter(|case| case.name == "contacts");
+        .filter(|case| case.name == "contacts" && case.light.is_ideal());
     for case in cases().into_iter().chain(giant) {
         let [firm, pixels] = contradicted_pixels(&case, true, |oracle, (pixel, shown, _)| {
-            ![None, shown]
-                .iter()
-                .any(|&shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000))
+            let [found, given] = [None, shown].map(|shown| oracle.answer(pixel, shown));
+            let changes = |shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000);
+            // Rounding alone may show another surface than the exact ray meets.
+            found == given && !changes(None) && !changes(shown)
         });
         assert_eq!(
             firm, 0,
@@ -426,6 +456,76 @@ fn the_size_of_the_ground_leaves_out_no_shadow() {
         assert!(
             shadow > 150 && left_out <= 8,
             "{half}: {shadow}, {left_out}"
+        );
+    }
+}
+
+/// Light through the holes of a roof of 200 km, whose texture covers 1 m, falls on the ground where a
+/// formula says. With uvs interpolated in 32 bits, 34 of 3,624 pixels were wrong.
+#[test]
+fn holes_of_giant_triangles_are_in_place() {
+    const HALF: f32 = 1e5;
+    const HEIGHT: f32 = 5.0;
+    const SIDE: u32 = 8;
+    let is_there = |texel: u32| !hash(texel).is_multiple_of(3);
+    let direction = Vec3::new(-0.5, -0.7, -0.3);
+    let light = Light::Directional {
+        direction,
+        angular_diameter: 0.0,
+    };
+    let camera = camera(Vec3::ZERO, false);
+    // Texture coordinates are 0 in the middle, or at a corner. There, 32-bit programs misplace holes by
+    // most of a texel, so that most pixels are marked.
+    for (uv_of_middle, least) in [(0.0, 3_500), (HALF, 200)] {
+        let mesh = |name: &str, half: f32, height: f32| {
+            let corners = floor(half).into_iter().flatten();
+            let positions: Vec<Vec3> = corners.map(|c| c + Vec3::Y * height).collect();
+            let uv = |p: &Vec3| glam::Vec2::new(p.x, p.z) + uv_of_middle;
+            let uvs = positions.iter().map(uv).collect();
+            let mesh = Mesh::new(name, positions, vec![[0, 1, 2], [3, 4, 5]]);
+            Mesh {
+                uvs,
+                ..mesh.expect("a good mesh")
+            }
+        };
+        let alpha = AlphaCutout {
+            texture: 0,
+            cutoff: 0.5,
+            filter: AlphaFilter::Nearest,
+        };
+        let texels = (0..SIDE * SIDE).map(|i| [f32::from(u8::from(is_there(i))); 4]);
+        let roof = Instance {
+            material: Some(0),
+            ..Instance::new(1, Affine3A::IDENTITY)
+        };
+        let scene = Scene {
+            meshes: vec![mesh("ground", 4.0, 0.0), mesh("roof", HALF, HEIGHT)],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY), roof],
+            materials: vec![Material {
+                alpha: Some(alpha),
+                ..Material::default()
+            }],
+            textures: vec![Texture {
+                name: "holes".to_owned(),
+                size: UVec2::splat(SIDE),
+                texels: texels.collect(),
+            }],
+            ..Scene::default()
+        };
+        let (_, truth) = truth_of_scene(&scene, &camera, &light);
+        let [mut tested, mut wrong] = [0, 0];
+        for i in (0..truth.pixels.len()).filter(|&i| truth.pixels[i] == Pixel::Counted) {
+            let ground = truth.receivers.position(i).as_dvec3();
+            let to_sun = -direction.as_dvec3();
+            let on_roof = ground + to_sun * (f64::from(HEIGHT) / to_sun.y);
+            let texel = |t: f64| ((t - t.floor()) * f64::from(SIDE)) as u32;
+            let is_lit = !is_there(texel(on_roof.z) * SIDE + texel(on_roof.x));
+            tested += 1;
+            wrong += u32::from(truth.visibility[i] != f32::from(u8::from(is_lit)));
+        }
+        assert!(
+            wrong == 0 && tested > least,
+            "{uv_of_middle}: {wrong} of {tested}"
         );
     }
 }

@@ -26,7 +26,7 @@ pub fn fitting_normal_map(
     let height = heights.size.y as usize;
     // The relief's difference is 2 lambda times the heights'; two texels are 2 / n of the square.
     let scale = heights.size.as_vec2() * lambda / square;
-    let at = |x: usize, y: usize| heights.texels[y * width + x][0];
+    let at = |x: usize, y: usize| heights.texels.get(y * width + x)[0];
     let mut texels = Vec::with_capacity(width * height);
     for y in 0..height {
         for x in 0..width {
@@ -43,7 +43,7 @@ pub fn fitting_normal_map(
     Ok(Texture {
         name: format!("normals of {}", heights.name),
         size: heights.size,
-        texels,
+        texels: texels.into(),
     })
 }
 
@@ -75,8 +75,8 @@ mod tests {
     fn worst(map: &Texture, expected: impl Fn(f64, f64) -> Vec3) -> f32 {
         let n = map.size.x;
         let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
-        let stored = |t: &[f32; 4]| Vec3::from_slice(t) * 2.0 - 1.0;
-        let pairs = (0..n * n).zip(&map.texels);
+        let stored = |t: [f32; 4]| Vec3::from_slice(&t) * 2.0 - 1.0;
+        let pairs = (0..n * n).zip(map.texels.iter());
         pairs
             .map(|(i, t)| stored(t).distance(expected(centre(i % n), centre(i / n))))
             .fold(0.0, f32::max)
@@ -110,11 +110,11 @@ mod tests {
         let flat = Texture {
             name: "flat".to_owned(),
             size: UVec2::new(1, 2),
-            texels: vec![[0.3; 4]; 2],
+            texels: vec![[0.3; 4]; 2].into(),
         };
         assert_eq!(
             fitting_normal_map(&flat, 9.0, Vec2::ONE).unwrap().texels,
-            [[0.5, 0.5, 1.0, 1.0]; 2]
+            vec![[0.5, 0.5, 1.0, 1.0]; 2].into()
         );
     }
 

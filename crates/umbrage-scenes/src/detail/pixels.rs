@@ -11,7 +11,7 @@ use std::{
     path::Path,
 };
 use umbrage_core::glam::UVec2;
-use umbrage_core::{Texture, parallel::prelude::*, picture};
+use umbrage_core::{Texels, Texture, parallel::prelude::*, picture};
 
 /// Returns the kinds of images that are read, for messages.
 pub(crate) fn kinds_of_pictures() -> &'static str {
@@ -31,7 +31,7 @@ pub(crate) fn picture_format(path: &Path) -> Option<ImageFormat> {
     is_read.then_some(format)
 }
 
-/// Greatest number of texels along a side: 1 GiB in memory for a square.
+/// Greatest number of texels along a side: 256 MiB in memory for a square, or 1 GiB as floats.
 pub(crate) const PICTURE_SIDE: u32 = 8192;
 
 /// Meaning of a file's numbers.
@@ -57,6 +57,11 @@ impl Meaning {
     /// Returns whether shadows don't depend on it.
     pub(crate) fn is_only_shown(self) -> bool {
         matches!(self, Self::Color | Self::CutOutColor | Self::Normals)
+    }
+
+    /// Returns whether the file's colours are encoded as sRGB.
+    fn is_encoded(self) -> bool {
+        matches!(self, Self::Color | Self::CutOut | Self::CutOutColor)
     }
 }
 
@@ -94,13 +99,12 @@ impl EncodedImage {
         } else {
             size
         };
-        let mut texels = texels(&image, self.meaning, size);
-        if self.meaning == Meaning::Alpha {
-            let channel = if image.color().has_alpha() { 3 } else { 0 };
-            for texel in &mut texels {
-                *texel = [1.0, 1.0, 1.0, texel[channel]];
-            }
-        }
+        let is_whole = size == UVec2::new(image.width(), image.height());
+        let texels = if is_whole && has_bytes(&image) {
+            whole_texels(image, self.meaning)
+        } else {
+            averaged_texels(&image, self.meaning, size)
+        };
         Ok(Texture {
             name: self.name.clone(),
             size,
@@ -224,16 +228,70 @@ fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
     }
 }
 
+/// Returns whether channels have 8 bits.
+fn has_bytes(image: &DynamicImage) -> bool {
+    image.color().bytes_per_pixel() == image.color().channel_count()
+}
+
+/// Returns the texels of an image of 8 bits a channel, at its size.
+fn whole_texels(image: DynamicImage, meaning: Meaning) -> Texels {
+    let has_alpha = image.color().has_alpha();
+    let mut texels = rgba_bytes(image);
+    if meaning == Meaning::Alpha {
+        let channel = if has_alpha { 3 } else { 0 };
+        for texel in &mut texels {
+            *texel = [u8::MAX, u8::MAX, u8::MAX, texel[channel]];
+        }
+    }
+    if meaning.is_encoded() {
+        Texels::Srgb8(texels)
+    } else {
+        Texels::Unorm8(texels)
+    }
+}
+
+/// Returns four bytes for each pixel of an image of 8 bits a channel. One channel is grey; the last
+/// of two or four is opacity.
+fn rgba_bytes(image: DynamicImage) -> Vec<[u8; 4]> {
+    let channels = usize::from(image.color().channel_count()).max(1);
+    let mut samples = image.into_bytes();
+    if channels < 4 {
+        // Widen in place, from the end: a copy would double the memory.
+        let count = samples.len() / channels;
+        samples.resize(4 * count, u8::MAX);
+        let [green, blue] = if channels < 3 { [0, 0] } else { [1, 2] };
+        for i in (0..count).rev() {
+            let pixel = &samples[channels * i..channels * (i + 1)];
+            let alpha = match channels % 2 {
+                0 => pixel[channels - 1],
+                _ => u8::MAX,
+            };
+            let texel = [pixel[0], pixel[green], pixel[blue], alpha];
+            samples[4 * i..4 * i + 4].copy_from_slice(&texel);
+        }
+    }
+    bytemuck::cast_slice_box(samples.into_boxed_slice()).into_vec()
+}
+
 /// Returns texels of an image, reduced to `size`.
-fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> {
-    let is_color = matches!(
-        meaning,
-        Meaning::Color | Meaning::CutOut | Meaning::CutOutColor
-    );
+fn averaged_texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Texels {
+    let mut texels = averaged_values(image, meaning, size);
+    if meaning == Meaning::Alpha {
+        let channel = if image.color().has_alpha() { 3 } else { 0 };
+        for texel in &mut texels {
+            *texel = [1.0, 1.0, 1.0, texel[channel]];
+        }
+    }
+    texels.into()
+}
+
+/// Returns the means of an image's channels for each texel of `size`.
+fn averaged_values(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> {
+    let is_color = meaning.is_encoded();
     let weighs = meaning == Meaning::CutOutColor;
     let from = UVec2::new(image.width(), image.height());
     let channels = usize::from(image.color().channel_count()).max(1);
-    if image.color().bytes_per_pixel() as usize > channels {
+    if !has_bytes(image) {
         let opacity = |word: u16| f32::from(word) / 65535.0;
         let value = if is_color {
             picture::decode_16
@@ -245,7 +303,6 @@ fn texels(image: &DynamicImage, meaning: Meaning, size: UVec2) -> Vec<[f32; 4]> 
     }
     let opacity = |byte: u8| f32::from(byte) / 255.0;
     let value = if is_color { picture::decode } else { opacity };
-    // Tabulate the decoding: a power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
     let value = |byte: u8| table[usize::from(byte)];
     // Read the file's own channels: a copy with four of them takes as long as decoding.

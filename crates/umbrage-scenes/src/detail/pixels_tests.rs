@@ -49,14 +49,15 @@ fn reduced_colors_are_those_of_the_whole_image() {
         let at = UVec2::new(i as u32 % 51, i as u32 / 51);
         let share = (at.as_vec2() + 0.5) / reduced.size.as_vec2();
         let there = (share * whole.size.as_vec2()).as_uvec2();
-        let expected = whole.texels[(there.y * 203 + there.x) as usize];
-        let off = Vec3::from_slice(texel).distance(Vec3::from_slice(&expected));
+        let expected = whole.texels.get((there.y * 203 + there.x) as usize);
+        let off = Vec3::from_slice(&texel).distance(Vec3::from_slice(&expected));
         assert!(off < 0.04, "{at}: {texel:?}, {expected:?}");
     }
     // Light is averaged, not its encoding: black and white give 0.5, which is byte 188.
     let stripes = ImageBuffer::from_fn(4, 4, |x, _| Luma([255 * (x % 2) as u8]));
     let grey = encoded(&DynamicImage::from(stripes), Meaning::Color, 2).texture();
-    assert_eq!(grey.unwrap().texels, [[0.5, 0.5, 0.5, 1.0]; 4]);
+    let grey = grey.unwrap().texels;
+    assert_eq!(grey, vec![[0.5, 0.5, 0.5, 1.0]; 4].into());
 }
 
 /// The colours of holes, often black or white, don't show at the rim of a reduced image.
@@ -71,7 +72,7 @@ fn reduced_colors_of_alpha_tests_are_weighted_by_alpha() {
     let texel = |alphas, meaning| {
         let reduced = encoded(&image(alphas), meaning, 1).texture().unwrap();
         assert_eq!(reduced.size, UVec2::ONE);
-        reduced.texels[0]
+        reduced.texels.get(0)
     };
     let [red, green, blue, alpha] = texel([255, 0], Meaning::CutOutColor);
     assert!(red > 0.999_99 && green < 2e-6, "{red}, {green}");
@@ -89,13 +90,13 @@ fn alpha_tests_and_heights_keep_their_sizes() {
     for meaning in [Meaning::CutOut, Meaning::Alpha, Meaning::Heights] {
         let whole = encoded(&image, meaning, 8).texture().unwrap();
         assert_eq!(whole.size, UVec2::new(64, 48), "{meaning:?}");
-        assert_eq!(whole.texels[3 * 64 + 5][3], 0.0, "{meaning:?}");
+        assert_eq!(whole.texels.get(3 * 64 + 5)[3], 0.0, "{meaning:?}");
     }
     // Without a hole, an alpha test is equal at any size.
     let opaque = DynamicImage::from(image.to_rgb8()).to_rgba8();
     let opaque = encoded(&DynamicImage::from(opaque), Meaning::CutOut, 0);
     let texture = opaque.texture().unwrap();
-    assert_eq!((texture.size, texture.texels[0][3]), (UVec2::ONE, 1.0));
+    assert_eq!((texture.size, texture.texels.get(0)[3]), (UVec2::ONE, 1.0));
 }
 
 #[test]
@@ -125,23 +126,24 @@ fn colours_are_decoded_once_and_data_never() {
     );
     // Computed by hand from the formula of IEC 61966-2-1.
     assert!(
-        (color.texels[1][0] - 0.215_861).abs() < 1e-6,
+        (color.texels.get(1)[0] - 0.215_861).abs() < 1e-6,
         "{:?}",
         color.texels
     );
-    assert_eq!(color.texels[1][1..], [1.0, 0.0, 1.0]);
+    assert_eq!(color.texels.get(1)[1..], [1.0, 0.0, 1.0]);
     assert_eq!(
-        read(&image, Meaning::Heights).texels[0],
+        read(&image, Meaning::Heights).texels.get(0),
         [128.0 / 255.0, 1.0, 0.0, 1.0]
     );
 }
 
 #[test]
 fn alpha_is_the_files_own_or_its_first_channel() {
+    let alpha = |image: &DynamicImage| read(image, Meaning::Alpha).texels.get(0);
     let grey = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Luma([51_u8])));
-    assert_eq!(read(&grey, Meaning::Alpha).texels, [[1.0, 1.0, 1.0, 0.2]]);
+    assert_eq!(alpha(&grey), [1.0, 1.0, 1.0, 0.2]);
     let leaf = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Rgba([255_u8, 9, 9, 51])));
-    assert_eq!(read(&leaf, Meaning::Alpha).texels, [[1.0, 1.0, 1.0, 0.2]]);
+    assert_eq!(alpha(&leaf), [1.0, 1.0, 1.0, 0.2]);
 }
 
 #[test]
@@ -151,7 +153,7 @@ fn sixteen_bits_keep_their_precision() {
     }));
     let heights = read(&image, Meaning::Heights).texels;
     assert_eq!(
-        [heights[0][0], heights[1][0]],
+        [heights.get(0)[0], heights.get(1)[0]],
         [32_768.0 / 65535.0, 32_769.0 / 65535.0]
     );
     let colors = read(
@@ -159,7 +161,7 @@ fn sixteen_bits_keep_their_precision() {
         Meaning::Color,
     );
     assert_eq!(
-        colors.texels[0][0],
+        colors.texels.get(0)[0],
         picture::decode(128),
         "the same grey in 8 and in 16 bits"
     );
@@ -170,7 +172,7 @@ fn alpha_is_not_encoded_and_rows_run_from_the_top() {
     let image = DynamicImage::from(ImageBuffer::from_fn(1, 2, |_, y| {
         Rgba([0, 0, 255 * y as u8, 128_u8])
     }));
-    let texels = read(&image, Meaning::Color).texels;
+    let texels: Vec<_> = read(&image, Meaning::Color).texels.iter().collect();
     assert_eq!(
         texels,
         [

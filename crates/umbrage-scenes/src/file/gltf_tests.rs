@@ -6,7 +6,7 @@ use crate::{FilesInMemory, SceneError};
 use serde_json::json;
 use std::path::Path;
 use umbrage_core::glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
-use umbrage_core::{AlphaFilter, Geometry, Light, Scene};
+use umbrage_core::{AlphaFilter, Geometry, Light, Scene, Texels};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
@@ -200,7 +200,7 @@ fn a_model_brings_its_looks_with_their_holes() {
     assert_eq!(holes.cutoff, 0.75);
     assert_eq!(
         scene.textures[holes.texture].texels,
-        [[1.0; 4], [0.0; 4]],
+        Texels::Srgb8(vec![[255; 4], [0; 4]]),
         "the picture's alpha"
     );
     let uvs = &scene.meshes[leaf.mesh].uvs;

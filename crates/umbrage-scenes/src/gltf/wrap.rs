@@ -39,7 +39,7 @@ pub(super) fn check(
     // Many meshes may check one large image.
     budget.decode(columns.len() as u64 * rows.len() as u64)?;
     let is_hole = |x: i64, y: i64| {
-        let texel = texture.texels[(y * i64::from(size.x) + x) as usize];
+        let texel = texture.texels.get((y * i64::from(size.x) + x) as usize);
         texel[3] < alpha.cutoff
     };
     let is_alike = |&[row, requested_row]: &[i64; 2]| {

@@ -6,7 +6,7 @@ const WALL: Bricks = Bricks {
 };
 
 fn texel(texture: &Texture, x: u32, y: u32) -> Vec3 {
-    Vec3::from_slice(&texture.texels[(y * texture.size.x + x) as usize])
+    Vec3::from_slice(&texture.texels.get((y * texture.size.x + x) as usize))
 }
 
 #[test]
@@ -28,12 +28,12 @@ fn looks_are_valid_and_within_range() {
                     .texels
                     .iter()
                     .flatten()
-                    .all(|v| (0.0..=1.0).contains(v)),
+                    .all(|v| (0.0..=1.0).contains(&v)),
                 "{}",
                 texture.name
             );
             assert!(
-                texture.texels.iter().any(|t| *t != texture.texels[0]),
+                texture.texels.iter().any(|t| t != texture.texels.get(0)),
                 "{} is plain",
                 texture.name
             );
@@ -62,7 +62,7 @@ fn normals_lean_as_the_relief_does() {
         normals
             .texels
             .iter()
-            .all(|t| ((Vec3::from_slice(t) * 2.0 - 1.0).length() - 1.0).abs() < 1e-5)
+            .all(|t| ((Vec3::from_slice(&t) * 2.0 - 1.0).length() - 1.0).abs() < 1e-5)
     );
 }
 

@@ -35,7 +35,7 @@ pub(super) fn groups(
         &Texture {
             name: "white".to_owned(),
             size: UVec2::ONE,
-            texels: vec![[1.0; 4]],
+            texels: vec![[1.0; 4]].into(),
         },
     );
     let is_used = |i: usize| materials.iter().any(|m| m.diffuse_texture == Some(i));
@@ -76,7 +76,7 @@ pub(super) fn groups(
 fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> wgpu::TextureView {
     let most = device.limits().max_texture_dimension_2d;
     let mut size = texture.size;
-    let mut texels = texture.texels.clone();
+    let mut texels: Vec<[f32; 4]> = texture.texels.iter().collect();
     while size.max_element() > most {
         (size, texels) = half_image(size, &texels);
     }

@@ -90,31 +90,25 @@ impl Bvh {
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
         let segment = Segment::new(o, d);
-        self.first_visited(&segment, skip, |corners| segment.hits(corners))
-    }
-
-    /// Returns an occluder like [`occluder`](Self::occluder), but tests triangles in 64 bits. It is
-    /// slower. Use it if casters are so large that the rounding of the 32-bit test, some 2^-20 of
-    /// their extent, exceeds the distance of `o` from them.
-    pub fn occluder_in_f64(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
-        let segment = Segment::new(o, d);
-        self.first_visited(&segment, skip, |corners| {
-            hits_in_f64(o, d, corners.points())
+        self.first_visited(&segment, |i| {
+            segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i)
         })
     }
 
-    /// Returns the first visited caster other than triangle `skip` that passes the triangle test
-    /// `hits`, and whose hole does not contain the hit.
+    /// Returns an occluder like [`occluder`](Self::occluder), but tests triangles and their holes in
+    /// 64 bits. It is slower. Use it if casters are so large that the rounding of the 32-bit test, some 2^-20 of
+    /// their extent, exceeds the distance of `o` from them.
+    pub fn occluder_in_f64(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
+        let segment = Segment::new(o, d);
+        self.first_visited(&segment, |i| self.hits_in_f64(i as u32, o, d, skip))
+    }
+
+    /// Returns the first visited caster that `hits` accepts, given its index in the hierarchy.
     #[inline(always)]
-    fn first_visited(
-        &self,
-        segment: &Segment,
-        skip: u32,
-        hits: impl Fn(&Corners) -> bool,
-    ) -> Option<u32> {
+    fn first_visited(&self, segment: &Segment, hits: impl Fn(usize) -> bool) -> Option<u32> {
         let mut found = None;
         self.wide.search(segment, |i, _| {
-            let hit = hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(segment, i);
+            let hit = hits(i);
             if hit {
                 found = Some(i as u32);
             }
@@ -221,9 +215,11 @@ impl Bvh {
     /// Panics if the number is from another hierarchy with more triangles.
     pub fn hits_in_f64(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
         let i = occluder as usize;
+        let corners = self.corners[i].points();
+        let is_hole = |cut_outs: &CutOuts| cut_outs.is_hole_in_f64(self.ids[i], corners, o, d);
         self.ids[i] != skip
-            && hits_in_f64(o, d, self.corners[i].points())
-            && !self.is_hole(&Segment::new(o, d), i)
+            && hits_in_f64(o, d, corners)
+            && !self.cut_outs.as_deref().is_some_and(is_hole)
     }
 
     /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all

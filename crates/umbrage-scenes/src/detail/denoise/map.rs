@@ -114,7 +114,7 @@ impl DisplacementMap {
         let texture = Texture {
             name: "displacement map".to_owned(),
             size: self.size,
-            texels,
+            texels: texels.into(),
         };
         (texture, lambda)
     }
