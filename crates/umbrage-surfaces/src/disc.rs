@@ -4,7 +4,7 @@ use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
     frame::{Frame, cross},
     lit_area::{TILE, add_areas},
-    outline,
+    polygons::{Contour, covered_share},
     rays::Rays,
     stated::AnswerHash,
 };
@@ -215,16 +215,11 @@ pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc)
         return [1.0, 0.0];
     }
     if casters.len() <= disc.max_casters {
-        return [1.0 - outline::covered_share(radius, &casters), ROUNDING];
+        return [1.0 - covered_share(radius, &casters), ROUNDING];
     }
-    let mut by_share: Vec<(f64, Vec<DVec2>)> = casters
+    let mut by_share: Vec<(f64, Contour)> = casters
         .into_iter()
-        .map(|caster| {
-            (
-                outline::covered_share(radius, std::slice::from_ref(&caster)),
-                caster,
-            )
-        })
+        .map(|caster| (covered_share(radius, std::slice::from_ref(&caster)), caster))
         .collect();
     by_share.sort_by(|a, b| b.0.total_cmp(&a.0));
     let others: f64 = by_share[disc.max_casters..]
@@ -235,25 +230,25 @@ pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc)
         .drain(..disc.max_casters)
         .map(|caster| caster.1)
         .collect();
-    let most = 1.0 - outline::covered_share(radius, &largest);
+    let most = 1.0 - covered_share(radius, &largest);
     let least = (most - others).max(0.0);
     [0.5 * (least + most), 0.5 * (most - least) + ROUNDING]
 }
 
 /// Returns the part of the disc's square below a point's horizon; `None` if there is none.
-fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Contour> {
     if normal == DVec3::ZERO {
         return None;
     }
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square = square.map(|corner| (DVec2::from(corner) * (2.0 * radius)).extend(1.0));
     let below = cut_polygon(&square, |p| -frame.unproject(p).dot(normal));
-    (below.len() > 2).then(|| below.iter().map(|p| p.truncate()).collect())
+    (below.len() > 2).then(|| below.iter().map(|p| [p.x, p.y]).collect())
 }
 
 /// Returns the image of a facet (corners relative to the point) at the distance 1 towards the sun,
 /// counter-clockwise; `None` if it doesn't overlap the disc's square.
-fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Contour> {
     let corners = corners.map(|corner| frame.project(corner));
     // Cut the facet by the pyramid around the cone, in space: behind it there is nothing. Its sides
     // are twice as far as the disc, so that they don't touch it.
@@ -274,7 +269,7 @@ fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2
     if twice_area < 0.0 {
         image.reverse();
     }
-    (twice_area != 0.0).then_some(image)
+    (twice_area != 0.0).then(|| image.iter().map(|p| p.to_array()).collect())
 }
 
 /// Returns the part of a convex polygon where a linear function is positive.

@@ -5,7 +5,7 @@ use crate::{
     clip::{self, Blocker, Receiver},
     frame::{Frame, cross},
     grid::{Grid, Rectangle},
-    outline,
+    polygons,
     stated::AnswerHash,
     tree::{Projected, Scene, Stack, bounds_across},
 };
@@ -77,16 +77,20 @@ impl Facets {
         let mut undecided = Vec::new();
         let mut silhouette = 0.0;
         self.visit_tiles(&frame, tile, |scene| {
-            let parts = scene.map_parts(|search: &mut Search, index, cell| {
-                search.lit_part(scene, index, margin, cell)
+            let parts = scene.map_cells(|search: &mut Search, cell| {
+                let mut parts = Vec::new();
+                scene.visit_cell(cell, |index, within| {
+                    parts.push(search.lit_part(scene, index, margin, within));
+                });
+                parts
             });
             for part in parts.iter().flatten() {
                 areas[part.row as usize].centroid += part.moments;
                 undecided.extend(part.has_coplanar.then_some(part.row));
             }
             if self.options().certify {
-                let integrals = outline::outline_integrals(scene, margin);
-                silhouette = integrals.iter().flatten().fold(silhouette, |a, b| a + b);
+                let areas = polygons::silhouette_areas(scene);
+                silhouette = areas.iter().fold(silhouette, |a, b| a + b);
             }
         });
         let edge_on: Vec<u32> = areas

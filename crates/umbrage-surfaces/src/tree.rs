@@ -185,33 +185,38 @@ impl Scene {
         self.keys[index as usize].1
     }
 
-    /// Computes a value for each facet of each cell of the tile, in order, with memory that is
-    /// reused. Wide facets are computed within the cell's rectangle, others as a whole.
-    pub(crate) fn map_parts<M: Default + Send, T: Send>(
+    /// Returns the rectangle of a cell.
+    pub(crate) fn rectangle(&self, cell: u32) -> Rectangle {
+        self.grid.rectangle(Tile::of_cell(cell))
+    }
+
+    /// Computes a value for each cell of the tile, in order, with memory that is reused.
+    pub(crate) fn map_cells<M: Default + Send, T: Send>(
         &self,
-        compute: impl Fn(&mut M, u32, Option<Rectangle>) -> T + Sync,
-    ) -> Vec<Vec<T>> {
-        let parts_of = |memory: &mut M, cell: u32| {
-            let start = self.receivers.partition_point(|&(other, _)| other < cell);
-            let narrow = self.receivers[start..].iter();
-            let narrow = narrow.take_while(|&&(other, _)| other == cell);
-            let mut parts: Vec<T> = narrow
-                .map(|&(_, index)| compute(memory, index, None))
-                .collect();
-            let rectangle = self.grid.rectangle(Tile::of_cell(cell));
-            let query = query_all(rectangle.map(|p| p.extend(0.0)));
-            self.visit_overlapping(&query, &mut Stack::new(), |index| {
-                // Wide ones are first.
-                let is_wide = index < self.wide;
-                if is_wide {
-                    parts.push(compute(memory, index, Some(rectangle)));
-                }
-                !is_wide
-            });
-            parts
-        };
+        compute: impl Fn(&mut M, u32) -> T + Send + Sync,
+    ) -> Vec<T> {
         let cells = self.tile.cells().into_par_iter();
-        cells.map_init(M::default, parts_of).collect()
+        cells.map_init(M::default, compute).collect()
+    }
+
+    /// Passes the facets that are computed in a cell to `visit`, in order. Wide facets are computed
+    /// within the cell's rectangle, others as a whole.
+    pub(crate) fn visit_cell(&self, cell: u32, mut visit: impl FnMut(u32, Option<Rectangle>)) {
+        let start = self.receivers.partition_point(|&(other, _)| other < cell);
+        let narrow = self.receivers[start..].iter();
+        for &(_, index) in narrow.take_while(|&&(other, _)| other == cell) {
+            visit(index, None);
+        }
+        let rectangle = self.rectangle(cell);
+        let query = query_all(rectangle.map(|p| p.extend(0.0)));
+        self.visit_overlapping(&query, &mut Stack::new(), |index| {
+            // Wide ones are first.
+            let is_wide = index < self.wide;
+            if is_wide {
+                visit(index, Some(rectangle));
+            }
+            !is_wide
+        });
     }
 
     /// Passes the facets that overlap a query to `visit`, wide ones first, until it returns true.
