@@ -2,14 +2,13 @@
 
 use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
-    frame::{Frame, cross},
     lit_area::{TILE, add_areas},
     polygons::{Contour, covered_share},
     rays::Rays,
     stated::AnswerHash,
+    suns::frame_towards,
 };
-use glam::{DVec2, DVec3};
-use rayon::prelude::*;
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Error of a share of the disc by rounding alone.
@@ -89,16 +88,13 @@ impl Facets {
         let mut hash = AnswerHash::new();
         let mut worst: f64 = 0.0;
         for &sun in suns.directions() {
-            let frame = Frame::new(sun);
-            let sorted: Vec<[f64; 2]> = points
-                .order
-                .par_iter()
-                .map(|&row| disc_seen(&rays, row as usize, &frame, disc))
-                .collect();
+            let frame = frame_towards(sun);
             let mut by_row = vec![[0.0; 2]; points.len()];
-            for (&row, &seen) in points.order.iter().zip(&sorted) {
-                by_row[row as usize] = seen;
-            }
+            points.visit_rows(
+                |(): &mut (), row| disc_seen(&rays, row, &frame, disc),
+                |row, seen| by_row[row] = seen,
+                |_| (),
+            );
             for [share, error] in by_row {
                 hash.add(share);
                 hash.add(error);
@@ -156,11 +152,11 @@ impl Facets {
 
     /// Returns the mean lit areas over directions, given at the distance 1 across a sun.
     fn average_over(&self, sun: DVec3, points: &[DVec2]) -> Vec<LitArea> {
-        let frame = Frame::new(sun);
+        let frame = frame_towards(sun);
         let weight = 1.0 / points.len() as f64;
         let mut sums = vec![LitArea::default(); self.len()];
         for point in points {
-            let direction = frame.unproject(point.extend(1.0)).normalize();
+            let direction = (frame * point.extend(1.0)).normalize();
             let part = self.lit_areas_towards(direction, TILE).areas;
             for (sum, part) in sums.iter_mut().zip(&part) {
                 sum.fraction += part.fraction * weight;
@@ -203,12 +199,12 @@ fn points_of_disc(rings: &[usize], radius: f64) -> Vec<DVec2> {
 }
 
 /// Returns the share of the disc that a point sees, and its greatest error.
-pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc) -> [f64; 2] {
+pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &DMat3, disc: &Disc) -> [f64; 2] {
     let radius = disc.slope();
     let mut casters = Vec::new();
     let [p, normal] = rays.point(row);
     casters.extend(horizon(normal, frame, radius));
-    rays.visit_in_cone(p, frame.sun, radius, |corners| {
+    rays.visit_in_cone(p, frame.z_axis, radius, |corners| {
         casters.extend(image_of(corners, frame, radius));
     });
     if casters.is_empty() {
@@ -236,20 +232,20 @@ pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc)
 }
 
 /// Returns the part of the disc's square below a point's horizon; `None` if there is none.
-fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Contour> {
+fn horizon(normal: DVec3, frame: &DMat3, radius: f64) -> Option<Contour> {
     if normal == DVec3::ZERO {
         return None;
     }
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square = square.map(|corner| (DVec2::from(corner) * (2.0 * radius)).extend(1.0));
-    let below = cut_polygon(&square, |p| -frame.unproject(p).dot(normal));
+    let below = cut_polygon(&square, |p| -(frame * p).dot(normal));
     (below.len() > 2).then(|| below.iter().map(|p| [p.x, p.y]).collect())
 }
 
 /// Returns the image of a facet (corners relative to the point) at the distance 1 towards the sun,
 /// counter-clockwise; `None` if it doesn't overlap the disc's square.
-fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Contour> {
-    let corners = corners.map(|corner| frame.project(corner));
+fn image_of(corners: [DVec3; 3], frame: &DMat3, radius: f64) -> Option<Contour> {
+    let corners = corners.map(|corner| frame.transpose_mul_vec3(corner));
     // Cut the facet by the pyramid around the cone, in space: behind it there is nothing. Its sides
     // are twice as far as the disc, so that they don't touch it.
     let mut polygon = corners.to_vec();
@@ -264,7 +260,7 @@ fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Contour> 
     }
     let twice_area: f64 = image
         .windows(2)
-        .map(|pair| cross(pair[0] - image[0], pair[1] - image[0]))
+        .map(|pair| (pair[0] - image[0]).perp_dot(pair[1] - image[0]))
         .sum();
     if twice_area < 0.0 {
         image.reverse();

@@ -38,7 +38,6 @@
 mod clip;
 mod disc;
 mod facets;
-mod frame;
 mod grid;
 mod lit;
 mod lit_area;

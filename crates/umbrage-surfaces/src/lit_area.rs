@@ -3,13 +3,13 @@
 use crate::{
     Facets, Sides, Stated, Suns,
     clip::{self, Blocker, Receiver},
-    frame::{Frame, cross},
     grid::{Grid, Rectangle},
     polygons,
     stated::AnswerHash,
+    suns::frame_towards,
     tree::{Projected, Scene, Stack, bounds_across},
 };
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Most facets with their centre in a tile, if it has more than one cell. A tile's memory is some
@@ -70,7 +70,7 @@ impl Facets {
 
     /// Returns the lit areas towards a sun, with at most a number of facets' centres in a tile.
     pub(crate) fn lit_areas_towards(&self, sun: DVec3, tile: u32) -> LitAreas {
-        let frame = Frame::new(sun);
+        let frame = frame_towards(sun);
         let margin = self.margin_m();
         // Sum the moments of lit parts in the place of centroids, which saves memory.
         let mut areas = vec![LitArea::default(); self.len()];
@@ -117,7 +117,7 @@ impl Facets {
     }
 
     /// Passes all tiles towards a sun to `visit`, one after another.
-    fn visit_tiles(&self, frame: &Frame, tile: u32, mut visit: impl FnMut(&Scene)) {
+    fn visit_tiles(&self, frame: &DMat3, tile: u32, mut visit: impl FnMut(&Scene)) {
         let rows = self.len() as u32;
         let grid = Grid::new(bounds_across(frame, self.bounds()), self.len());
         let seen = |row| self.seen(row, frame);
@@ -127,9 +127,11 @@ impl Facets {
     }
 
     /// Returns a facet as the sun sees it; `None` if it doesn't, and the facet casts no shadow.
-    fn seen(&self, row: u32, frame: &Frame) -> Option<Projected> {
-        let [a, b, c] = self.local_corners(row).map(|corner| frame.project(corner));
-        let twice_area = cross((b - a).xy(), (c - a).xy());
+    fn seen(&self, row: u32, frame: &DMat3) -> Option<Projected> {
+        let [a, b, c] = self
+            .local_corners(row)
+            .map(|corner| frame.transpose_mul_vec3(corner));
+        let twice_area = (b - a).xy().perp_dot((c - a).xy());
         let corners = match self.options().sides {
             _ if twice_area.abs() <= self.least_twice_area(a, b, c) => return None,
             _ if twice_area > 0.0 => [a, b, c],
@@ -147,13 +149,13 @@ impl Facets {
     }
 
     /// Returns whether a facet has an area, but not as the sun sees it.
-    fn is_edge_on(&self, row: u32, frame: &Frame) -> bool {
+    fn is_edge_on(&self, row: u32, frame: &DMat3) -> bool {
         let [a, b, c] = self.local_corners(row);
         let twice_area = (b - a).cross(c - a).length();
         let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
-        let [p, q, r] = [a, b, c].map(|corner| frame.project(corner));
+        let [p, q, r] = [a, b, c].map(|corner| frame.transpose_mul_vec3(corner));
         twice_area > self.margin_m() * longest.max_element()
-            && cross((q - p).xy(), (r - p).xy()).abs() <= self.least_twice_area(p, q, r)
+            && (q - p).xy().perp_dot((r - p).xy()).abs() <= self.least_twice_area(p, q, r)
     }
 
     pub(crate) fn centre(&self, row: usize) -> DVec3 {
@@ -165,7 +167,7 @@ impl Facets {
     fn lit_area_of(
         &self,
         row: u32,
-        frame: &Frame,
+        frame: &DMat3,
         seen: Option<&Projected>,
         moments: DVec3,
     ) -> LitArea {
@@ -178,7 +180,7 @@ impl Facets {
         };
         let [a, b, c] = facet.corners;
         let [p, q] = [b - a, c - a];
-        let twice_area = cross(p.xy(), q.xy());
+        let twice_area = p.xy().perp_dot(q.xy());
         let lit = moments.z.clamp(0.0, twice_area);
         if lit == 0.0 {
             return unlit;
@@ -186,13 +188,13 @@ impl Facets {
         let fraction = lit / twice_area;
         // Weights of the corners b and c at the centre across the light are the same in space.
         let centre = moments.xy() / (3.0 * moments.z);
-        let weight_b = cross(centre, q.xy()) / twice_area;
-        let weight_c = cross(p.xy(), centre) / twice_area;
+        let weight_b = centre.perp_dot(q.xy()) / twice_area;
+        let weight_c = p.xy().perp_dot(centre) / twice_area;
         LitArea {
             fraction,
             area: fraction * self.area_m2(row as usize),
             projected: 0.5 * lit,
-            centroid: self.to_world(frame.unproject(a + p * weight_b + q * weight_c)),
+            centroid: self.to_world(frame * (a + p * weight_b + q * weight_c)),
         }
     }
 }
@@ -334,7 +336,7 @@ mod tests {
         };
         let facets = Facets::new(&vertices, &triangles, &options).expect("good facets");
         for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
-            let frame = Frame::new(sun);
+            let frame = frame_towards(sun);
             let mut tiles = 0;
             facets.visit_tiles(&frame, 300, |_| tiles += 1);
             assert!(tiles > 6, "{tiles} tiles");

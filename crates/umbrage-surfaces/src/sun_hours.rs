@@ -4,15 +4,11 @@ use crate::{
     Disc, Facets, FacetsError, Points, Stated, Up,
     disc::disc_seen,
     facets::check_positive,
-    frame::Frame,
     rays::{NO_BLOCKER, Rays},
     stated::AnswerHash,
+    suns::frame_towards,
 };
-use glam::DVec3;
-use rayon::prelude::*;
-
-/// Points per task, at least.
-const TASK: usize = 64;
+use glam::{DMat3, DVec3};
 
 /// A span of time, and conventions for the sun.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +126,7 @@ impl SunHours {
 struct Sample {
     second: f64,
     /// `None` while the sun is below the horizon.
-    frame: Option<Frame>,
+    frame: Option<DMat3>,
 }
 
 impl Facets {
@@ -149,7 +145,7 @@ impl Facets {
         points: &Points,
         path: &(impl Fn(f64) -> DVec3 + Sync),
         day: &Day,
-        mut progress: impl FnMut(usize),
+        progress: impl FnMut(usize),
     ) -> Result<SunHours, FacetsError> {
         day.check()?;
         let steps = ((day.end_s - day.start_s) / day.step_s).ceil();
@@ -176,18 +172,11 @@ impl Facets {
             rays,
         };
         let mut by_row = vec![PointSpans::default(); points.len()];
-        let mut computed = 0;
-        for block in points.order.chunks(256 * TASK) {
-            let rows = block.par_iter().with_min_len(TASK);
-            let spans: Vec<PointSpans> = rows
-                .map(|&row| watch.spans_of(row as usize, &samples))
-                .collect();
-            for (&row, spans) in block.iter().zip(spans) {
-                by_row[row as usize] = spans;
-            }
-            computed += block.len();
-            progress(computed);
-        }
+        points.visit_rows(
+            |(): &mut (), row| watch.spans_of(row, &samples),
+            |row, spans| by_row[row] = spans,
+            progress,
+        );
         let mut hours = SunHours {
             stated: Stated {
                 margin_m: watch.rays.margin(),
@@ -217,12 +206,12 @@ impl Facets {
     }
 
     /// Returns the frame along a direction to the sun; `None` below the horizon.
-    fn frame_above_horizon(&self, direction: DVec3) -> Option<Frame> {
+    fn frame_above_horizon(&self, direction: DVec3) -> Option<DMat3> {
         let height = match self.options().up {
             Up::Y => direction.y,
             Up::Z => direction.z,
         };
-        (height > 0.0).then(|| Frame::new(direction.normalize()))
+        (height > 0.0).then(|| frame_towards(direction.normalize()))
     }
 }
 
@@ -269,7 +258,7 @@ impl<P: Fn(f64) -> DVec3 + Sync> Watch<'_, P> {
 
     /// Returns whether a point is lit, and whether that is undecided. `blocker` is the facet that
     /// shaded it last.
-    fn is_lit(&self, row: usize, frame: Option<&Frame>, blocker: &mut u32) -> (bool, bool) {
+    fn is_lit(&self, row: usize, frame: Option<&DMat3>, blocker: &mut u32) -> (bool, bool) {
         let Some(frame) = frame else {
             return (false, false);
         };

@@ -1,11 +1,8 @@
 //! A tree of boxes over facets in a frame along the light: an implicit eight-way tree over facets
 //! in Morton order, wide ones first.
 
-use crate::{
-    frame::{Frame, cross},
-    grid::{Grid, Rectangle, Tile},
-};
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use crate::grid::{Grid, Rectangle, Tile};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Children of a node, and lanes of its tests.
@@ -22,7 +19,7 @@ impl Projected {
     #[inline(always)]
     pub(crate) fn twice_area(&self) -> f64 {
         let [a, b, c] = self.corners;
-        cross((b - a).xy(), (c - a).xy())
+        (b - a).xy().perp_dot((c - a).xy())
     }
 
     /// Returns the box across the light.
@@ -256,7 +253,7 @@ impl Scene {
 }
 
 /// Returns a box across the light around a box in space.
-pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> Rectangle {
+pub(crate) fn bounds_across(frame: &DMat3, bounds: [DVec3; 2]) -> Rectangle {
     let [low, high] = bounds;
     let corners = (0..8).map(|i| {
         let pick = |bit: u32, axis: usize| {
@@ -266,7 +263,8 @@ pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> Rectangle {
                 high[axis]
             }
         };
-        frame.across(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+        let corner = DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2));
+        frame.transpose_mul_vec3(corner).xy()
     });
     corners.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
         [low.min(p), high.max(p)]
