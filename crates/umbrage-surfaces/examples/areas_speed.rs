@@ -14,7 +14,7 @@ use anyhow::{Context as _, Result, bail};
 use std::{fs, time::Instant};
 use umbrage_scenes::load_triangles;
 use umbrage_surfaces::{
-    Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
+    Facets, Options, Points, Sides, Suns, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -40,7 +40,7 @@ fn main() -> Result<()> {
         model => mesh.add_model(model, count)?,
     }
     let options = Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides: match kind.as_str() {
             "ball" | "city" => Sides::Front,
             _ => Sides::Both,
@@ -51,7 +51,7 @@ fn main() -> Result<()> {
     let start = Instant::now();
     let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options)?;
     let prepared = start.elapsed().as_secs_f64();
-    let count = facets.len();
+    let count = facets.count();
     println!("{kind}: {count} facets, prepared in {prepared:.2} s");
     drop(mesh);
     for height in [90.0, 60.0, 30.0, 15.0, 5.0] {

@@ -7,7 +7,7 @@
 
 use std::{error::Error, time::Instant};
 use umbrage_surfaces::{
-    Day, Facets, Options, Points, Sides, SunHours, Suns, Unit, Up, direction_at,
+    Day, Facets, Options, Points, Sides, SunHours, Suns, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -24,13 +24,13 @@ const DEMANDED: f64 = 120.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides: Sides::Front,
         ..Options::default()
     };
     let (vertices, triangles) = city();
     let facets = Facets::new(&vertices, &triangles, &options)?;
-    println!("city: {} facets", facets.len());
+    println!("city: {} facets", facets.count());
     compare_steps(&facets)?;
     compare_samples(&facets)?;
     Ok(())
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Prints errors of hours of sun at the equinox, for facets' centres spread over the city.
 fn compare_steps(facets: &Facets) -> Result<(), Box<dyn Error>> {
-    let stride = facets.len() / POINTS;
+    let stride = facets.count() / POINTS;
     let rows = (0..POINTS).map(|i| i * stride);
     let centre = |row| facets.corners_m(row).iter().sum::<DVec3>() / 3.0;
     let positions: Vec<DVec3> = rows.clone().map(centre).collect();
@@ -124,7 +124,7 @@ fn compare_samples(facets: &Facets) -> Result<(), Box<dyn Error>> {
         let direction = direction_at(215.0, height, Up::Z);
         let sun = Suns::new(&[direction])?;
         let faces_sun = |row: &usize| facets.normal(*row).dot(direction) > 0.0;
-        let rows: Vec<usize> = (0..facets.len()).filter(faces_sun).collect();
+        let rows: Vec<usize> = (0..facets.count()).filter(faces_sun).collect();
         let mut exact = Vec::new();
         let start = Instant::now();
         facets.lit_area(&sun, |_, areas| exact = areas.to_vec());

@@ -89,7 +89,7 @@ impl Facets {
         let mut worst: f64 = 0.0;
         for &sun in suns.directions() {
             let frame = frame_towards(sun);
-            let mut by_row = vec![[0.0; 2]; points.len()];
+            let mut by_row = vec![[0.0; 2]; points.count()];
             points.visit_rows(
                 |(): &mut (), row| disc_seen(&rays, row, &frame, disc),
                 |row, seen| by_row[row] = seen,
@@ -154,7 +154,7 @@ impl Facets {
     fn average_over(&self, sun: DVec3, points: &[DVec2]) -> Vec<LitArea> {
         let frame = frame_towards(sun);
         let weight = 1.0 / points.len() as f64;
-        let mut sums = vec![LitArea::default(); self.len()];
+        let mut sums = vec![LitArea::default(); self.count()];
         for point in points {
             let direction = (frame * point.extend(1.0)).normalize();
             let part = self.lit_areas_towards(direction, TILE).areas;

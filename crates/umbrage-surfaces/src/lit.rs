@@ -53,10 +53,10 @@ impl Facets {
             .iter()
             .map(|&sun| frame_towards(sun))
             .collect();
-        let words = points.len().div_ceil(64);
+        let words = points.count().div_ceil(64);
         let mut lit = Lit {
-            bits: vec![0; words * suns.len()],
-            points: points.len(),
+            bits: vec![0; words * suns.directions().len()],
+            points: points.count(),
             stated: Stated {
                 margin_m: rays.margin(),
                 ..Stated::default()

@@ -73,7 +73,7 @@ impl Facets {
         let frame = frame_towards(sun);
         let margin = self.margin_m();
         // Sum the moments of lit parts in the place of centroids, which saves memory.
-        let mut areas = vec![LitArea::default(); self.len()];
+        let mut areas = vec![LitArea::default(); self.count()];
         let mut undecided = Vec::new();
         let mut silhouette = 0.0;
         self.visit_tiles(&frame, tile, |scene| {
@@ -95,7 +95,7 @@ impl Facets {
         });
         let edge_on: Vec<u32> = areas
             .par_iter_mut()
-            .zip(0..self.len() as u32)
+            .zip(0..self.count() as u32)
             .filter_map(|(area, row)| {
                 let seen = self.seen(row, &frame);
                 *area = self.lit_area_of(row, &frame, seen.as_ref(), area.centroid);
@@ -118,8 +118,8 @@ impl Facets {
 
     /// Passes all tiles towards a sun to `visit`, one after another.
     fn visit_tiles(&self, frame: &DMat3, tile: u32, mut visit: impl FnMut(&Scene)) {
-        let rows = self.len() as u32;
-        let grid = Grid::new(bounds_across(frame, self.bounds()), self.len());
+        let rows = self.count() as u32;
+        let grid = Grid::new(bounds_across(frame, self.bounds()), self.count());
         let seen = |row| self.seen(row, frame);
         for tile in grid.tiles(rows, tile, &seen) {
             visit(&Scene::new(grid, tile, rows, &seen));
@@ -313,7 +313,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Options, Unit};
+    use crate::Options;
 
     /// A heap of small and large triangles, in one tile and in many.
     #[test]
@@ -330,7 +330,7 @@ mod tests {
         }
         let triangles: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let options = Options {
-            unit: Unit::Metres(1.0),
+            unit_m: Some(1.0),
             certify: true,
             ..Options::default()
         };

@@ -60,14 +60,14 @@ impl Points {
     /// Returns the centre of each facet. With [`Sides::Front`] it has the facet's normal, otherwise
     /// light from both sides counts. Facets without an area have no normal and count on both sides.
     pub fn centres_of(facets: &Facets) -> Self {
-        let rows = 0..facets.len() as u32;
+        let rows = 0..facets.count() as u32;
         let centre = |row| {
             let [a, b, c] = facets.local_corners(row);
             (a + b + c) / 3.0
         };
         let positions = rows.clone().map(centre).collect();
         let normals = match facets.options().sides {
-            Sides::Front => rows.map(|row| facets.local_normal(row)).collect(),
+            Sides::Front => rows.map(|row| facets.normal(row as usize)).collect(),
             Sides::Both => Vec::new(),
         };
         Self::sorted(facets, positions, normals)
@@ -115,12 +115,7 @@ impl Points {
     }
 
     /// Returns the number of points.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.positions.len()
-    }
-
-    /// Returns whether there are no points.
-    pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
     }
 }

@@ -1,7 +1,7 @@
 //! Times at which points are lit.
 
 use crate::{
-    Disc, Facets, FacetsError, Points, Stated, Up,
+    Disc, Facets, FacetsError, Points, Stated,
     disc::disc_seen,
     facets::check_positive,
     rays::{NO_BLOCKER, Rays},
@@ -80,16 +80,6 @@ pub struct SunHours {
 }
 
 impl SunHours {
-    /// Returns the number of points.
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Returns whether there are no points.
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
     /// Returns the spans in which a point is lit (start and end, seconds), rising.
     ///
     /// # Panics
@@ -171,7 +161,7 @@ impl Facets {
             day,
             rays,
         };
-        let mut by_row = vec![PointSpans::default(); points.len()];
+        let mut by_row = vec![PointSpans::default(); points.count()];
         points.visit_rows(
             |(): &mut (), row| watch.spans_of(row, &samples),
             |row, spans| by_row[row] = spans,
@@ -207,11 +197,8 @@ impl Facets {
 
     /// Returns the frame along a direction to the sun; `None` below the horizon.
     fn frame_above_horizon(&self, direction: DVec3) -> Option<DMat3> {
-        let height = match self.options().up {
-            Up::Y => direction.y,
-            Up::Z => direction.z,
-        };
-        (height > 0.0).then(|| frame_towards(direction.normalize()))
+        let is_up = self.options().up.height(direction) > 0.0;
+        is_up.then(|| frame_towards(direction.normalize()))
     }
 }
 

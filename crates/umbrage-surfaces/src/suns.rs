@@ -50,16 +50,6 @@ impl Suns {
         })
     }
 
-    /// Returns the number of suns.
-    pub fn len(&self) -> usize {
-        self.directions.len()
-    }
-
-    /// Returns whether there are no suns.
-    pub fn is_empty(&self) -> bool {
-        self.directions.is_empty()
-    }
-
     /// Returns the unit vectors.
     pub fn directions(&self) -> &[DVec3] {
         &self.directions

@@ -1,7 +1,7 @@
 //! Meshes for tests, in metres, z up.
 
 use umbrage_surfaces::{
-    Facets, Options, Sides, Suns, Unit, Up, direction_at,
+    Facets, Options, Sides, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -46,7 +46,7 @@ impl Mesh {
 
 pub(crate) fn options(sides: Sides) -> Options {
     Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides,
         ..Options::default()
     }

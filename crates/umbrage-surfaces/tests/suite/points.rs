@@ -170,7 +170,7 @@ fn centres_of_closed_bodies_face_the_sun() {
     let facets = mesh.facets(Sides::Front);
     let lit = facets.lit(&Points::centres_of(&facets), &suns(&[25.0]), |_| ());
     let sun = suns(&[25.0]).directions()[0];
-    for row in 0..facets.len() {
+    for row in 0..facets.count() {
         assert!(facets.normal(row).dot(sun) > 0.0 || !lit.is_lit(0, row));
     }
     // With both sides, and of an open mesh, too.
@@ -396,7 +396,7 @@ fn hours_agree_with_dense_samples() {
     }
     let lit = facets.lit(&points, &Suns::new(&suns).expect("directions"), |_| ());
     let mut differences = Vec::new();
-    for row in 0..points.len() {
+    for row in 0..points.count() {
         let dense = (0..suns.len()).filter(|&sun| lit.is_lit(sun, row)).count() as f64 / 10.0;
         differences.push((hours.minutes(row) - dense).abs());
     }

@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use std::path::PathBuf;
-use umbrage_surfaces::{Sides, Unit, Up};
+use umbrage_surfaces::{Sides, Up, metres_of_unit};
 
 /// Hours of sun and lit areas of the facets of a model, each with its stated error
 #[derive(Parser, Clone, Debug)]
@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) up: Option<Up>,
     /// Unit of the model: m, cm, mm, km, ft, in, or the metres of one unit [default: metres; improbable sizes are an error]
-    #[arg(long)]
-    pub(crate) unit: Option<Unit>,
+    #[arg(long, value_parser = metres_of_unit)]
+    pub(crate) unit: Option<f64>,
     /// Sides that receive and cast: front or both; front needs closed bodies and is faster
     #[arg(long, default_value = "both")]
     pub(crate) sides: Sides,

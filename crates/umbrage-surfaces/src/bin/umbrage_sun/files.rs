@@ -74,7 +74,7 @@ fn csv(facets: &Facets, answer: &FacetTable) -> Result<String> {
     } else {
         ",spans\n"
     };
-    for row in 0..facets.len() {
+    for row in 0..facets.count() {
         let [a, b, c] = facets.corners_m(row);
         let centre = (a + b + c) / 3.0;
         let area = facets.area_m2(row);
@@ -116,12 +116,12 @@ fn glb(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
         Up::Y => p,
         Up::Z => DVec3::new(p.x, p.z, -p.y),
     };
-    let corners = || (0..facets.len()).flat_map(|row| facets.corners_m(row));
+    let corners = || (0..facets.count()).flat_map(|row| facets.corners_m(row));
     let low = corners().fold(DVec3::INFINITY, |low, p| low.min(y_up(p)));
     let high = corners().fold(DVec3::NEG_INFINITY, |high, p| high.max(y_up(p)));
     // 32 bits hold positions near the middle; the node has the rest.
     let middle = low.midpoint(high);
-    let count = 3 * facets.len();
+    let count = 3 * facets.count();
     let mut positions = Vec::with_capacity(24 * count);
     for p in corners() {
         let near = (y_up(p) - middle).as_vec3();

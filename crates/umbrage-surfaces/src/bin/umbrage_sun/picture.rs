@@ -129,7 +129,7 @@ fn draw_facets(pixels: &mut [u8], facets: &Facets, answer: &FacetTable, scale: &
     let above = eye.cross(right);
     let across = |p: DVec3| DVec3::new(p.dot(right), -p.dot(above), p.dot(eye));
     // Fit all facets into the upper part.
-    let rows = 0..facets.len();
+    let rows = 0..facets.count();
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for p in rows.clone().flat_map(|row| facets.corners_m(row)) {

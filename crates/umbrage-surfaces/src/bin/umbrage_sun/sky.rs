@@ -169,11 +169,7 @@ impl LocalDay {
             };
             let hours = windows.iter().map(within).sum::<f64>() / 3600.0;
             let direction = self.direction(start + step / 2.0, up);
-            let height = match up {
-                Up::Y => direction.y,
-                Up::Z => direction.z,
-            };
-            if hours > 0.0 && height > 0.0 {
+            if hours > 0.0 && up.height(direction) > 0.0 {
                 directions.push(direction);
                 weights.push(hours);
             }
