@@ -367,6 +367,34 @@ fn many_casters_above_one_facet_are_cut_in_time() {
     }
 }
 
+/// Triangles repeated five times. The identity holds for copies much nearer and much farther than
+/// the margin. Between, they may darken each other in a cycle, which must be stated.
+#[test]
+fn near_duplicates_are_undecided() {
+    let mut random = Random(77);
+    let once = heap(100, 0.3, &mut random);
+    let margin = once.facets(Sides::Both).margin_m();
+    for (margins, holds) in [(0.1, true), (3.0, false), (1e4, true)] {
+        let mut mesh = Mesh::default();
+        for row in 0..500 {
+            let offset = random.vector() * (margins * margin);
+            mesh.push(once.corners(row % 100).map(|corner| corner + offset));
+        }
+        let options = Options {
+            certify: true,
+            ..options(Sides::Both)
+        };
+        let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options).expect("a good mesh");
+        let stated = facets.lit_area(&suns(&[30.0]), |_, _| ());
+        let is_close = stated.identity.expect("certified") < IDENTITY;
+        assert_eq!(is_close, holds, "{margins} margins: {stated}");
+        assert!(
+            holds || stated.undecided > 250,
+            "{margins} margins: {stated}"
+        );
+    }
+}
+
 /// Meshes with holes, crossings, degenerate and duplicate triangles and inverted normals.
 #[test]
 fn random_meshes_have_sound_answers() {
