@@ -192,6 +192,17 @@ impl Facets {
         })
     }
 
+    /// Returns the first facet along a ray, computed in 32 bits: for images. The ray begins at a
+    /// position in the caller's axes, metres, and ends after a step.
+    pub fn first_along(&self, start_m: DVec3, step_m: DVec3) -> Option<usize> {
+        let geometry = self.geometry();
+        let start = (start_m - self.anchor).as_vec3();
+        let none = u32::MAX;
+        let bvh = geometry.bvh();
+        let hit = bvh.nearest_triangle(geometry, start, step_m.as_vec3(), none);
+        hit.map(|(_, row)| row as usize)
+    }
+
     /// Returns an error unless each edge has neighbours in both directions, and each connected body
     /// has a positive volume.
     fn check_closed(&self) -> Result<(), FacetsError> {
