@@ -3,7 +3,7 @@
 use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
     lit_area::{TILE, add_areas},
-    polygons::{Contour, covered_share},
+    polygons::{Contour, covered_share, union_share},
     rays::Rays,
     stated::AnswerHash,
     suns::frame_towards,
@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 
 /// Error of a share of the disc by rounding alone.
 const ROUNDING: f64 = 1e-9;
+/// Share of the disc below which a caster hides nothing of it: a rounding of 0.
+const NOTHING: f64 = 1e-14;
 
 /// A disc in the sky, evenly bright.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,33 +203,36 @@ fn points_of_disc(rings: &[usize], radius: f64) -> Vec<DVec2> {
 /// Returns the share of the disc that a point sees, and its greatest error.
 pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &DMat3, disc: &Disc) -> [f64; 2] {
     let radius = disc.slope();
-    let mut casters = Vec::new();
     let [p, normal] = rays.point(row);
-    casters.extend(horizon(normal, frame, radius));
-    rays.visit_in_cone(p, frame.z_axis, radius, |corners| {
-        casters.extend(image_of(corners, frame, radius));
-    });
+    // Casters' shares of the disc, and their images.
+    let mut casters: Vec<(f64, Contour)> = Vec::new();
+    let mut add = |image: Contour| {
+        let share = covered_share(radius, &image);
+        if share > NOTHING {
+            casters.push((share, image));
+        }
+        share > 1.0 - NOTHING
+    };
+    let mut is_dark = horizon(normal, frame, radius).is_some_and(&mut add);
+    if !is_dark {
+        rays.visit_in_cone(p, frame.z_axis, radius, |corners| {
+            is_dark = image_of(corners, frame, radius).is_some_and(&mut add);
+            is_dark
+        });
+    }
+    if is_dark {
+        return [0.0, ROUNDING];
+    }
     if casters.is_empty() {
         return [1.0, 0.0];
     }
-    if casters.len() <= disc.max_casters {
-        return [1.0 - covered_share(radius, &casters), ROUNDING];
-    }
-    let mut by_share: Vec<(f64, Contour)> = casters
-        .into_iter()
-        .map(|caster| (covered_share(radius, std::slice::from_ref(&caster)), caster))
-        .collect();
-    by_share.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let others: f64 = by_share[disc.max_casters..]
-        .iter()
-        .map(|caster| caster.0)
-        .sum();
-    let largest: Vec<_> = by_share
-        .drain(..disc.max_casters)
-        .map(|caster| caster.1)
-        .collect();
-    let most = 1.0 - covered_share(radius, &largest);
-    let least = (most - others).max(0.0);
+    // The largest ones are exact, the others are bounded.
+    casters.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (largest, others) = casters.split_at(disc.max_casters.min(casters.len()));
+    let bound: f64 = others.iter().map(|caster| caster.0).sum();
+    let images: Vec<&Contour> = largest.iter().map(|caster| &caster.1).collect();
+    let most = 1.0 - union_share(radius, &images);
+    let least = (most - bound).max(0.0);
     [0.5 * (least + most), 0.5 * (most - least) + ROUNDING]
 }
 

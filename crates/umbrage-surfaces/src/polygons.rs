@@ -44,15 +44,20 @@ fn area(contour: &[[f64; 2]]) -> f64 {
 }
 
 /// Returns the share of a disc around the origin that the union of some polygons covers.
-pub(crate) fn covered_share(radius: f64, polygons: &[Contour]) -> f64 {
+pub(crate) fn union_share(radius: f64, polygons: &[&Contour]) -> f64 {
+    if let [polygon] = polygons {
+        return covered_share(radius, polygon);
+    }
+    let polygons: Vec<&[[f64; 2]]> = polygons.iter().map(|polygon| &polygon[..]).collect();
     let union = polygons.simplify_shape_as::<i64>(FillRule::NonZero);
     let contours = union.iter().flatten();
-    let area: f64 = contours.map(|contour| area_in_disc(radius, contour)).sum();
-    (area / (PI * radius * radius)).clamp(0.0, 1.0)
+    let share: f64 = contours.map(|contour| covered_share(radius, contour)).sum();
+    share.clamp(0.0, 1.0)
 }
 
-/// Returns the area that is inside a contour and a disc around the origin.
-fn area_in_disc(radius: f64, contour: &[[f64; 2]]) -> f64 {
+/// Returns the share of a disc around the origin that is inside a contour, negative if that is
+/// clockwise.
+pub(crate) fn covered_share(radius: f64, contour: &[[f64; 2]]) -> f64 {
     let sector = |from: DVec2, to: DVec2| radius * radius * from.perp_dot(to).atan2(from.dot(to));
     let next = contour.iter().cycle().skip(1);
     let mut twice_area = 0.0;
@@ -65,7 +70,7 @@ fn area_in_disc(radius: f64, contour: &[[f64; 2]]) -> f64 {
             None => sector(from, to),
         };
     }
-    0.5 * twice_area
+    0.5 * twice_area / (PI * radius * radius)
 }
 
 /// Returns the ends of the part of a side that is inside a disc around the origin.

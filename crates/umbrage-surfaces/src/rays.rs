@@ -118,16 +118,13 @@ impl<'a> Rays<'a> {
         p: DVec3,
         sun: DVec3,
         slope: f64,
-        mut visit: impl FnMut([DVec3; 3]),
+        mut visit: impl FnMut([DVec3; 3]) -> bool,
     ) {
         self.visit_casters(p, sun, slope, |id| {
             let corners = self.facets.local_corners(id).map(|corner| corner - p);
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a);
-            if normal.dot(a).abs() > self.margin * normal.length() {
-                visit(corners);
-            }
-            false
+            normal.dot(a).abs() > self.margin * normal.length() && visit(corners)
         });
     }
 }
