@@ -106,7 +106,7 @@ impl Facets {
             }
         }
         out.stated = Stated {
-            margin_m: rays.margin(),
+            margin_m: rays.margin,
             disc_degrees: Some(disc.radius_degrees),
             disc_error: Some(worst),
             hash: hash.finish(),

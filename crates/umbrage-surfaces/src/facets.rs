@@ -19,14 +19,14 @@ pub struct Facets {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     options: Options,
-    /// Metres.
-    anchor: DVec3,
+    /// The point that positions are relative to, metres.
+    pub(crate) anchor: DVec3,
     /// Greatest coordinate of the caller's, metres.
     world_reach: f64,
     /// Greatest coordinate relative to the anchor, metres.
     local_reach: f64,
     /// Box around the facets, relative to the anchor, metres.
-    bounds: [DVec3; 2],
+    pub(crate) bounds: [DVec3; 2],
     /// For rays, built on first use.
     geometry: OnceLock<Geometry>,
 }
@@ -149,11 +149,6 @@ impl Facets {
         Err(FacetsError::new("coordinates", why, help))
     }
 
-    /// Returns the point that positions are relative to, metres.
-    pub(crate) fn anchor(&self) -> DVec3 {
-        self.anchor
-    }
-
     /// Returns a position of the caller's relative to the anchor, metres.
     pub(crate) fn to_local(&self, position: DVec3) -> DVec3 {
         position * self.options.unit_m.unwrap_or(1.0) - self.anchor
@@ -167,11 +162,6 @@ impl Facets {
     /// Returns the corners of a facet, relative to the anchor.
     pub(crate) fn local_corners(&self, row: u32) -> [DVec3; 3] {
         self.triangles[row as usize].map(|v| self.vertices[v as usize])
-    }
-
-    /// Returns the box around the facets, relative to the anchor.
-    pub(crate) fn bounds(&self) -> [DVec3; 2] {
-        self.bounds
     }
 
     /// Returns the facets in 32 bits, whose hierarchy preselects casters for rays.

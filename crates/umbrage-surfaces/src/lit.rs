@@ -58,7 +58,7 @@ impl Facets {
             bits: vec![0; words * suns.directions().len()],
             points: points.count(),
             stated: Stated {
-                margin_m: rays.margin(),
+                margin_m: rays.margin,
                 ..Stated::default()
             },
         };

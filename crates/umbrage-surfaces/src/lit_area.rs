@@ -119,7 +119,7 @@ impl Facets {
     /// Passes all tiles towards a sun to `visit`, one after another.
     fn visit_tiles(&self, frame: &DMat3, tile: u32, mut visit: impl FnMut(&Scene)) {
         let rows = self.count() as u32;
-        let grid = Grid::new(bounds_across(frame, self.bounds()), self.count());
+        let grid = Grid::new(bounds_across(frame, self.bounds), self.count());
         let seen = |row| self.seen(row, frame);
         for tile in grid.tiles(rows, tile, &seen) {
             visit(&Scene::new(grid, tile, rows, &seen));

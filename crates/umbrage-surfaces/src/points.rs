@@ -85,7 +85,7 @@ impl Points {
         keys.par_sort_unstable();
         Self {
             positions,
-            anchor: facets.anchor(),
+            anchor: facets.anchor,
             normals,
             order: keys.into_iter().map(|(_, row)| row).collect(),
         }

@@ -26,7 +26,8 @@ pub(crate) struct Rays<'a> {
     points: &'a Points,
     /// Of the points, if they were made for other facets.
     shift: DVec3,
-    margin: f64,
+    /// Metres.
+    pub(crate) margin: f64,
     /// Greatest distance between a point and the far end of a facet along an axis, metres.
     length: f64,
     /// Rounding of points and facets to 32 bits, metres.
@@ -36,9 +37,9 @@ pub(crate) struct Rays<'a> {
 impl<'a> Rays<'a> {
     /// Prepares the facets for rays from points.
     pub(crate) fn new(facets: &'a Facets, points: &'a Points) -> Self {
-        let shift = points.anchor - facets.anchor();
+        let shift = points.anchor - facets.anchor;
         let points_reach = reach_of(&points.positions) + reach_of(&[shift]);
-        let reach = points_reach.max(reach_of(&facets.bounds()));
+        let reach = points_reach.max(reach_of(&facets.bounds));
         Self {
             facets,
             points,
@@ -48,11 +49,6 @@ impl<'a> Rays<'a> {
             length: 4.0 * reach,
             rounding: 2.0 * f64::from(f32::EPSILON) * reach,
         }
-    }
-
-    /// Returns the margin, metres.
-    pub(crate) fn margin(&self) -> f64 {
-        self.margin
     }
 
     /// Returns the position of a point relative to the facets' anchor, and its unit normal or zero.

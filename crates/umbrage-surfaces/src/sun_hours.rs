@@ -169,7 +169,7 @@ impl Facets {
         );
         let mut hours = SunHours {
             stated: Stated {
-                margin_m: watch.rays.margin(),
+                margin_m: watch.rays.margin,
                 step_s: Some(step),
                 bisected_s: Some(day.bisect_s),
                 disc_degrees: day.half_of.map(|disc| disc.radius_degrees),

@@ -2,7 +2,7 @@
 //! in Morton order, wide ones first.
 
 use crate::grid::{Grid, Rectangle, Tile};
-use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
+use glam::{BVec3, DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Children of a node, and lanes of its tests.
@@ -37,13 +37,9 @@ pub(crate) type Stack = Vec<(u32, u32)>;
 /// the negative greatest x, y and height.
 pub(crate) type Limits = [f32; 5];
 
-fn limits_of(corners: impl Iterator<Item = DVec3>) -> Limits {
-    let [low, high] = box_around(corners);
+fn limits_of(facet: &Projected) -> Limits {
+    let [low, high] = box_around(facet.corners.into_iter());
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
-}
-
-fn limits_of_facet(facet: &Projected) -> Limits {
-    limits_of(facet.corners.into_iter())
 }
 
 fn box_around(corners: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
@@ -155,7 +151,7 @@ impl Scene {
         receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| Node::new(group.iter().map(limits_of_facet)))
+            .map(|group| Node::new(group.iter().map(limits_of)))
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
@@ -256,14 +252,8 @@ impl Scene {
 pub(crate) fn bounds_across(frame: &DMat3, bounds: [DVec3; 2]) -> Rectangle {
     let [low, high] = bounds;
     let corners = (0..8).map(|i| {
-        let pick = |bit: u32, axis: usize| {
-            if i >> bit & 1 == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
-        };
-        let corner = DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2));
+        let is_high = BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+        let corner = DVec3::select(is_high, high, low);
         frame.transpose_mul_vec3(corner).xy()
     });
     corners.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
