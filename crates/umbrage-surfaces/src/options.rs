@@ -27,11 +27,8 @@ impl FromStr for Up {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "y" => Ok(Self::Y),
-            "z" => Ok(Self::Z),
-            _ => Err(format!("up is `{text}`; use `y` or `z`")),
-        }
+        let up = find_name(text, &[("y", Self::Y), ("z", Self::Z)]);
+        up.ok_or_else(|| format!("up is `{text}`; use `y` or `z`"))
     }
 }
 
@@ -40,20 +37,19 @@ impl FromStr for Up {
 /// # Errors
 /// Errors if the text is none of these, or if the number is not finite or not greater than zero.
 pub fn metres_of_unit(text: &str) -> Result<f64, String> {
-    match text {
-        "m" => Ok(1.0),
-        "cm" => Ok(0.01),
-        "mm" => Ok(0.001),
-        "km" => Ok(1000.0),
-        "ft" => Ok(0.3048),
-        "in" => Ok(0.0254),
-        _ => match text.parse() {
-            Ok(metres) if metres > 0.0 && f64::is_finite(metres) => Ok(metres),
-            _ => Err(format!(
-                "`{text}` is no unit; use m, cm, mm, km, ft, in, or metres per unit"
-            )),
-        },
-    }
+    let units = [
+        ("m", 1.0),
+        ("cm", 0.01),
+        ("mm", 0.001),
+        ("km", 1000.0),
+        ("ft", 0.3048),
+        ("in", 0.0254),
+    ];
+    let metres = find_name(text, &units).or_else(|| text.parse::<f64>().ok());
+    let metres = metres.filter(|metres| *metres > 0.0 && metres.is_finite());
+    metres.ok_or_else(|| {
+        format!("`{text}` is no unit; use m, cm, mm, km, ft, in, or metres per unit")
+    })
 }
 
 /// The sides of facets that receive light and cast shadows.
@@ -72,12 +68,14 @@ impl FromStr for Sides {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "front" => Ok(Self::Front),
-            "both" => Ok(Self::Both),
-            _ => Err(format!("sides is `{text}`; use `front` or `both`")),
-        }
+        let sides = find_name(text, &[("front", Self::Front), ("both", Self::Both)]);
+        sides.ok_or_else(|| format!("sides is `{text}`; use `front` or `both`"))
     }
+}
+
+fn find_name<T: Copy>(text: &str, names: &[(&str, T)]) -> Option<T> {
+    let found = names.iter().find(|(name, _)| *name == text);
+    found.map(|&(_, value)| value)
 }
 
 /// Settings of [`Facets`](crate::Facets).

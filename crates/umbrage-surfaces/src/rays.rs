@@ -22,7 +22,7 @@ pub(crate) struct PointLight {
 
 /// Facets prepared for rays from points.
 pub(crate) struct Rays<'a> {
-    facets: &'a Facets,
+    pub(crate) facets: &'a Facets,
     points: &'a Points,
     /// Of the points, if they were made for other facets.
     shift: DVec3,

@@ -155,12 +155,7 @@ impl Facets {
             });
         }
         let rays = Rays::new(self, points);
-        let watch = Watch {
-            facets: self,
-            path,
-            day,
-            rays,
-        };
+        let watch = Watch { path, day, rays };
         let mut by_row = vec![PointSpans::default(); points.count()];
         points.visit_rows(
             |(): &mut (), row| watch.spans_of(row, &samples),
@@ -211,7 +206,6 @@ struct PointSpans {
 
 /// What all points share.
 struct Watch<'a, P> {
-    facets: &'a Facets,
     path: &'a P,
     day: &'a Day,
     rays: Rays<'a>,
@@ -270,7 +264,7 @@ impl<P: Fn(f64) -> DVec3 + Sync> Watch<'_, P> {
                 break;
             }
             let direction = (self.path)(middle);
-            let frame = self.facets.frame_above_horizon(direction);
+            let frame = self.rays.facets.frame_above_horizon(direction);
             let (is_lit, _) = self.is_lit(row, frame.as_ref(), blocker);
             if is_lit == was_lit {
                 low = middle;
