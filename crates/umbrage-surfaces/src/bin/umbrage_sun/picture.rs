@@ -2,6 +2,7 @@
 
 use crate::answer::FacetTable;
 use anyhow::{Context as _, Result};
+use image::{Rgb, RgbImage, imageops};
 use kuva::{
     backend::png::PngBackend,
     render::render::{Primitive, Scene as Drawing, TextAnchor},
@@ -107,19 +108,11 @@ fn legend(scale: &Scale, answer: &FacetTable, report: &[String]) -> Result<Vec<u
     }
     let drawn = PngBackend { scale: 1.0 }.render_scene(&drawing);
     let bytes = drawn.ok().context("the legend can't be drawn")?;
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
-    let mut buffer = vec![0; reader.output_buffer_size().context("too large")?];
-    let info = reader.next_frame(&mut buffer)?;
-    let samples = info.color_type.samples();
-    let mut pixels = vec![255; SIZE[0] * SIZE[1] * 3];
-    for y in 0..SIZE[1].min(info.height as usize) {
-        for x in 0..SIZE[0].min(info.width as usize) {
-            let from = (y * info.width as usize + x) * samples;
-            let to = (y * SIZE[0] + x) * 3;
-            pixels[to..to + 3].copy_from_slice(&buffer[from..from + 3]);
-        }
-    }
-    Ok(pixels)
+    let drawn = image::load_from_memory(&bytes)?.to_rgb8();
+    let [width, height] = SIZE.map(|size| size as u32);
+    let mut image = RgbImage::from_pixel(width, height, Rgb([255; 3]));
+    imageops::replace(&mut image, &drawn, 0, 0);
+    Ok(image.into_raw())
 }
 
 /// Draws the first facet along the ray of each pixel, in a parallel projection.
