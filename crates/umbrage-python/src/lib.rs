@@ -6,8 +6,9 @@ use numpy::{
 };
 use pyo3::{exceptions::PyValueError, prelude::*};
 use umbrage_surfaces::{
-    Day, Disc, Options, Points, Suns, Unit, Up, direction_at,
+    Day, Disc, Options, Points, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
+    metres_of_unit,
 };
 
 /// Returns the error of a value.
@@ -200,10 +201,7 @@ impl Facets {
         let triangles: Vec<[u32; 3]> = rows.map(|row| [row[0], row[1], row[2]]).collect();
         let options = Options {
             up: up.parse().map_err(value_error)?,
-            unit: match unit {
-                Some(unit) => unit.parse().map_err(value_error)?,
-                None => Unit::Unstated,
-            },
+            unit_m: unit.map(metres_of_unit).transpose().map_err(value_error)?,
             sides: sides.parse().map_err(value_error)?,
             max_error_m,
             certify,
@@ -213,13 +211,13 @@ impl Facets {
     }
 
     fn __len__(&self) -> usize {
-        self.0.len()
+        self.0.count()
     }
 
     /// Areas of the facets, square metres, float64 (f,).
     #[getter]
     fn areas_m2<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let areas = (0..self.0.len()).map(|row| self.0.area_m2(row));
+        let areas = (0..self.0.count()).map(|row| self.0.area_m2(row));
         areas.collect::<Vec<_>>().into_pyarray(py)
     }
 
@@ -232,7 +230,7 @@ impl Facets {
     /// Returns the exact lit areas towards suns, float64 (n, 3) of any length.
     fn lit_area(&self, py: Python<'_>, suns: PyReadonlyArray2<'_, f64>) -> PyResult<LitAreas> {
         let suns = Suns::new(&vectors("suns", &suns)?).map_err(value_error)?;
-        let shape = [suns.len(), self.0.len()];
+        let shape = [suns.directions().len(), self.0.count()];
         let count = shape[0] * shape[1];
         let [mut fraction, mut area, mut projected] = [(); 3].map(|()| Vec::with_capacity(count));
         let mut centroid = Vec::with_capacity(3 * count);
@@ -272,11 +270,11 @@ impl Facets {
         let suns = Suns::new(&vectors("suns", &suns)?).map_err(value_error)?;
         let points = self.points(points, normals)?;
         let lit = py.detach(|| self.0.lit(&points, &suns, |_| ()));
-        let mut bits = Vec::with_capacity(suns.len() * points.len());
-        for sun in 0..suns.len() {
-            bits.extend((0..points.len()).map(|row| lit.is_lit(sun, row)));
+        let shape = [suns.directions().len(), points.count()];
+        let mut bits = Vec::with_capacity(shape[0] * shape[1]);
+        for sun in 0..shape[0] {
+            bits.extend((0..shape[1]).map(|row| lit.is_lit(sun, row)));
         }
-        let shape = [suns.len(), points.len()];
         Ok(Lit {
             is_lit: bits.into_pyarray(py).reshape(shape)?.unbind(),
             stated: lit.stated.into(),
@@ -335,7 +333,7 @@ impl Facets {
         let points = self.points(points, normals)?;
         let hours = py.detach(|| self.0.sun_hours(&points, &path, &day, |_| ()));
         let hours = hours.map_err(value_error)?;
-        let rows = 0..points.len();
+        let rows = 0..points.count();
         let minutes: Vec<f64> = rows.clone().map(|row| hours.minutes(row)).collect();
         let longest: Vec<f64> = rows.clone().map(|row| hours.longest_minutes(row)).collect();
         Ok(SunHours {

@@ -10,11 +10,14 @@
 //! sun, and user and system time over the number of threads, which other programs on the machine
 //! disturb less.
 
+mod meshes;
+
 use anyhow::{Context as _, Result, bail};
+use meshes::Mesh;
 use std::{fs, time::Instant};
 use umbrage_scenes::load_triangles;
 use umbrage_surfaces::{
-    Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
+    Facets, Options, Points, Sides, Suns, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -31,16 +34,15 @@ fn main() -> Result<()> {
     let count: f64 = count
         .parse()
         .with_context(|| format!("`{count}` is not a number"))?;
-    let mut mesh = Mesh::default();
-    match kind.as_str() {
-        "ball" => mesh.add_ball((count / 12.0).sqrt().ceil() as u32),
-        "plain" => mesh.add_city(count, 1),
-        "houses" => mesh.add_city(count, 0),
-        "city" | "both" => mesh.add_city(count, 20),
-        model => mesh.add_model(model, count)?,
-    }
+    let mesh = match kind.as_str() {
+        "ball" => ball(count),
+        "plain" => city(count, 1),
+        "houses" => city(count, 0),
+        "city" | "both" => city(count, 20),
+        path => model(path, count)?,
+    };
     let options = Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides: match kind.as_str() {
             "ball" | "city" => Sides::Front,
             _ => Sides::Both,
@@ -51,7 +53,7 @@ fn main() -> Result<()> {
     let start = Instant::now();
     let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options)?;
     let prepared = start.elapsed().as_secs_f64();
-    let count = facets.len();
+    let count = facets.count();
     println!("{kind}: {count} facets, prepared in {prepared:.2} s");
     drop(mesh);
     for height in [90.0, 60.0, 30.0, 15.0, 5.0] {
@@ -114,90 +116,56 @@ fn peak_bytes() -> f64 {
     kilobytes.unwrap_or(0.0) * 1024.0
 }
 
-#[derive(Default)]
-struct Mesh {
-    vertices: Vec<DVec3>,
-    triangles: Vec<[u32; 3]>,
+/// Reads the triangles of a model, y up, whose unit has this many metres.
+fn model(path: &str, unit: f64) -> Result<Mesh> {
+    let model = load_triangles(path)?;
+    let z_up = |v: &DVec3| dvec3(v.x, -v.z, v.y) * unit;
+    Ok(Mesh {
+        vertices: model.vertices.iter().map(z_up).collect(),
+        triangles: model.triangles,
+    })
 }
 
-impl Mesh {
-    /// Adds the triangles of a model, y up, whose unit has this many metres.
-    fn add_model(&mut self, path: &str, unit: f64) -> Result<()> {
-        let model = load_triangles(path)?;
-        let z_up = |v: &DVec3| dvec3(v.x, -v.z, v.y) * unit;
-        self.vertices = model.vertices.iter().map(z_up).collect();
-        self.triangles = model.triangles;
-        Ok(())
-    }
+/// Returns a ball of a kilometre with bumps, of at least this number of facets.
+fn ball(count: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    let squares = (count / 12.0).sqrt().ceil() as u32;
+    // A cube, blown up.
+    mesh.add_box([squares; 3], |p| {
+        let p = (p * 2.0 - 1.0).normalize();
+        let large = (7.0 * p.x).sin() * (5.0 * p.y + 1.0).cos() + (9.0 * p.z).sin();
+        let small = (61.0 * p.x).sin() * (53.0 * p.y).cos() * (57.0 * p.z).sin();
+        p * (1000.0 + 80.0 * large + 15.0 * small)
+    });
+    mesh
+}
 
-    /// Adds the six sides of a box, each of `grid`² squares, displaced by `place`.
-    fn add_box(&mut self, grid: [u32; 3], place: impl Fn(DVec3) -> DVec3) {
-        for axis in 0..3 {
-            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-            for side in [0.0, 1.0] {
-                let first = self.vertices.len() as u32;
-                for j in 0..=grid[v] {
-                    for i in 0..=grid[u] {
-                        let mut p = DVec3::ZERO;
-                        p[axis] = side;
-                        p[u] = f64::from(i) / f64::from(grid[u]);
-                        p[v] = f64::from(j) / f64::from(grid[v]);
-                        self.vertices.push(place(p));
-                    }
-                }
-                let row = grid[u] + 1;
-                for j in 0..grid[v] {
-                    for i in 0..grid[u] {
-                        let a = first + j * row + i;
-                        let [b, c, d] = [a + 1, a + row + 1, a + row];
-                        let quad = if side > 0.0 {
-                            [a, b, c, d]
-                        } else {
-                            [a, d, c, b]
-                        };
-                        self.triangles.push([quad[0], quad[1], quad[2]]);
-                        self.triangles.push([quad[0], quad[2], quad[3]]);
-                    }
-                }
-            }
+/// Returns houses on a slab, whose top has this number of squares along 20 m; 0 for no slab.
+fn city(count: f64, squares: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
+    let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
+    let side = f64::from(houses) * 20.0;
+    let slab = match squares {
+        0 | 1 => [1; 3],
+        _ => [houses * squares, houses * squares, 1],
+    };
+    mesh.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
+    if squares == 0 {
+        mesh.triangles.clear();
+    }
+    for y in 0..houses {
+        for x in 0..houses {
+            let mix = (x * 7919 + y * 104_729) % 1000;
+            let height = 6.0 + 14.0 * f64::from(mix) / 1000.0;
+            let turn = DVec2::from_angle(f64::from(mix % 17) * 0.1);
+            let corner = DVec2::new(f64::from(x), f64::from(y)) * 20.0 + 10.0;
+            mesh.add_box([8; 3], |p| {
+                let across = turn.rotate(DVec2::new(p.x - 0.5, p.y - 0.5) * 11.0) + corner;
+                let gable = 4.0 * p.z * (1.0 - (2.0 * p.x - 1.0).abs());
+                across.extend(p.z * height + gable)
+            });
         }
     }
-
-    /// Adds a cube of `grid`² squares a side, blown up to a ball of a kilometre with bumps.
-    fn add_ball(&mut self, grid: u32) {
-        self.add_box([grid; 3], |p| {
-            let p = (p * 2.0 - 1.0).normalize();
-            let large = (7.0 * p.x).sin() * (5.0 * p.y + 1.0).cos() + (9.0 * p.z).sin();
-            let small = (61.0 * p.x).sin() * (53.0 * p.y).cos() * (57.0 * p.z).sin();
-            p * (1000.0 + 80.0 * large + 15.0 * small)
-        });
-    }
-
-    /// Adds houses on a slab, whose top has this number of squares along 20 m; 0 for no slab.
-    fn add_city(&mut self, count: f64, squares: u32) {
-        // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
-        let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
-        let side = f64::from(houses) * 20.0;
-        let slab = match squares {
-            0 | 1 => [1; 3],
-            _ => [houses * squares, houses * squares, 1],
-        };
-        self.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
-        if squares == 0 {
-            self.triangles.clear();
-        }
-        for y in 0..houses {
-            for x in 0..houses {
-                let mix = (x * 7919 + y * 104_729) % 1000;
-                let height = 6.0 + 14.0 * f64::from(mix) / 1000.0;
-                let turn = DVec2::from_angle(f64::from(mix % 17) * 0.1);
-                let corner = DVec2::new(f64::from(x), f64::from(y)) * 20.0 + 10.0;
-                self.add_box([8; 3], |p| {
-                    let across = turn.rotate(DVec2::new(p.x - 0.5, p.y - 0.5) * 11.0) + corner;
-                    let gable = 4.0 * p.z * (1.0 - (2.0 * p.x - 1.0).abs());
-                    across.extend(p.z * height + gable)
-                });
-            }
-        }
-    }
+    mesh
 }

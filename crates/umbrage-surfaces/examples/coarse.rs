@@ -5,9 +5,12 @@
 //! steps of 5 seconds that are bisected, and lit shares of facets by 1 to 64 regular samples against
 //! exact areas.
 
+mod meshes;
+
+use meshes::Mesh;
 use std::{error::Error, time::Instant};
 use umbrage_surfaces::{
-    Day, Facets, Options, Points, Sides, SunHours, Suns, Unit, Up, direction_at,
+    Day, Facets, Options, Points, Sides, SunHours, Suns, Up, direction_at,
     glam::{DVec2, DVec3, dvec3},
 };
 
@@ -24,13 +27,13 @@ const DEMANDED: f64 = 120.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides: Sides::Front,
         ..Options::default()
     };
-    let (vertices, triangles) = city();
-    let facets = Facets::new(&vertices, &triangles, &options)?;
-    println!("city: {} facets", facets.len());
+    let mesh = city();
+    let facets = Facets::new(&mesh.vertices, &mesh.triangles, &options)?;
+    println!("city: {} facets", facets.count());
     compare_steps(&facets)?;
     compare_samples(&facets)?;
     Ok(())
@@ -38,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Prints errors of hours of sun at the equinox, for facets' centres spread over the city.
 fn compare_steps(facets: &Facets) -> Result<(), Box<dyn Error>> {
-    let stride = facets.len() / POINTS;
+    let stride = facets.count() / POINTS;
     let rows = (0..POINTS).map(|i| i * stride);
     let centre = |row| facets.corners_m(row).iter().sum::<DVec3>() / 3.0;
     let positions: Vec<DVec3> = rows.clone().map(centre).collect();
@@ -124,7 +127,7 @@ fn compare_samples(facets: &Facets) -> Result<(), Box<dyn Error>> {
         let direction = direction_at(215.0, height, Up::Z);
         let sun = Suns::new(&[direction])?;
         let faces_sun = |row: &usize| facets.normal(*row).dot(direction) > 0.0;
-        let rows: Vec<usize> = (0..facets.len()).filter(faces_sun).collect();
+        let rows: Vec<usize> = (0..facets.count()).filter(faces_sun).collect();
         let mut exact = Vec::new();
         let start = Instant::now();
         facets.lit_area(&sun, |_, areas| exact = areas.to_vec());
@@ -181,11 +184,11 @@ fn samples(corners: [DVec3; 3], side: u32) -> Vec<DVec3> {
 }
 
 /// Returns closed houses of different heights on a closed slab of 1 m squares.
-fn city() -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let mut mesh = (Vec::new(), Vec::new());
+fn city() -> Mesh {
+    let mut mesh = Mesh::default();
     let side = f64::from(HOUSES) * DISTANCE;
     let squares = side as u32;
-    add_box(&mut mesh, [squares, squares, 1], |p| {
+    mesh.add_box([squares, squares, 1], |p| {
         p * dvec3(side, side, 1.0) - DVec3::Z
     });
     for i in 0..HOUSES * HOUSES {
@@ -193,44 +196,11 @@ fn city() -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let mix = f64::from(i * 7919 % 1000) / 1000.0;
         let turn = DVec2::from_angle(mix * 17.0 % 1.6);
         let size = dvec3(12.0, 9.0, 6.0 + 14.0 * mix);
-        add_box(&mut mesh, [8, 6, 8], |p| {
+        mesh.add_box([8, 6, 8], |p| {
             let p = (p - dvec3(0.5, 0.5, 0.0)) * size;
             let across = turn.rotate(p.truncate()) + corner + DISTANCE / 2.0;
             across.extend(p.z)
         });
     }
     mesh
-}
-
-/// Adds the six sides of a box with these numbers of squares, displaced by `place`.
-fn add_box(
-    mesh: &mut (Vec<DVec3>, Vec<[u32; 3]>),
-    squares: [u32; 3],
-    place: impl Fn(DVec3) -> DVec3,
-) {
-    for axis in 0..3 {
-        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        for end in [0.0, 1.0] {
-            let first = mesh.0.len() as u32;
-            let row = squares[u] + 1;
-            for k in 0..row * (squares[v] + 1) {
-                let mut p = DVec3::ZERO;
-                p[axis] = end;
-                p[u] = f64::from(k % row) / f64::from(squares[u]);
-                p[v] = f64::from(k / row) / f64::from(squares[v]);
-                mesh.0.push(place(p));
-            }
-            for k in 0..squares[u] * squares[v] {
-                let a = first + k / squares[u] * row + k % squares[u];
-                let [b, c, d] = [a + 1, a + row + 1, a + row];
-                let quad = if end > 0.0 {
-                    [a, b, c, d]
-                } else {
-                    [a, d, c, b]
-                };
-                mesh.1.push([quad[0], quad[1], quad[2]]);
-                mesh.1.push([quad[0], quad[2], quad[3]]);
-            }
-        }
-    }
 }

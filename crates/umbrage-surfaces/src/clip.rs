@@ -9,7 +9,6 @@
 //! lit areas add up to that of the silhouette.
 
 use crate::{
-    frame::cross,
     grid::Rectangle,
     tree::{self, Limits, Projected},
 };
@@ -166,7 +165,8 @@ impl<'a> Receiver<'a> {
         let [a, b, c] = self.facet.corners;
         let [_, p, q] = self.corners;
         let in_frame = polygon.iter().map(|point| {
-            let weights = [cross(*point, q), cross(p, *point)].map(|area| area / self.twice_area);
+            let weights =
+                [point.perp_dot(q), p.perp_dot(*point)].map(|area| area / self.twice_area);
             let height = a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1];
             (*point + self.origin).extend(height)
         });
@@ -289,7 +289,7 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
     let [a, b, c] = plane.corners;
     let p = b - a;
     let q = c - a;
-    let inverse = 1.0 / cross(p.xy(), q.xy());
+    let inverse = 1.0 / p.xy().perp_dot(q.xy());
     let slope_x = (p.z * q.y - p.y * q.z) * inverse;
     let slope_y = (p.x * q.z - p.z * q.x) * inverse;
     // Height of the margin, which is a distance from the plane.
@@ -297,8 +297,8 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
     facet.corners.map(|corner| {
         let step = corner - a;
         // Weights of the plane's corners: beyond the facet, they multiply its rounding.
-        let weight_b = cross(step.xy(), q.xy()) * inverse;
-        let weight_c = cross(p.xy(), step.xy()) * inverse;
+        let weight_b = step.xy().perp_dot(q.xy()) * inverse;
+        let weight_c = p.xy().perp_dot(step.xy()) * inverse;
         let sum = weight_b.abs() + weight_c.abs() + (1.0 - weight_b - weight_c).abs();
         let height = step.z - weight_b * p.z - weight_c * q.z;
         if height.abs() <= slack * sum {
@@ -314,7 +314,7 @@ fn heights_above(facet: &Projected, plane: &Projected, margin: f64) -> [f64; 3] 
 fn moments(polygon: &[DVec2]) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for pair in polygon.windows(2) {
-        let twice_area = cross(pair[0] - polygon[0], pair[1] - polygon[0]);
+        let twice_area = (pair[0] - polygon[0]).perp_dot(pair[1] - polygon[0]);
         sum += (polygon[0] + pair[0] + pair[1]).extend(1.0) * twice_area;
     }
     sum

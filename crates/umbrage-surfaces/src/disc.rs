@@ -2,18 +2,19 @@
 
 use crate::{
     Facets, FacetsError, LitArea, Points, Stated, Suns,
-    frame::{Frame, cross},
     lit_area::{TILE, add_areas},
-    outline,
+    polygons::{Contour, covered_share, union_share},
     rays::Rays,
     stated::AnswerHash,
+    suns::frame_towards,
 };
-use glam::{DVec2, DVec3};
-use rayon::prelude::*;
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Error of a share of the disc by rounding alone.
 const ROUNDING: f64 = 1e-9;
+/// Share of the disc below which a caster hides nothing of it: a rounding of 0.
+const NOTHING: f64 = 1e-14;
 
 /// A disc in the sky, evenly bright.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,16 +90,13 @@ impl Facets {
         let mut hash = AnswerHash::new();
         let mut worst: f64 = 0.0;
         for &sun in suns.directions() {
-            let frame = Frame::new(sun);
-            let sorted: Vec<[f64; 2]> = points
-                .order
-                .par_iter()
-                .map(|&row| disc_seen(&rays, row as usize, &frame, disc))
-                .collect();
-            let mut by_row = vec![[0.0; 2]; points.len()];
-            for (&row, &seen) in points.order.iter().zip(&sorted) {
-                by_row[row as usize] = seen;
-            }
+            let frame = frame_towards(sun);
+            let mut by_row = vec![[0.0; 2]; points.count()];
+            points.visit_rows(
+                |(): &mut (), row| disc_seen(&rays, row, &frame, disc),
+                |row, seen| by_row[row] = seen,
+                |_| (),
+            );
             for [share, error] in by_row {
                 hash.add(share);
                 hash.add(error);
@@ -108,7 +106,7 @@ impl Facets {
             }
         }
         out.stated = Stated {
-            margin_m: rays.margin(),
+            margin_m: rays.margin,
             disc_degrees: Some(disc.radius_degrees),
             disc_error: Some(worst),
             hash: hash.finish(),
@@ -156,11 +154,11 @@ impl Facets {
 
     /// Returns the mean lit areas over directions, given at the distance 1 across a sun.
     fn average_over(&self, sun: DVec3, points: &[DVec2]) -> Vec<LitArea> {
-        let frame = Frame::new(sun);
+        let frame = frame_towards(sun);
         let weight = 1.0 / points.len() as f64;
-        let mut sums = vec![LitArea::default(); self.len()];
+        let mut sums = vec![LitArea::default(); self.count()];
         for point in points {
-            let direction = frame.unproject(point.extend(1.0)).normalize();
+            let direction = (frame * point.extend(1.0)).normalize();
             let part = self.lit_areas_towards(direction, TILE).areas;
             for (sum, part) in sums.iter_mut().zip(&part) {
                 sum.fraction += part.fraction * weight;
@@ -203,58 +201,56 @@ fn points_of_disc(rings: &[usize], radius: f64) -> Vec<DVec2> {
 }
 
 /// Returns the share of the disc that a point sees, and its greatest error.
-pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &Frame, disc: &Disc) -> [f64; 2] {
+pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &DMat3, disc: &Disc) -> [f64; 2] {
     let radius = disc.slope();
-    let mut casters = Vec::new();
     let [p, normal] = rays.point(row);
-    casters.extend(horizon(normal, frame, radius));
-    rays.visit_in_cone(p, frame.sun, radius, |corners| {
-        casters.extend(image_of(corners, frame, radius));
-    });
+    // Casters' shares of the disc, and their images.
+    let mut casters: Vec<(f64, Contour)> = Vec::new();
+    let mut add = |image: Contour| {
+        let share = covered_share(radius, &image);
+        if share > NOTHING {
+            casters.push((share, image));
+        }
+        share > 1.0 - NOTHING
+    };
+    let mut is_dark = horizon(normal, frame, radius).is_some_and(&mut add);
+    if !is_dark {
+        rays.visit_in_cone(p, frame.z_axis, radius, |corners| {
+            is_dark = image_of(corners, frame, radius).is_some_and(&mut add);
+            is_dark
+        });
+    }
+    if is_dark {
+        return [0.0, ROUNDING];
+    }
     if casters.is_empty() {
         return [1.0, 0.0];
     }
-    if casters.len() <= disc.max_casters {
-        return [1.0 - outline::covered_share(radius, &casters), ROUNDING];
-    }
-    let mut by_share: Vec<(f64, Vec<DVec2>)> = casters
-        .into_iter()
-        .map(|caster| {
-            (
-                outline::covered_share(radius, std::slice::from_ref(&caster)),
-                caster,
-            )
-        })
-        .collect();
-    by_share.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let others: f64 = by_share[disc.max_casters..]
-        .iter()
-        .map(|caster| caster.0)
-        .sum();
-    let largest: Vec<_> = by_share
-        .drain(..disc.max_casters)
-        .map(|caster| caster.1)
-        .collect();
-    let most = 1.0 - outline::covered_share(radius, &largest);
-    let least = (most - others).max(0.0);
+    // The largest ones are exact, the others are bounded.
+    casters.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (largest, others) = casters.split_at(disc.max_casters.min(casters.len()));
+    let bound: f64 = others.iter().map(|caster| caster.0).sum();
+    let images: Vec<&Contour> = largest.iter().map(|caster| &caster.1).collect();
+    let most = 1.0 - union_share(radius, &images);
+    let least = (most - bound).max(0.0);
     [0.5 * (least + most), 0.5 * (most - least) + ROUNDING]
 }
 
 /// Returns the part of the disc's square below a point's horizon; `None` if there is none.
-fn horizon(normal: DVec3, frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
+fn horizon(normal: DVec3, frame: &DMat3, radius: f64) -> Option<Contour> {
     if normal == DVec3::ZERO {
         return None;
     }
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square = square.map(|corner| (DVec2::from(corner) * (2.0 * radius)).extend(1.0));
-    let below = cut_polygon(&square, |p| -frame.unproject(p).dot(normal));
-    (below.len() > 2).then(|| below.iter().map(|p| p.truncate()).collect())
+    let below = cut_polygon(&square, |p| -(frame * p).dot(normal));
+    (below.len() > 2).then(|| below.iter().map(|p| [p.x, p.y]).collect())
 }
 
 /// Returns the image of a facet (corners relative to the point) at the distance 1 towards the sun,
 /// counter-clockwise; `None` if it doesn't overlap the disc's square.
-fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2>> {
-    let corners = corners.map(|corner| frame.project(corner));
+fn image_of(corners: [DVec3; 3], frame: &DMat3, radius: f64) -> Option<Contour> {
+    let corners = corners.map(|corner| frame.transpose_mul_vec3(corner));
     // Cut the facet by the pyramid around the cone, in space: behind it there is nothing. Its sides
     // are twice as far as the disc, so that they don't touch it.
     let mut polygon = corners.to_vec();
@@ -269,12 +265,12 @@ fn image_of(corners: [DVec3; 3], frame: &Frame, radius: f64) -> Option<Vec<DVec2
     }
     let twice_area: f64 = image
         .windows(2)
-        .map(|pair| cross(pair[0] - image[0], pair[1] - image[0]))
+        .map(|pair| (pair[0] - image[0]).perp_dot(pair[1] - image[0]))
         .sum();
     if twice_area < 0.0 {
         image.reverse();
     }
-    (twice_area != 0.0).then_some(image)
+    (twice_area != 0.0).then(|| image.iter().map(|p| p.to_array()).collect())
 }
 
 /// Returns the part of a convex polygon where a linear function is positive.

@@ -1,9 +1,9 @@
 //! The list of facets.
 
-use crate::{FacetsError, Options, Sides, Unit};
+use crate::{FacetsError, Options, Sides};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::{ops::Range, sync::OnceLock};
+use std::sync::OnceLock;
 use umbrage_core::{Anchor, Geometry, Instance, Mesh, Scene};
 
 /// Rows that errors name.
@@ -19,14 +19,14 @@ pub struct Facets {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     options: Options,
-    /// Metres.
-    anchor: DVec3,
+    /// The point that positions are relative to, metres.
+    pub(crate) anchor: DVec3,
     /// Greatest coordinate of the caller's, metres.
     world_reach: f64,
     /// Greatest coordinate relative to the anchor, metres.
     local_reach: f64,
     /// Box around the facets, relative to the anchor, metres.
-    bounds: [DVec3; 2],
+    pub(crate) bounds: [DVec3; 2],
     /// For rays, built on first use.
     geometry: OnceLock<Geometry>,
 }
@@ -46,7 +46,7 @@ impl Facets {
         options: &Options,
     ) -> Result<Self, FacetsError> {
         check_lists(vertices, triangles)?;
-        let unit = options.unit.metres();
+        let unit = options.unit_m.unwrap_or(1.0);
         check_positive("unit, metres", unit)?;
         check_positive("max_error_m", options.max_error_m)?;
         let used = || {
@@ -73,7 +73,9 @@ impl Facets {
             geometry: OnceLock::new(),
         };
         facets.check_reach(&[])?;
-        check_unit(options.unit, (high - low).max_element())?;
+        if options.unit_m.is_none() {
+            check_metres((high - low).max_element())?;
+        }
         facets.vertices = vertices.par_iter().map(|&v| facets.to_local(v)).collect();
         if options.sides == Sides::Front {
             facets.check_closed()?;
@@ -81,14 +83,9 @@ impl Facets {
         Ok(facets)
     }
 
-    /// Returns the number of facets.
-    pub fn len(&self) -> usize {
+    /// Returns the number of facets, at least one.
+    pub fn count(&self) -> usize {
         self.triangles.len()
-    }
-
-    /// Returns false: there is at least one facet.
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
     }
 
     /// Returns the settings.
@@ -120,7 +117,8 @@ impl Facets {
     /// # Panics
     /// Panics if there is no such row.
     pub fn normal(&self, row: usize) -> DVec3 {
-        self.local_normal(row as u32)
+        let [a, b, c] = self.local_corners(row as u32);
+        (b - a).cross(c - a).normalize_or_zero()
     }
 
     /// Returns the margin of answers, metres: the rounding of the caller's coordinates, and of
@@ -151,14 +149,9 @@ impl Facets {
         Err(FacetsError::new("coordinates", why, help))
     }
 
-    /// Returns the point that positions are relative to, metres.
-    pub(crate) fn anchor(&self) -> DVec3 {
-        self.anchor
-    }
-
     /// Returns a position of the caller's relative to the anchor, metres.
     pub(crate) fn to_local(&self, position: DVec3) -> DVec3 {
-        position * self.options.unit.metres() - self.anchor
+        position * self.options.unit_m.unwrap_or(1.0) - self.anchor
     }
 
     /// Returns a position relative to the anchor in the caller's axes, metres.
@@ -169,16 +162,6 @@ impl Facets {
     /// Returns the corners of a facet, relative to the anchor.
     pub(crate) fn local_corners(&self, row: u32) -> [DVec3; 3] {
         self.triangles[row as usize].map(|v| self.vertices[v as usize])
-    }
-
-    pub(crate) fn local_normal(&self, row: u32) -> DVec3 {
-        let [a, b, c] = self.local_corners(row);
-        (b - a).cross(c - a).normalize_or_zero()
-    }
-
-    /// Returns the box around the facets, relative to the anchor.
-    pub(crate) fn bounds(&self) -> [DVec3; 2] {
-        self.bounds
     }
 
     /// Returns the facets in 32 bits, whose hierarchy preselects casters for rays.
@@ -199,35 +182,23 @@ impl Facets {
         })
     }
 
+    /// Returns the first facet along a ray, computed in 32 bits: for images. The ray begins at a
+    /// position in the caller's axes, metres, and ends after a step.
+    pub fn first_along(&self, start_m: DVec3, step_m: DVec3) -> Option<usize> {
+        let geometry = self.geometry();
+        let start = (start_m - self.anchor).as_vec3();
+        let none = u32::MAX;
+        let bvh = geometry.bvh();
+        let hit = bvh.nearest_triangle(geometry, start, step_m.as_vec3(), none);
+        hit.map(|(_, row)| row as usize)
+    }
+
     /// Returns an error unless each edge has neighbours in both directions, and each connected body
     /// has a positive volume.
     fn check_closed(&self) -> Result<(), FacetsError> {
         let welded = self.welded_vertices();
-        let mut open = Vec::new();
-        // Edges of some vertices at once, which bounds the memory.
-        for first in (0..welded.len() as u32).step_by(1 << 20) {
-            open.extend(self.open_edges(&welded, first..first.saturating_add(1 << 20)));
-        }
-        if !open.is_empty() {
-            let rows = &open[..open.len().min(NAMED)];
-            let why = format!(
-                "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
-                open.len()
-            );
-            return Err(FacetsError::new(
-                "front sides",
-                why,
-                "close the mesh, or use both sides",
-            ));
-        }
-        self.check_outward(&welded)
-    }
-
-    /// Returns a facet of each edge without a neighbour, among edges whose lower vertex is in a
-    /// range.
-    fn open_edges(&self, welded: &[u32], range: Range<u32>) -> Vec<u32> {
         // Each edge from its lower vertex, with its facet and whether it is turned round.
-        let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.len() as u32)
+        let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.count() as u32)
             .into_par_iter()
             .flat_map_iter(|row| {
                 let [a, b, c] = self.triangles[row as usize].map(|v| welded[v as usize]);
@@ -237,7 +208,6 @@ impl Facets {
                 let sides = sides.filter(move |_| !is_flat);
                 sides.map(move |[from, to]| ([from.min(to), from.max(to)], row, from > to))
             })
-            .filter(|(edge, ..)| range.contains(&edge[0]))
             .collect();
         edges.par_sort_unstable();
         let groups = edges.chunk_by(|a, b| a.0 == b.0);
@@ -245,7 +215,17 @@ impl Facets {
             let turned = same.iter().filter(|edge| edge.2).count();
             2 * turned != same.len()
         };
-        groups.filter(is_open).map(|same| same[0].1).collect()
+        let open: Vec<u32> = groups.filter(is_open).map(|same| same[0].1).collect();
+        if open.is_empty() {
+            return self.check_outward(&welded);
+        }
+        let rows = &open[..open.len().min(NAMED)];
+        let why = format!(
+            "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
+            open.len()
+        );
+        let help = "close the mesh, or use both sides";
+        Err(FacetsError::new("front sides", why, help))
     }
 
     /// Returns an error if a connected body has a negative volume.
@@ -278,7 +258,7 @@ impl Facets {
             let [a, b, c] = self.local_corners(row as u32).map(|corner| corner - origin);
             volumes[body as usize] += a.dot(b.cross(c));
         }
-        let inverted = || (0..self.len()).filter(|&row| volumes[bodies[row] as usize] < 0.0);
+        let inverted = || (0..self.count()).filter(|&row| volumes[bodies[row] as usize] < 0.0);
         let facets = inverted().count();
         if facets == 0 {
             return Ok(());
@@ -365,11 +345,9 @@ fn check_lists(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), FacetsE
     Err(FacetsError::new(format!("facet {row}"), why, help))
 }
 
-/// Returns an error that names a suspect if the unit was not stated and the length of the facets is
-/// improbable in metres.
-fn check_unit(unit: Unit, extent_m: f64) -> Result<(), FacetsError> {
+/// Returns an error that names a suspect if the length of the facets is improbable in metres.
+fn check_metres(extent_m: f64) -> Result<(), FacetsError> {
     let suspect = match extent_m {
-        _ if unit != Unit::Unstated => return Ok(()),
         ..0.1 => "kilometres",
         0.1..2e3 => return Ok(()),
         2e3..2e4 => "centimetres",

@@ -14,7 +14,7 @@
 //!
 //! ```
 //! use glam::{DVec3, dvec3};
-//! use umbrage_surfaces::{Facets, Options, Suns, Unit};
+//! use umbrage_surfaces::{Facets, Options, Suns};
 //!
 //! // A floor of 2 m x 2 m, and a plate of 1 m x 1 m above its middle.
 //! let square = |half: f64, z: f64| {
@@ -23,7 +23,7 @@
 //! };
 //! let vertices = [square(1.0, 0.0), square(0.5, 0.3)].concat();
 //! let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-//! let options = Options { unit: Unit::Metres(1.0), ..Options::default() };
+//! let options = Options { unit_m: Some(1.0), ..Options::default() };
 //! let facets = Facets::new(&vertices, &triangles, &options)?;
 //!
 //! let mut lit = 0.0;
@@ -38,14 +38,13 @@
 mod clip;
 mod disc;
 mod facets;
-mod frame;
 mod grid;
 mod lit;
 mod lit_area;
 mod morton;
 mod options;
-mod outline;
 mod points;
+mod polygons;
 mod rays;
 mod stated;
 mod sun_hours;
@@ -57,7 +56,7 @@ pub use facets::Facets;
 pub use glam;
 pub use lit::Lit;
 pub use lit_area::LitArea;
-pub use options::{Options, Sides, Unit, Up};
+pub use options::{Options, Sides, Up, metres_of_unit};
 pub use points::Points;
 pub use stated::Stated;
 pub use sun_hours::{Day, SunHours};

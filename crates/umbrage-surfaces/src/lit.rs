@@ -2,16 +2,11 @@
 
 use crate::{
     Facets, Points, Stated, Suns,
-    frame::Frame,
     rays::{NO_BLOCKER, Rays},
     stated::AnswerHash,
+    suns::frame_towards,
 };
-use rayon::prelude::*;
-
-/// Points per task.
-const TASK: usize = 256;
-/// Pairs of a sun and a point that are computed at once: a byte each.
-const MOST_PAIRS: usize = 1 << 26;
+use glam::DMat3;
 
 /// Which points are lit, one bit for each sun and point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,41 +46,35 @@ impl Facets {
     /// Facets within the margin of a point don't shade it, so points may be on facets. Undecided
     /// are points whose ray to the sun passes an edge within the margin, unless another facet
     /// shades them.
-    pub fn lit(&self, points: &Points, suns: &Suns, mut progress: impl FnMut(usize)) -> Lit {
+    pub fn lit(&self, points: &Points, suns: &Suns, progress: impl FnMut(usize)) -> Lit {
         let rays = Rays::new(self, points);
-        let frames: Vec<Frame> = suns
+        let frames: Vec<DMat3> = suns
             .directions()
             .iter()
-            .map(|&sun| Frame::new(sun))
+            .map(|&sun| frame_towards(sun))
             .collect();
-        let words = points.len().div_ceil(64);
+        let words = points.count().div_ceil(64);
         let mut lit = Lit {
-            bits: vec![0; words * suns.len()],
-            points: points.len(),
+            bits: vec![0; words * suns.directions().len()],
+            points: points.count(),
             stated: Stated {
-                margin_m: rays.margin(),
+                margin_m: rays.margin,
                 ..Stated::default()
             },
         };
-        let block = (MOST_PAIRS / suns.len().max(1)).clamp(16 * TASK, 256 * TASK);
-        let mut computed = 0;
-        for block in points.order.chunks(block) {
-            let tasks = block.par_chunks(TASK);
-            let flags: Vec<Vec<u8>> = tasks.map(|rows| flags_of(rows, &rays, &frames)).collect();
-            for (rows, flags) in block.chunks(TASK).zip(&flags) {
-                for (sun, flags) in flags.chunks(rows.len()).enumerate() {
-                    for (&row, flag) in rows.iter().zip(flags) {
-                        let word = &mut lit.bits[sun * words + row as usize / 64];
-                        *word |= u64::from(flag & 1) << (row % 64);
-                        let is_undecided = flag & 2 != 0;
-                        let pair = is_undecided.then_some((sun as u32, row));
-                        lit.stated.add_undecided(pair);
-                    }
+        points.visit_rows(
+            |neighbour: &mut Vec<u32>, row| flags_of(row, &rays, &frames, neighbour),
+            |row, flags| {
+                for (sun, flags) in flags.iter().enumerate() {
+                    let word = &mut lit.bits[sun * words + row / 64];
+                    *word |= u64::from(flags & 1) << (row % 64);
+                    let is_undecided = flags & 2 != 0;
+                    let pair = is_undecided.then_some((sun as u32, row as u32));
+                    lit.stated.add_undecided(pair);
                 }
-            }
-            computed += block.len();
-            progress(computed);
-        }
+            },
+            progress,
+        );
         lit.stated.keep_listed();
         let mut hash = AnswerHash::new();
         for &word in &lit.bits {
@@ -96,24 +85,22 @@ impl Facets {
     }
 }
 
-/// Returns two bits for each sun and point: whether it is lit, and whether that is undecided.
-fn flags_of(rows: &[u32], rays: &Rays<'_>, frames: &[Frame]) -> Vec<u8> {
-    let mut out = Vec::with_capacity(rows.len() * frames.len());
-    // The blocker of each point under the sun before, which probably shades it still.
-    let mut blockers = vec![NO_BLOCKER; rows.len()];
-    for frame in frames {
-        let mut neighbours = NO_BLOCKER;
-        for (&row, blocker) in rows.iter().zip(&mut blockers) {
-            let guess = if *blocker == NO_BLOCKER {
-                neighbours
-            } else {
-                *blocker
-            };
-            let answer = rays.answer(row as usize, frame, guess);
-            out.push(u8::from(answer.is_lit) | u8::from(answer.is_undecided) << 1);
-            *blocker = answer.blocker;
-            neighbours = answer.blocker;
-        }
-    }
-    out
+/// Returns two bits for each sun: whether it lights a point, and whether that is undecided.
+/// `neighbour` has the blockers of the point before, and gets those of this one.
+fn flags_of(row: usize, rays: &Rays<'_>, frames: &[DMat3], neighbour: &mut Vec<u32>) -> Vec<u8> {
+    neighbour.resize(frames.len(), NO_BLOCKER);
+    // The blocker under the sun before probably shades the point still.
+    let mut blocker = NO_BLOCKER;
+    let flags = frames.iter().zip(neighbour).map(|(frame, neighbour)| {
+        let guess = if blocker == NO_BLOCKER {
+            *neighbour
+        } else {
+            blocker
+        };
+        let answer = rays.answer(row, frame, guess);
+        blocker = answer.blocker;
+        *neighbour = answer.blocker;
+        u8::from(answer.is_lit) | u8::from(answer.is_undecided) << 1
+    });
+    flags.collect()
 }

@@ -3,13 +3,13 @@
 use crate::{
     Facets, Sides, Stated, Suns,
     clip::{self, Blocker, Receiver},
-    frame::{Frame, cross},
     grid::{Grid, Rectangle},
-    outline,
+    polygons,
     stated::AnswerHash,
+    suns::frame_towards,
     tree::{Projected, Scene, Stack, bounds_across},
 };
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Most facets with their centre in a tile, if it has more than one cell. A tile's memory is some
@@ -70,28 +70,32 @@ impl Facets {
 
     /// Returns the lit areas towards a sun, with at most a number of facets' centres in a tile.
     pub(crate) fn lit_areas_towards(&self, sun: DVec3, tile: u32) -> LitAreas {
-        let frame = Frame::new(sun);
+        let frame = frame_towards(sun);
         let margin = self.margin_m();
         // Sum the moments of lit parts in the place of centroids, which saves memory.
-        let mut areas = vec![LitArea::default(); self.len()];
+        let mut areas = vec![LitArea::default(); self.count()];
         let mut undecided = Vec::new();
         let mut silhouette = 0.0;
         self.visit_tiles(&frame, tile, |scene| {
-            let parts = scene.map_parts(|search: &mut Search, index, cell| {
-                search.lit_part(scene, index, margin, cell)
+            let parts = scene.map_cells(|search: &mut Search, cell| {
+                let mut parts = Vec::new();
+                scene.visit_cell(cell, |index, within| {
+                    parts.push(search.lit_part(scene, index, margin, within));
+                });
+                parts
             });
             for part in parts.iter().flatten() {
                 areas[part.row as usize].centroid += part.moments;
                 undecided.extend(part.has_coplanar.then_some(part.row));
             }
             if self.options().certify {
-                let integrals = outline::outline_integrals(scene, margin);
-                silhouette = integrals.iter().flatten().fold(silhouette, |a, b| a + b);
+                let areas = polygons::silhouette_areas(scene);
+                silhouette = areas.iter().fold(silhouette, |a, b| a + b);
             }
         });
         let edge_on: Vec<u32> = areas
             .par_iter_mut()
-            .zip(0..self.len() as u32)
+            .zip(0..self.count() as u32)
             .filter_map(|(area, row)| {
                 let seen = self.seen(row, &frame);
                 *area = self.lit_area_of(row, &frame, seen.as_ref(), area.centroid);
@@ -113,9 +117,9 @@ impl Facets {
     }
 
     /// Passes all tiles towards a sun to `visit`, one after another.
-    fn visit_tiles(&self, frame: &Frame, tile: u32, mut visit: impl FnMut(&Scene)) {
-        let rows = self.len() as u32;
-        let grid = Grid::new(bounds_across(frame, self.bounds()), self.len());
+    fn visit_tiles(&self, frame: &DMat3, tile: u32, mut visit: impl FnMut(&Scene)) {
+        let rows = self.count() as u32;
+        let grid = Grid::new(bounds_across(frame, self.bounds), self.count());
         let seen = |row| self.seen(row, frame);
         for tile in grid.tiles(rows, tile, &seen) {
             visit(&Scene::new(grid, tile, rows, &seen));
@@ -123,9 +127,11 @@ impl Facets {
     }
 
     /// Returns a facet as the sun sees it; `None` if it doesn't, and the facet casts no shadow.
-    fn seen(&self, row: u32, frame: &Frame) -> Option<Projected> {
-        let [a, b, c] = self.local_corners(row).map(|corner| frame.project(corner));
-        let twice_area = cross((b - a).xy(), (c - a).xy());
+    fn seen(&self, row: u32, frame: &DMat3) -> Option<Projected> {
+        let [a, b, c] = self
+            .local_corners(row)
+            .map(|corner| frame.transpose_mul_vec3(corner));
+        let twice_area = (b - a).xy().perp_dot((c - a).xy());
         let corners = match self.options().sides {
             _ if twice_area.abs() <= self.least_twice_area(a, b, c) => return None,
             _ if twice_area > 0.0 => [a, b, c],
@@ -143,13 +149,13 @@ impl Facets {
     }
 
     /// Returns whether a facet has an area, but not as the sun sees it.
-    fn is_edge_on(&self, row: u32, frame: &Frame) -> bool {
+    fn is_edge_on(&self, row: u32, frame: &DMat3) -> bool {
         let [a, b, c] = self.local_corners(row);
         let twice_area = (b - a).cross(c - a).length();
         let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
-        let [p, q, r] = [a, b, c].map(|corner| frame.project(corner));
+        let [p, q, r] = [a, b, c].map(|corner| frame.transpose_mul_vec3(corner));
         twice_area > self.margin_m() * longest.max_element()
-            && cross((q - p).xy(), (r - p).xy()).abs() <= self.least_twice_area(p, q, r)
+            && (q - p).xy().perp_dot((r - p).xy()).abs() <= self.least_twice_area(p, q, r)
     }
 
     pub(crate) fn centre(&self, row: usize) -> DVec3 {
@@ -161,7 +167,7 @@ impl Facets {
     fn lit_area_of(
         &self,
         row: u32,
-        frame: &Frame,
+        frame: &DMat3,
         seen: Option<&Projected>,
         moments: DVec3,
     ) -> LitArea {
@@ -174,7 +180,7 @@ impl Facets {
         };
         let [a, b, c] = facet.corners;
         let [p, q] = [b - a, c - a];
-        let twice_area = cross(p.xy(), q.xy());
+        let twice_area = p.xy().perp_dot(q.xy());
         let lit = moments.z.clamp(0.0, twice_area);
         if lit == 0.0 {
             return unlit;
@@ -182,13 +188,13 @@ impl Facets {
         let fraction = lit / twice_area;
         // Weights of the corners b and c at the centre across the light are the same in space.
         let centre = moments.xy() / (3.0 * moments.z);
-        let weight_b = cross(centre, q.xy()) / twice_area;
-        let weight_c = cross(p.xy(), centre) / twice_area;
+        let weight_b = centre.perp_dot(q.xy()) / twice_area;
+        let weight_c = p.xy().perp_dot(centre) / twice_area;
         LitArea {
             fraction,
             area: fraction * self.area_m2(row as usize),
             projected: 0.5 * lit,
-            centroid: self.to_world(frame.unproject(a + p * weight_b + q * weight_c)),
+            centroid: self.to_world(frame * (a + p * weight_b + q * weight_c)),
         }
     }
 }
@@ -307,7 +313,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Options, Unit};
+    use crate::Options;
 
     /// A heap of small and large triangles, in one tile and in many.
     #[test]
@@ -324,13 +330,13 @@ mod tests {
         }
         let triangles: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let options = Options {
-            unit: Unit::Metres(1.0),
+            unit_m: Some(1.0),
             certify: true,
             ..Options::default()
         };
         let facets = Facets::new(&vertices, &triangles, &options).expect("good facets");
         for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
-            let frame = Frame::new(sun);
+            let frame = frame_towards(sun);
             let mut tiles = 0;
             facets.visit_tiles(&frame, 300, |_| tiles += 1);
             assert!(tiles > 6, "{tiles} tiles");

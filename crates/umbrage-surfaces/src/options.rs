@@ -1,5 +1,6 @@
 //! Settings: axes, units, sides and tolerances.
 
+use glam::DVec3;
 use std::str::FromStr;
 
 /// The axis that points up.
@@ -11,60 +12,44 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// Returns the height of a vector.
+    pub fn height(self, vector: DVec3) -> f64 {
+        match self {
+            Self::Y => vector.y,
+            Self::Z => vector.z,
+        }
+    }
+}
+
 /// Reads `y` or `z`.
 impl FromStr for Up {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "y" => Ok(Self::Y),
-            "z" => Ok(Self::Z),
-            _ => Err(format!("up is `{text}`; use `y` or `z`")),
-        }
+        let up = find_name(text, &[("y", Self::Y), ("z", Self::Z)]);
+        up.ok_or_else(|| format!("up is `{text}`; use `y` or `z`"))
     }
 }
 
-/// The unit of the caller's coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Unit {
-    /// Metres, but not stated: lengths that metres make improbable are an error.
-    Unstated,
-    /// A unit of this many metres, as stated by the caller. Any length is accepted.
-    Metres(f64),
-}
-
-impl Unit {
-    /// Returns the metres of one unit.
-    pub fn metres(self) -> f64 {
-        match self {
-            Self::Unstated => 1.0,
-            Self::Metres(metres) => metres,
-        }
-    }
-}
-
-/// Reads `m`, `cm`, `mm`, `km`, `ft`, `in`, or the metres of one unit as a number.
-impl FromStr for Unit {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let metres = match text {
-            "m" => 1.0,
-            "cm" => 0.01,
-            "mm" => 0.001,
-            "km" => 1000.0,
-            "ft" => 0.3048,
-            "in" => 0.0254,
-            _ => text.parse().unwrap_or(f64::NAN),
-        };
-        if metres > 0.0 && f64::is_finite(metres) {
-            Ok(Self::Metres(metres))
-        } else {
-            Err(format!(
-                "`{text}` is no unit; use m, cm, mm, km, ft, in, or metres per unit"
-            ))
-        }
-    }
+/// Returns the metres of a unit: `m`, `cm`, `mm`, `km`, `ft`, `in`, or metres as a number.
+///
+/// # Errors
+/// Errors if the text is none of these, or if the number is not finite or not greater than zero.
+pub fn metres_of_unit(text: &str) -> Result<f64, String> {
+    let units = [
+        ("m", 1.0),
+        ("cm", 0.01),
+        ("mm", 0.001),
+        ("km", 1000.0),
+        ("ft", 0.3048),
+        ("in", 0.0254),
+    ];
+    let metres = find_name(text, &units).or_else(|| text.parse::<f64>().ok());
+    let metres = metres.filter(|metres| *metres > 0.0 && metres.is_finite());
+    metres.ok_or_else(|| {
+        format!("`{text}` is no unit; use m, cm, mm, km, ft, in, or metres per unit")
+    })
 }
 
 /// The sides of facets that receive light and cast shadows.
@@ -83,12 +68,14 @@ impl FromStr for Sides {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "front" => Ok(Self::Front),
-            "both" => Ok(Self::Both),
-            _ => Err(format!("sides is `{text}`; use `front` or `both`")),
-        }
+        let sides = find_name(text, &[("front", Self::Front), ("both", Self::Both)]);
+        sides.ok_or_else(|| format!("sides is `{text}`; use `front` or `both`"))
     }
+}
+
+fn find_name<T: Copy>(text: &str, names: &[(&str, T)]) -> Option<T> {
+    let found = names.iter().find(|(name, _)| *name == text);
+    found.map(|&(_, value)| value)
 }
 
 /// Settings of [`Facets`](crate::Facets).
@@ -96,8 +83,9 @@ impl FromStr for Sides {
 pub struct Options {
     /// The axis that points up: for azimuths and for the horizon.
     pub up: Up,
-    /// Unit of the coordinates.
-    pub unit: Unit,
+    /// Metres of one unit of the coordinates. `None`: metres, but lengths that metres make
+    /// improbable are an error.
+    pub unit_m: Option<f64>,
     /// Sides that receive and cast.
     pub sides: Sides,
     /// Greatest accepted margin of answers, metres: see
@@ -112,7 +100,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             up: Up::Z,
-            unit: Unit::Unstated,
+            unit_m: None,
             sides: Sides::Both,
             max_error_m: 1e-5,
             certify: false,

@@ -4,6 +4,11 @@ use crate::{Facets, FacetsError, Sides, facets::check_finite, morton, suns::unit
 use glam::DVec3;
 use rayon::prelude::*;
 
+/// Points whose values are in memory at once.
+const BLOCK: usize = 4096;
+/// Points per task, at least.
+const TASK: usize = 64;
+
 /// Points, in the caller's coordinates, with unit normals or without. Rows keep the caller's order.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
@@ -14,7 +19,7 @@ pub struct Points {
     /// Unit normals; empty if light from both sides counts.
     pub(crate) normals: Vec<DVec3>,
     /// Rows in an order in which neighbours in space are neighbours.
-    pub(crate) order: Vec<u32>,
+    order: Vec<u32>,
 }
 
 impl Points {
@@ -55,14 +60,14 @@ impl Points {
     /// Returns the centre of each facet. With [`Sides::Front`] it has the facet's normal, otherwise
     /// light from both sides counts. Facets without an area have no normal and count on both sides.
     pub fn centres_of(facets: &Facets) -> Self {
-        let rows = 0..facets.len() as u32;
+        let rows = 0..facets.count() as u32;
         let centre = |row| {
             let [a, b, c] = facets.local_corners(row);
             (a + b + c) / 3.0
         };
         let positions = rows.clone().map(centre).collect();
         let normals = match facets.options().sides {
-            Sides::Front => rows.map(|row| facets.local_normal(row)).collect(),
+            Sides::Front => rows.map(|row| facets.normal(row as usize)).collect(),
             Sides::Both => Vec::new(),
         };
         Self::sorted(facets, positions, normals)
@@ -80,19 +85,37 @@ impl Points {
         keys.par_sort_unstable();
         Self {
             positions,
-            anchor: facets.anchor(),
+            anchor: facets.anchor,
             normals,
             order: keys.into_iter().map(|(_, row)| row).collect(),
         }
     }
 
-    /// Returns the number of points.
-    pub fn len(&self) -> usize {
-        self.positions.len()
+    /// Computes a value for each point in parallel, and passes rows and values to `visit`, a block
+    /// after another. Neighbours in space share memory. `progress` receives the number of computed
+    /// points.
+    pub(crate) fn visit_rows<M: Default, T: Send>(
+        &self,
+        compute: impl Fn(&mut M, usize) -> T + Send + Sync,
+        mut visit: impl FnMut(usize, T),
+        mut progress: impl FnMut(usize),
+    ) {
+        let mut computed = 0;
+        for block in self.order.chunks(BLOCK) {
+            let rows = block.par_iter().with_min_len(TASK);
+            let values: Vec<T> = rows
+                .map_init(M::default, |memory, &row| compute(memory, row as usize))
+                .collect();
+            for (&row, value) in block.iter().zip(values) {
+                visit(row as usize, value);
+            }
+            computed += block.len();
+            progress(computed);
+        }
     }
 
-    /// Returns whether there are no points.
-    pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
+    /// Returns the number of points.
+    pub fn count(&self) -> usize {
+        self.positions.len()
     }
 }

@@ -1,11 +1,7 @@
 //! Rays to the sun: 64-bit tests of the casters that the library's hierarchy preselects.
 
-use crate::{
-    Facets, Points,
-    facets::reach_of,
-    frame::{Frame, cross},
-};
-use glam::{DVec3, Vec3, Vec4};
+use crate::{Facets, Points, facets::reach_of};
+use glam::{DMat3, DVec3, Vec3, Vec3Swizzles as _, Vec4};
 use umbrage_core::{
     Aabb,
     bvh::{Shaft, ShaftSearch},
@@ -26,11 +22,12 @@ pub(crate) struct PointLight {
 
 /// Facets prepared for rays from points.
 pub(crate) struct Rays<'a> {
-    facets: &'a Facets,
+    pub(crate) facets: &'a Facets,
     points: &'a Points,
     /// Of the points, if they were made for other facets.
     shift: DVec3,
-    margin: f64,
+    /// Metres.
+    pub(crate) margin: f64,
     /// Greatest distance between a point and the far end of a facet along an axis, metres.
     length: f64,
     /// Rounding of points and facets to 32 bits, metres.
@@ -40,9 +37,9 @@ pub(crate) struct Rays<'a> {
 impl<'a> Rays<'a> {
     /// Prepares the facets for rays from points.
     pub(crate) fn new(facets: &'a Facets, points: &'a Points) -> Self {
-        let shift = points.anchor - facets.anchor();
+        let shift = points.anchor - facets.anchor;
         let points_reach = reach_of(&points.positions) + reach_of(&[shift]);
-        let reach = points_reach.max(reach_of(&facets.bounds()));
+        let reach = points_reach.max(reach_of(&facets.bounds));
         Self {
             facets,
             points,
@@ -52,11 +49,6 @@ impl<'a> Rays<'a> {
             length: 4.0 * reach,
             rounding: 2.0 * f64::from(f32::EPSILON) * reach,
         }
-    }
-
-    /// Returns the margin, metres.
-    pub(crate) fn margin(&self) -> f64 {
-        self.margin
     }
 
     /// Returns the position of a point relative to the facets' anchor, and its unit normal or zero.
@@ -71,9 +63,9 @@ impl<'a> Rays<'a> {
     /// Returns whether a point sees the centre of the sun. `guess` is a facet that is tested first,
     /// or [`NO_BLOCKER`].
     #[inline]
-    pub(crate) fn answer(&self, row: usize, frame: &Frame, guess: u32) -> PointLight {
+    pub(crate) fn answer(&self, row: usize, frame: &DMat3, guess: u32) -> PointLight {
         let [p, normal] = self.point(row);
-        let incidence = normal.dot(frame.sun);
+        let incidence = normal.dot(frame.z_axis);
         if normal != DVec3::ZERO && incidence <= 0.0 {
             return PointLight {
                 is_lit: false,
@@ -91,7 +83,7 @@ impl<'a> Rays<'a> {
             blocker: NO_BLOCKER,
         };
         if guess == NO_BLOCKER || !search.test(guess) {
-            self.visit_casters(p, frame.sun, 0.0, |id| search.test(id));
+            self.visit_casters(p, frame.z_axis, 0.0, |id| search.test(id));
         }
         let is_certain = search.blocker != NO_BLOCKER;
         PointLight {
@@ -122,16 +114,13 @@ impl<'a> Rays<'a> {
         p: DVec3,
         sun: DVec3,
         slope: f64,
-        mut visit: impl FnMut([DVec3; 3]),
+        mut visit: impl FnMut([DVec3; 3]) -> bool,
     ) {
         self.visit_casters(p, sun, slope, |id| {
             let corners = self.facets.local_corners(id).map(|corner| corner - p);
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a);
-            if normal.dot(a).abs() > self.margin * normal.length() {
-                visit(corners);
-            }
-            false
+            normal.dot(a).abs() > self.margin * normal.length() && visit(corners)
         });
     }
 }
@@ -154,7 +143,7 @@ impl<F: FnMut(u32) -> bool> ShaftSearch for CasterSearch<F> {
 struct RaySearch<'a> {
     rays: &'a Rays<'a>,
     p: DVec3,
-    frame: &'a Frame,
+    frame: &'a DMat3,
     is_hit: bool,
     is_near: bool,
     blocker: u32,
@@ -170,10 +159,10 @@ impl RaySearch<'_> {
             .facets
             .local_corners(id)
             .map(|corner| corner - self.p);
-        let [a, b, c] = corners.map(|corner| self.frame.across(corner));
+        let [a, b, c] = corners.map(|corner| self.frame.transpose_mul_vec3(corner).xy());
         // Twice the areas between the ray, seen as a point, and the sides. Facets that share a side
         // get the same bits with opposite signs, so there are no cracks.
-        let areas = [cross(b, c), cross(c, a), cross(a, b)];
+        let areas = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let sign = f64::signum(areas[0] + areas[1] + areas[2]);
         let sides = [c - b, a - c, b - a];
         let mut is_inside = true;
@@ -188,7 +177,7 @@ impl RaySearch<'_> {
             is_inside &= area >= 0.0;
             is_certain &= area > slack;
         }
-        if !shades(&corners, self.frame.sun, margin) {
+        if !shades(&corners, self.frame.z_axis, margin) {
             return false;
         }
         self.is_hit |= is_inside;

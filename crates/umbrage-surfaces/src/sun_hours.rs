@@ -1,18 +1,14 @@
 //! Times at which points are lit.
 
 use crate::{
-    Disc, Facets, FacetsError, Points, Stated, Up,
+    Disc, Facets, FacetsError, Points, Stated,
     disc::disc_seen,
     facets::check_positive,
-    frame::Frame,
     rays::{NO_BLOCKER, Rays},
     stated::AnswerHash,
+    suns::frame_towards,
 };
-use glam::DVec3;
-use rayon::prelude::*;
-
-/// Points per task, at least.
-const TASK: usize = 64;
+use glam::{DMat3, DVec3};
 
 /// A span of time, and conventions for the sun.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,16 +80,6 @@ pub struct SunHours {
 }
 
 impl SunHours {
-    /// Returns the number of points.
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Returns whether there are no points.
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
     /// Returns the spans in which a point is lit (start and end, seconds), rising.
     ///
     /// # Panics
@@ -130,7 +116,7 @@ impl SunHours {
 struct Sample {
     second: f64,
     /// `None` while the sun is below the horizon.
-    frame: Option<Frame>,
+    frame: Option<DMat3>,
 }
 
 impl Facets {
@@ -149,7 +135,7 @@ impl Facets {
         points: &Points,
         path: &(impl Fn(f64) -> DVec3 + Sync),
         day: &Day,
-        mut progress: impl FnMut(usize),
+        progress: impl FnMut(usize),
     ) -> Result<SunHours, FacetsError> {
         day.check()?;
         let steps = ((day.end_s - day.start_s) / day.step_s).ceil();
@@ -169,28 +155,16 @@ impl Facets {
             });
         }
         let rays = Rays::new(self, points);
-        let watch = Watch {
-            facets: self,
-            path,
-            day,
-            rays,
-        };
-        let mut by_row = vec![PointSpans::default(); points.len()];
-        let mut computed = 0;
-        for block in points.order.chunks(256 * TASK) {
-            let rows = block.par_iter().with_min_len(TASK);
-            let spans: Vec<PointSpans> = rows
-                .map(|&row| watch.spans_of(row as usize, &samples))
-                .collect();
-            for (&row, spans) in block.iter().zip(spans) {
-                by_row[row as usize] = spans;
-            }
-            computed += block.len();
-            progress(computed);
-        }
+        let watch = Watch { path, day, rays };
+        let mut by_row = vec![PointSpans::default(); points.count()];
+        points.visit_rows(
+            |(): &mut (), row| watch.spans_of(row, &samples),
+            |row, spans| by_row[row] = spans,
+            progress,
+        );
         let mut hours = SunHours {
             stated: Stated {
-                margin_m: watch.rays.margin(),
+                margin_m: watch.rays.margin,
                 step_s: Some(step),
                 bisected_s: Some(day.bisect_s),
                 disc_degrees: day.half_of.map(|disc| disc.radius_degrees),
@@ -217,12 +191,9 @@ impl Facets {
     }
 
     /// Returns the frame along a direction to the sun; `None` below the horizon.
-    fn frame_above_horizon(&self, direction: DVec3) -> Option<Frame> {
-        let height = match self.options().up {
-            Up::Y => direction.y,
-            Up::Z => direction.z,
-        };
-        (height > 0.0).then(|| Frame::new(direction.normalize()))
+    fn frame_above_horizon(&self, direction: DVec3) -> Option<DMat3> {
+        let is_up = self.options().up.height(direction) > 0.0;
+        is_up.then(|| frame_towards(direction.normalize()))
     }
 }
 
@@ -235,7 +206,6 @@ struct PointSpans {
 
 /// What all points share.
 struct Watch<'a, P> {
-    facets: &'a Facets,
     path: &'a P,
     day: &'a Day,
     rays: Rays<'a>,
@@ -269,7 +239,7 @@ impl<P: Fn(f64) -> DVec3 + Sync> Watch<'_, P> {
 
     /// Returns whether a point is lit, and whether that is undecided. `blocker` is the facet that
     /// shaded it last.
-    fn is_lit(&self, row: usize, frame: Option<&Frame>, blocker: &mut u32) -> (bool, bool) {
+    fn is_lit(&self, row: usize, frame: Option<&DMat3>, blocker: &mut u32) -> (bool, bool) {
         let Some(frame) = frame else {
             return (false, false);
         };
@@ -294,7 +264,7 @@ impl<P: Fn(f64) -> DVec3 + Sync> Watch<'_, P> {
                 break;
             }
             let direction = (self.path)(middle);
-            let frame = self.facets.frame_above_horizon(direction);
+            let frame = self.rays.facets.frame_above_horizon(direction);
             let (is_lit, _) = self.is_lit(row, frame.as_ref(), blocker);
             if is_lit == was_lit {
                 low = middle;

@@ -1,7 +1,7 @@
 //! Directions to the sun.
 
 use crate::{FacetsError, Up};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Unit vectors towards the sun, in the caller's axes, with weights.
 ///
@@ -50,16 +50,6 @@ impl Suns {
         })
     }
 
-    /// Returns the number of suns.
-    pub fn len(&self) -> usize {
-        self.directions.len()
-    }
-
-    /// Returns whether there are no suns.
-    pub fn is_empty(&self) -> bool {
-        self.directions.is_empty()
-    }
-
     /// Returns the unit vectors.
     pub fn directions(&self) -> &[DVec3] {
         &self.directions
@@ -76,6 +66,13 @@ pub(crate) fn unit(vector: DVec3) -> DVec3 {
     // Scale first, so that squares neither overflow nor vanish.
     let scaled = vector / vector.abs().max_element();
     scaled.normalize_or_zero()
+}
+
+/// Returns right-handed axes with the third one towards the sun, a unit vector. The matrix maps
+/// coordinates along the light to space; its transpose maps back.
+pub(crate) fn frame_towards(sun: DVec3) -> DMat3 {
+    let (x, y) = sun.any_orthonormal_pair();
+    DMat3::from_cols(x, y, sun)
 }
 
 /// Returns the unit vector to the sun at an azimuth (degrees, clockwise from north) and a height

@@ -1,11 +1,8 @@
 //! A tree of boxes over facets in a frame along the light: an implicit eight-way tree over facets
 //! in Morton order, wide ones first.
 
-use crate::{
-    frame::{Frame, cross},
-    grid::{Grid, Rectangle, Tile},
-};
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use crate::grid::{Grid, Rectangle, Tile};
+use glam::{BVec3, DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Children of a node, and lanes of its tests.
@@ -22,7 +19,7 @@ impl Projected {
     #[inline(always)]
     pub(crate) fn twice_area(&self) -> f64 {
         let [a, b, c] = self.corners;
-        cross((b - a).xy(), (c - a).xy())
+        (b - a).xy().perp_dot((c - a).xy())
     }
 
     /// Returns the box across the light.
@@ -40,13 +37,9 @@ pub(crate) type Stack = Vec<(u32, u32)>;
 /// the negative greatest x, y and height.
 pub(crate) type Limits = [f32; 5];
 
-fn limits_of(corners: impl Iterator<Item = DVec3>) -> Limits {
-    let [low, high] = box_around(corners);
+fn limits_of(facet: &Projected) -> Limits {
+    let [low, high] = box_around(facet.corners.into_iter());
     [low.x, low.y, -high.x, -high.y, -high.z].map(round_down)
-}
-
-fn limits_of_facet(facet: &Projected) -> Limits {
-    limits_of(facet.corners.into_iter())
 }
 
 fn box_around(corners: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
@@ -158,7 +151,7 @@ impl Scene {
         receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
             .par_chunks(CHILDREN)
-            .map(|group| Node::new(group.iter().map(limits_of_facet)))
+            .map(|group| Node::new(group.iter().map(limits_of)))
             .collect();
         let mut levels = vec![leaves];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
@@ -185,33 +178,38 @@ impl Scene {
         self.keys[index as usize].1
     }
 
-    /// Computes a value for each facet of each cell of the tile, in order, with memory that is
-    /// reused. Wide facets are computed within the cell's rectangle, others as a whole.
-    pub(crate) fn map_parts<M: Default + Send, T: Send>(
+    /// Returns the rectangle of a cell.
+    pub(crate) fn rectangle(&self, cell: u32) -> Rectangle {
+        self.grid.rectangle(Tile::of_cell(cell))
+    }
+
+    /// Computes a value for each cell of the tile, in order, with memory that is reused.
+    pub(crate) fn map_cells<M: Default + Send, T: Send>(
         &self,
-        compute: impl Fn(&mut M, u32, Option<Rectangle>) -> T + Sync,
-    ) -> Vec<Vec<T>> {
-        let parts_of = |memory: &mut M, cell: u32| {
-            let start = self.receivers.partition_point(|&(other, _)| other < cell);
-            let narrow = self.receivers[start..].iter();
-            let narrow = narrow.take_while(|&&(other, _)| other == cell);
-            let mut parts: Vec<T> = narrow
-                .map(|&(_, index)| compute(memory, index, None))
-                .collect();
-            let rectangle = self.grid.rectangle(Tile::of_cell(cell));
-            let query = query_all(rectangle.map(|p| p.extend(0.0)));
-            self.visit_overlapping(&query, &mut Stack::new(), |index| {
-                // Wide ones are first.
-                let is_wide = index < self.wide;
-                if is_wide {
-                    parts.push(compute(memory, index, Some(rectangle)));
-                }
-                !is_wide
-            });
-            parts
-        };
+        compute: impl Fn(&mut M, u32) -> T + Send + Sync,
+    ) -> Vec<T> {
         let cells = self.tile.cells().into_par_iter();
-        cells.map_init(M::default, parts_of).collect()
+        cells.map_init(M::default, compute).collect()
+    }
+
+    /// Passes the facets that are computed in a cell to `visit`, in order. Wide facets are computed
+    /// within the cell's rectangle, others as a whole.
+    pub(crate) fn visit_cell(&self, cell: u32, mut visit: impl FnMut(u32, Option<Rectangle>)) {
+        let start = self.receivers.partition_point(|&(other, _)| other < cell);
+        let narrow = self.receivers[start..].iter();
+        for &(_, index) in narrow.take_while(|&&(other, _)| other == cell) {
+            visit(index, None);
+        }
+        let rectangle = self.rectangle(cell);
+        let query = query_all(rectangle.map(|p| p.extend(0.0)));
+        self.visit_overlapping(&query, &mut Stack::new(), |index| {
+            // Wide ones are first.
+            let is_wide = index < self.wide;
+            if is_wide {
+                visit(index, Some(rectangle));
+            }
+            !is_wide
+        });
     }
 
     /// Passes the facets that overlap a query to `visit`, wide ones first, until it returns true.
@@ -251,17 +249,12 @@ impl Scene {
 }
 
 /// Returns a box across the light around a box in space.
-pub(crate) fn bounds_across(frame: &Frame, bounds: [DVec3; 2]) -> Rectangle {
+pub(crate) fn bounds_across(frame: &DMat3, bounds: [DVec3; 2]) -> Rectangle {
     let [low, high] = bounds;
     let corners = (0..8).map(|i| {
-        let pick = |bit: u32, axis: usize| {
-            if i >> bit & 1 == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
-        };
-        frame.across(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+        let is_high = BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+        let corner = DVec3::select(is_high, high, low);
+        frame.transpose_mul_vec3(corner).xy()
     });
     corners.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
         [low.min(p), high.max(p)]

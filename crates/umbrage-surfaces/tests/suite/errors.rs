@@ -2,8 +2,9 @@
 
 use crate::meshes::{Mesh, block, floor, options};
 use umbrage_surfaces::{
-    Day, Disc, Facets, Options, Points, Sides, Suns, Unit, Up, direction_at,
+    Day, Disc, Facets, Options, Points, Sides, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
+    metres_of_unit,
 };
 
 fn error_of(mesh: &Mesh, options: &Options) -> String {
@@ -45,7 +46,7 @@ fn unusable_facets_are_named() {
     assert!(Facets::new(&far.vertices, &far.triangles, &tolerant).is_ok());
 
     let settings = Options {
-        unit: Unit::Metres(-1.0),
+        unit_m: Some(-1.0),
         ..good
     };
     assert!(error_of(&floor(1.0, 1), &settings).starts_with("unit, metres: is -1"));
@@ -66,16 +67,13 @@ fn improbable_units_have_a_suspect() {
     }
     let mesh = floor(3721.0, 1);
     let centimetres = Options {
-        unit: "cm".parse().expect("a unit"),
+        unit_m: Some(metres_of_unit("cm").expect("a unit")),
         ..unstated
     };
     let facets = Facets::new(&mesh.vertices, &mesh.triangles, &centimetres).expect("good facets");
     assert!((facets.area_m2(0) - 0.5 * 37.21 * 37.21).abs() < 1e-9);
-    assert!(
-        "parsec"
-            .parse::<Unit>()
-            .is_err_and(|error| error.contains("`parsec` is no unit"))
-    );
+    let error = metres_of_unit("parsec").expect_err("no unit");
+    assert!(error.starts_with("`parsec` is no unit"), "{error}");
 }
 
 #[test]

@@ -1,20 +1,27 @@
 //! Meshes for tests, in metres, z up.
 
 use umbrage_surfaces::{
-    Facets, Options, Sides, Suns, Unit, Up, direction_at,
+    Facets, Options, Sides, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
-/// A triangle mesh.
-#[derive(Clone, Default)]
-pub(crate) struct Mesh {
-    pub(crate) vertices: Vec<DVec3>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-}
+#[path = "../../examples/meshes/mod.rs"]
+mod grids;
+
+pub(crate) use grids::Mesh;
 
 impl Mesh {
     pub(crate) fn facets(&self, sides: Sides) -> Facets {
         let options = options(sides);
+        Facets::new(&self.vertices, &self.triangles, &options).expect("a good mesh")
+    }
+
+    /// Returns facets whose answers have the identity.
+    pub(crate) fn certified_facets(&self, sides: Sides) -> Facets {
+        let options = Options {
+            certify: true,
+            ..options(sides)
+        };
         Facets::new(&self.vertices, &self.triangles, &options).expect("a good mesh")
     }
 
@@ -46,7 +53,7 @@ impl Mesh {
 
 pub(crate) fn options(sides: Sides) -> Options {
     Options {
-        unit: Unit::Metres(1.0),
+        unit_m: Some(1.0),
         sides,
         ..Options::default()
     }
@@ -82,20 +89,7 @@ impl Random {
 /// A square floor around the origin at z = 0, of 2 `grid`² triangles.
 pub(crate) fn floor(side: f64, grid: u32) -> Mesh {
     let mut mesh = Mesh::default();
-    for y in 0..=grid {
-        for x in 0..=grid {
-            let at = |i: u32| side * (f64::from(i) / f64::from(grid) - 0.5);
-            mesh.vertices.push(dvec3(at(x), at(y), 0.0));
-        }
-    }
-    let row = grid + 1;
-    for y in 0..grid {
-        for x in 0..grid {
-            let a = y * row + x;
-            mesh.triangles.push([a, a + 1, a + row + 1]);
-            mesh.triangles.push([a, a + row + 1, a + row]);
-        }
-    }
+    mesh.add_grid([grid; 2], false, |x, y| dvec3(x - 0.5, y - 0.5, 0.0) * side);
     mesh
 }
 
@@ -159,35 +153,14 @@ pub(crate) fn city(blocks: usize, random: &mut Random) -> Mesh {
     mesh
 }
 
-/// A closed ball with bumps, of 8 `grid`² triangles.
+/// A closed ball with bumps, of 12 `grid`² triangles.
 pub(crate) fn lumpy_ball(grid: u32) -> Mesh {
     let mut mesh = Mesh::default();
-    let octants = [1.0, -1.0].map(|x| [1.0, -1.0].map(|y| [1.0, -1.0].map(|z| dvec3(x, y, z))));
-    for &sign in octants.as_flattened().as_flattened() {
-        let first = mesh.vertices.len() as u32;
-        let at = |i: u32, j: u32| first + j * (2 * grid + 3 - j) / 2 + i;
-        for j in 0..=grid {
-            for i in 0..=grid - j {
-                let k = grid - i - j;
-                let p = (sign * dvec3(f64::from(i), f64::from(j), f64::from(k))).normalize();
-                let bumps = (7.0 * p.x).sin() * (5.0 * p.y + 1.0).cos() + (9.0 * p.z).sin();
-                mesh.vertices.push(p * (10.0 + bumps));
-            }
-        }
-        let is_mirrored = sign.x * sign.y * sign.z < 0.0;
-        let mut push = |[a, b, c]: [u32; 3]| {
-            mesh.triangles
-                .push(if is_mirrored { [a, c, b] } else { [a, b, c] });
-        };
-        for j in 0..grid {
-            for i in 0..grid - j {
-                push([at(i, j), at(i + 1, j), at(i, j + 1)]);
-                if i + j + 1 < grid {
-                    push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-                }
-            }
-        }
-    }
+    mesh.add_box([grid; 3], |p| {
+        let p = (p * 2.0 - 1.0).normalize();
+        let bumps = (7.0 * p.x).sin() * (5.0 * p.y + 1.0).cos() + (9.0 * p.z).sin();
+        p * (10.0 + bumps)
+    });
     mesh
 }
 
@@ -197,4 +170,15 @@ pub(crate) fn suns(heights: &[f64]) -> Suns {
     let directions =
         heights.map(|(i, &height)| direction_at(17.0 + 71.0 * i as f64, height, Up::Z));
     Suns::new(&directions.collect::<Vec<_>>()).expect("directions")
+}
+
+/// One sun.
+pub(crate) fn sun_at(direction: DVec3) -> Suns {
+    Suns::new(&[direction]).expect("a direction")
+}
+
+/// Runs a computation on a number of threads.
+pub(crate) fn on_threads<T: Send>(threads: usize, compute: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().expect("threads").install(compute)
 }

@@ -1,10 +1,10 @@
 //! Points, discs and hours, against rays in brute force and closed forms.
 
-use crate::meshes::{Mesh, Random, city, floor, lumpy_ball, suns};
+use crate::meshes::{Mesh, Random, city, floor, lumpy_ball, on_threads, sun_at, suns};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use umbrage_surfaces::{
-    Day, Disc, Points, Sides, Suns, Up, direction_at,
+    Day, Disc, Facets, Points, Sides, Suns, Up, direction_at,
     glam::{DVec3, dvec3},
 };
 
@@ -21,6 +21,10 @@ pub(crate) fn hits(p: DVec3, direction: DVec3, corners: [DVec3; 3], beyond: f64)
     let v = direction.dot(r) / determinant;
     let t = f.dot(r) / determinant;
     u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > beyond
+}
+
+fn points_at(facets: &Facets, positions: &[DVec3]) -> Points {
+    Points::new(facets, positions, None).expect("good points")
 }
 
 /// Returns random points on facets, as exact as coordinates allow, with the facets.
@@ -55,7 +59,7 @@ fn points_agree_with_rays_in_brute_force() {
         let facets = mesh.facets(Sides::Both);
         let points = points_on(&mesh, COUNT, &mut random);
         let positions: Vec<DVec3> = points.iter().map(|point| point.0).collect();
-        let rows = Points::new(&facets, &positions, None).expect("good points");
+        let rows = points_at(&facets, &positions);
         let suns = suns(&[70.0, 30.0, 8.0, 1.0]);
         let lit = facets.lit(&rows, &suns, |_| ());
         let margin = lit.stated.margin_m;
@@ -106,12 +110,8 @@ fn points_at_edges_are_undecided() {
     let positions: Vec<DVec3> = [-3.0, -0.2, 0.2, 3.0]
         .map(|steps| at(steps * margin))
         .to_vec();
-    let points = Points::new(&facets, &positions, None).expect("good points");
-    let lit = facets.lit(
-        &points,
-        &Suns::new(&[DVec3::Z]).expect("a direction"),
-        |_| (),
-    );
+    let points = points_at(&facets, &positions);
+    let lit = facets.lit(&points, &sun_at(DVec3::Z), |_| ());
     let rows: Vec<u32> = lit.stated.undecided_rows.iter().map(|row| row.1).collect();
     assert_eq!(rows, [1, 2], "{}", lit.stated);
     assert!(!lit.is_lit(0, 0) && lit.is_lit(0, 3));
@@ -126,24 +126,19 @@ fn rows_keep_their_order_and_bits_on_any_number_of_threads() {
     let positions: Vec<DVec3> = points.iter().map(|point| point.0).collect();
     let reversed: Vec<DVec3> = positions.iter().rev().copied().collect();
     let suns = suns(&[50.0, 20.0]);
-    let ask = |positions: &[DVec3], threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads");
-        pool.install(|| {
-            let points = Points::new(&facets, positions, None).expect("good points");
-            let shares = facets
-                .disc_share(&points, &suns, &Disc::default())
-                .expect("a good disc");
+    let lit_on = |positions: &[DVec3], threads: usize| {
+        on_threads(threads, || {
+            let points = points_at(&facets, positions);
+            let shares = facets.disc_share(&points, &suns, &Disc::default());
+            let shares = shares.expect("a good disc");
             (facets.lit(&points, &suns, |_| ()), shares)
         })
     };
-    let (lit, shares) = ask(&positions, 1);
+    let (lit, shares) = lit_on(&positions, 1);
     let count: u32 = lit.words(0).iter().map(|word| word.count_ones()).sum();
     assert!((500..2500).contains(&count), "{count}");
     for threads in [2, 16] {
-        let (other_lit, other_shares) = ask(&positions, threads);
+        let (other_lit, other_shares) = lit_on(&positions, threads);
         assert!(
             other_lit == lit && other_shares == shares,
             "{threads} threads"
@@ -153,9 +148,9 @@ fn rows_keep_their_order_and_bits_on_any_number_of_threads() {
     let far = floor(1.0, 1)
         .moved(|v| v + dvec3(5000.0, 0.0, 0.0))
         .facets(Sides::Both);
-    let elsewhere = Points::new(&far, &positions, None).expect("good points");
+    let elsewhere = points_at(&far, &positions);
     assert_eq!(facets.lit(&elsewhere, &suns, |_| ()).words(1), lit.words(1));
-    let (turned, _) = ask(&reversed, 2);
+    let (turned, _) = lit_on(&reversed, 2);
     for sun in 0..2 {
         for row in 0..3000 {
             assert_eq!(turned.is_lit(sun, row), lit.is_lit(sun, 2999 - row));
@@ -166,11 +161,11 @@ fn rows_keep_their_order_and_bits_on_any_number_of_threads() {
 /// Centres of a closed body's facets have normals; those that face away are dark.
 #[test]
 fn centres_of_closed_bodies_face_the_sun() {
-    let mesh = lumpy_ball(10);
+    let mesh = lumpy_ball(8);
     let facets = mesh.facets(Sides::Front);
     let lit = facets.lit(&Points::centres_of(&facets), &suns(&[25.0]), |_| ());
     let sun = suns(&[25.0]).directions()[0];
-    for row in 0..facets.len() {
+    for row in 0..facets.count() {
         assert!(facets.normal(row).dot(sun) > 0.0 || !lit.is_lit(0, row));
     }
     // With both sides, and of an open mesh, too.
@@ -180,6 +175,12 @@ fn centres_of_closed_bodies_face_the_sun() {
             .words(0),
         lit.words(0)
     );
+}
+
+/// Returns the share of a disc that the first point sees.
+fn share(facets: &Facets, points: &Points, suns: &Suns, disc: &Disc) -> f64 {
+    let shares = facets.disc_share(points, suns, disc);
+    shares.expect("a good disc").shares[0]
 }
 
 /// The share of a disc on one side of a line at a distance, in radii, from its centre.
@@ -200,8 +201,8 @@ fn shares_of_the_disc_have_their_closed_form() {
         // One more in front of it, which hides nothing that isn't hidden.
         mesh.push([[edge, -5.0], [edge, 5.0], [edge + 9.0, 0.0]].map(|[x, z]| dvec3(x, 7.0, z)));
         let facets = mesh.facets(Sides::Both);
-        let points = Points::new(&facets, &[DVec3::ZERO], None).expect("a point");
-        let sun = Suns::new(&[DVec3::Y]).expect("a direction");
+        let points = points_at(&facets, &[DVec3::ZERO]);
+        let sun = sun_at(DVec3::Y);
         let shares = facets.disc_share(&points, &sun, &disc).expect("a disc");
         let difference = shares.shares[0] - (1.0 - segment_share(offset));
         assert!(difference.abs() < 1e-9, "{offset}: {difference:.1e}");
@@ -218,10 +219,7 @@ fn shares_of_the_disc_have_their_closed_form() {
         );
         // The horizon of a point that faces up hides half of a disc at it.
         let facing = Points::new(&facets, &[DVec3::ZERO], Some(&[DVec3::Z])).expect("a point");
-        let half = facets
-            .disc_share(&facing, &sun, &disc)
-            .expect("a disc")
-            .shares[0];
+        let half = share(&facets, &facing, &sun, &disc);
         assert!(
             (half - 0.5 * shares.shares[0]).abs() < 1e-9,
             "{offset}: {half}"
@@ -246,12 +244,9 @@ fn shares_of_the_disc_agree_with_rays() {
             mesh.push([0; 3].map(|_| centre + random.vector() * 0.6));
         }
         let facets = mesh.facets(Sides::Both);
-        let points = Points::new(&facets, &[DVec3::ZERO], None).expect("a point");
-        let sun = Suns::new(&[DVec3::Z]).expect("a direction");
-        let share = facets
-            .disc_share(&points, &sun, &disc)
-            .expect("a disc")
-            .shares[0];
+        let points = points_at(&facets, &[DVec3::ZERO]);
+        let sun = sun_at(DVec3::Z);
+        let share = share(&facets, &points, &sun, &disc);
         let mut seen = 0;
         const RAYS: u32 = 40_000;
         for i in 0..RAYS {
@@ -285,7 +280,7 @@ fn areas_over_the_disc_have_half_of_the_penumbra() {
     };
     let mut lit = 0.0;
     let mut fractions = Vec::new();
-    let sun = Suns::new(&[DVec3::Z]).expect("a direction");
+    let sun = sun_at(DVec3::Z);
     let stated = facets
         .lit_area_of_disc(&sun, &disc, |_, areas| {
             lit = areas[..count].iter().map(|facet| facet.area).sum();
@@ -327,9 +322,11 @@ fn hours_have_their_closed_form() {
         bisect_s: 0.01,
         ..Day::default()
     };
-    let hours = facets
-        .sun_hours(&points, &path, &day, |_| ())
-        .expect("a good day");
+    let hours_of = |day: &Day| {
+        let hours = facets.sun_hours(&points, &path, day, |_| ());
+        hours.expect("a good day")
+    };
+    let hours = hours_of(&day);
     for (row, expected) in [[6.0, 15.0], [9.0, 18.0]].into_iter().enumerate() {
         let [span] = hours.spans(row) else {
             panic!("{row}: {:?}", hours.spans(row));
@@ -348,9 +345,7 @@ fn hours_have_their_closed_form() {
         half_of: Some(Disc::default()),
         ..day.clone()
     };
-    let by_disc = facets
-        .sun_hours(&points, &path, &half, |_| ())
-        .expect("a good day");
+    let by_disc = hours_of(&half);
     assert!(
         (by_disc.spans(0)[0][1] - 15.0 * 3600.0).abs() < 0.1,
         "{:?}",
@@ -364,9 +359,7 @@ fn hours_have_their_closed_form() {
         ],
         ..day
     };
-    let within = facets
-        .sun_hours(&points, &path, &windows, |_| ())
-        .expect("a good day");
+    let within = hours_of(&windows);
     assert_eq!(within.minutes(0), 180.0);
     assert!((within.minutes(1) - 120.0).abs() < 1e-3);
     assert_eq!(within.longest_minutes(0), 120.0);
@@ -381,14 +374,13 @@ fn hours_agree_with_dense_samples() {
     let facets = mesh.facets(Sides::Both);
     let points = points_on(&mesh, 60, &mut random);
     let positions: Vec<DVec3> = points.iter().map(|point| point.0).collect();
-    let points = Points::new(&facets, &positions, None).expect("good points");
+    let points = points_at(&facets, &positions);
     let path = |second: f64| {
         let day = second / 86_400.0;
         direction_at(360.0 * day, 50.0 * (TAU * (day - 0.25)).sin(), Up::Z)
     };
-    let hours = facets
-        .sun_hours(&points, &path, &Day::default(), |_| ())
-        .expect("a good day");
+    let hours = facets.sun_hours(&points, &path, &Day::default(), |_| ());
+    let hours = hours.expect("a good day");
     let mut suns = Vec::new();
     for i in 0..14_400 {
         let direction = path(f64::from(i) * 6.0);
@@ -396,7 +388,7 @@ fn hours_agree_with_dense_samples() {
     }
     let lit = facets.lit(&points, &Suns::new(&suns).expect("directions"), |_| ());
     let mut differences = Vec::new();
-    for row in 0..points.len() {
+    for row in 0..points.count() {
         let dense = (0..suns.len()).filter(|&sun| lit.is_lit(sun, row)).count() as f64 / 10.0;
         differences.push((hours.minutes(row) - dense).abs());
     }

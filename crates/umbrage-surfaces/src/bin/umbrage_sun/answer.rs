@@ -29,7 +29,7 @@ impl FacetTable {
             Sky::Day(day) => {
                 let steps = day.steps(facets.options().up)?;
                 ensure!(
-                    !steps.is_empty(),
+                    !steps.directions().is_empty(),
                     "the Sun is below the horizon on {}; choose another day or window",
                     day.title
                 );
@@ -56,7 +56,7 @@ impl FacetTable {
                 } else {
                     Self::centres(facets, suns, 1.0 / whole)
                 };
-                answer.title = format!("{} directions, weighted mean", suns.len());
+                answer.title = format!("{} directions, weighted mean", suns.directions().len());
                 Ok(answer)
             }
         }
@@ -71,14 +71,14 @@ impl FacetTable {
             refraction: arguments.refraction,
             ..Day::default()
         };
-        let progress = progress(facets.len(), "points");
+        let progress = progress(facets.count(), "points");
         let up = facets.options().up;
         let path = |second: f64| local.direction(second, up);
         let hours = facets.sun_hours(&Points::centres_of(facets), &path, &day, |count| {
             progress.set_position(count as u64);
         })?;
         progress.finish_and_clear();
-        let rows = 0..facets.len();
+        let rows = 0..facets.count();
         let whole = rows.clone().map(|row| hours.minutes(row) / 60.0);
         let longest = rows.clone().map(|row| hours.longest_minutes(row) / 60.0);
         let spans = rows.map(|row| text_of_spans(hours.spans(row))).collect();
@@ -95,8 +95,8 @@ impl FacetTable {
 
     /// Sums the lit areas of all suns by their weights, times a scale.
     fn areas(facets: &Facets, suns: &Suns, scale: f64, names: [&'static str; 3]) -> Self {
-        let mut sums = names.map(|name| (name, vec![0.0; facets.len()]));
-        let progress = progress(suns.len(), "suns");
+        let mut sums = names.map(|name| (name, vec![0.0; facets.count()]));
+        let progress = progress(suns.directions().len(), "suns");
         let stated = facets.lit_area(suns, |sun, areas| {
             let weight = suns.weights()[sun] * scale;
             for (row, lit) in areas.iter().enumerate() {
@@ -117,7 +117,7 @@ impl FacetTable {
 
     /// Sums the suns that light the facets' centres by their weights, times a scale.
     fn centres(facets: &Facets, suns: &Suns, scale: f64) -> Self {
-        let progress = progress(facets.len(), "points");
+        let progress = progress(facets.count(), "points");
         let lit = facets.lit(&Points::centres_of(facets), suns, |count| {
             progress.set_position(count as u64);
         });
@@ -127,7 +127,7 @@ impl FacetTable {
             let lit = weights.filter(|&(sun, _)| lit.is_lit(sun, row));
             lit.map(|(_, weight)| weight * scale).sum()
         };
-        let shares = (0..facets.len()).map(share).collect();
+        let shares = (0..facets.count()).map(share).collect();
         Self {
             title: String::new(),
             columns: vec![("lit_share", shares)],
@@ -148,7 +148,7 @@ impl FacetTable {
 
     /// Returns lines with the totals and the stated accuracy.
     pub(crate) fn report(&self, facets: &Facets) -> Vec<String> {
-        let area: f64 = (0..facets.len()).map(|row| facets.area_m2(row)).sum();
+        let area: f64 = (0..facets.count()).map(|row| facets.area_m2(row)).sum();
         let weighted = |(row, shade): (usize, &f64)| shade * facets.area_m2(row);
         let shades = self.shades();
         let sum: f64 = shades.iter().enumerate().map(weighted).sum();
@@ -158,7 +158,7 @@ impl FacetTable {
         let mean = if area > 0.0 { sum / area } else { 0.0 };
         let mut lines = vec![
             self.title.clone(),
-            format!("{} facets, {area:.3} m2", facets.len()),
+            format!("{} facets, {area:.3} m2", facets.count()),
             format!(
                 "{}: mean by area {mean:.4}, least {least:.4}, most {most:.4}",
                 self.shade_name()

@@ -1,8 +1,10 @@
 //! Arguments of the command.
 
+use crate::sky::DAY_S;
+use chrono::NaiveDate;
 use clap::Parser;
 use std::path::PathBuf;
-use umbrage_surfaces::{Sides, Unit, Up};
+use umbrage_surfaces::{Sides, Up, metres_of_unit};
 
 /// Hours of sun and lit areas of the facets of a model, each with its stated error
 #[derive(Parser, Clone, Debug)]
@@ -24,8 +26,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) up: Option<Up>,
     /// Unit of the model: m, cm, mm, km, ft, in, or the metres of one unit [default: metres; improbable sizes are an error]
-    #[arg(long)]
-    pub(crate) unit: Option<Unit>,
+    #[arg(long, value_parser = metres_of_unit)]
+    pub(crate) unit: Option<f64>,
     /// Sides that receive and cast: front or both; front needs closed bodies and is faster
     #[arg(long, default_value = "both")]
     pub(crate) sides: Sides,
@@ -34,26 +36,28 @@ pub(crate) struct Arguments {
         long = "where",
         value_name = "LAT,LON",
         requires = "on",
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        value_parser = place
     )]
-    pub(crate) place: Option<String>,
+    pub(crate) place: Option<[f64; 2]>,
     /// Day
     #[arg(long, value_name = "YYYY-MM-DD", requires = "place")]
-    pub(crate) on: Option<String>,
+    pub(crate) on: Option<NaiveDate>,
     /// Hours that local time is ahead of UTC
     #[arg(
         long,
         value_name = "HOURS",
         default_value_t = 0.0,
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        value_parser = zone
     )]
     pub(crate) zone: f64,
     /// Step in time: 1m, 30s, or seconds
-    #[arg(long, default_value = "1m")]
-    pub(crate) step: String,
+    #[arg(long, default_value = "1m", value_parser = step)]
+    pub(crate) step: f64,
     /// Hours that count, local time; may be repeated [default: all of the day]
-    #[arg(long, value_name = "FROM-TO")]
-    pub(crate) window: Vec<String>,
+    #[arg(long, value_name = "FROM-TO", value_parser = window)]
+    pub(crate) window: Vec<[f64; 2]>,
     /// Include refraction in the Sun's heights
     #[arg(long, requires = "place")]
     pub(crate) refraction: bool,
@@ -69,4 +73,44 @@ pub(crate) struct Arguments {
     /// Output: .csv, .npy, .glb or .png; may be repeated
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Vec<PathBuf>,
+}
+
+/// Reads a latitude and a longitude.
+fn place(text: &str) -> Result<[f64; 2], &'static str> {
+    let numbers = text.split_once(',').and_then(|(latitude, longitude)| {
+        let latitude: f64 = latitude.trim().parse().ok()?;
+        Some([latitude, longitude.trim().parse().ok()?])
+    });
+    numbers.ok_or("use degrees north and east, such as 48.1,11.6")
+}
+
+/// Reads hours that local time is ahead of UTC.
+fn zone(text: &str) -> Result<f64, &'static str> {
+    let hours = text.parse().ok();
+    let hours = hours.filter(|hours| (-14.0..=14.0).contains(hours));
+    hours.ok_or("use hours from -14 to 14")
+}
+
+/// Reads a step (`1m`, `30s`, `60`) as seconds.
+fn step(text: &str) -> Result<f64, &'static str> {
+    let (number, unit) = match text.strip_suffix('m') {
+        Some(number) => (number, 60.0),
+        None => (text.strip_suffix('s').unwrap_or(text), 1.0),
+    };
+    let seconds = number.parse::<f64>().ok().map(|number| number * unit);
+    let seconds = seconds.filter(|seconds| (1.0..=DAY_S).contains(seconds));
+    seconds.ok_or("use 1s to 1440m, such as 1m")
+}
+
+/// Reads a window (`8-16`, `8:30-16:15`) as seconds.
+fn window(text: &str) -> Result<[f64; 2], &'static str> {
+    let clock = |text: &str| -> Option<f64> {
+        let (hours, minutes) = text.split_once(':').unwrap_or((text, "0"));
+        let hours: f64 = hours.parse().ok()?;
+        Some(hours * 3600.0 + minutes.parse::<f64>().ok()? * 60.0)
+    };
+    let ends = text.split_once('-');
+    let ends = ends.and_then(|(from, to)| Some([clock(from)?, clock(to)?]));
+    let ends = ends.filter(|[from, to]| 0.0 <= *from && from < to && *to <= DAY_S);
+    ends.ok_or("use hours of the day, such as 8-16 or 8:30-16")
 }

@@ -2,7 +2,8 @@
 //! neither half a file nor a changed one.
 
 use crate::{answer::FacetTable, picture};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
+use gltf::binary::{Glb, Header};
 use serde_json::json;
 use std::{fmt::Write as _, fs, path::Path};
 use umbrage_surfaces::{Facets, Up, glam::DVec3};
@@ -74,7 +75,7 @@ fn csv(facets: &Facets, answer: &FacetTable) -> Result<String> {
     } else {
         ",spans\n"
     };
-    for row in 0..facets.len() {
+    for row in 0..facets.count() {
         let [a, b, c] = facets.corners_m(row);
         let centre = (a + b + c) / 3.0;
         let area = facets.area_m2(row);
@@ -116,12 +117,12 @@ fn glb(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
         Up::Y => p,
         Up::Z => DVec3::new(p.x, p.z, -p.y),
     };
-    let corners = || (0..facets.len()).flat_map(|row| facets.corners_m(row));
+    let corners = || (0..facets.count()).flat_map(|row| facets.corners_m(row));
     let low = corners().fold(DVec3::INFINITY, |low, p| low.min(y_up(p)));
     let high = corners().fold(DVec3::NEG_INFINITY, |high, p| high.max(y_up(p)));
     // 32 bits hold positions near the middle; the node has the rest.
     let middle = low.midpoint(high);
-    let count = 3 * facets.len();
+    let count = 3 * facets.count();
     let mut positions = Vec::with_capacity(24 * count);
     for p in corners() {
         let near = (y_up(p) - middle).as_vec3();
@@ -155,7 +156,21 @@ fn glb(facets: &Facets, answer: &FacetTable) -> Result<Vec<u8>> {
         "bufferViews": [view(0), view(1), view(2)],
         "buffers": [{"byteLength": binary.len()}],
     });
-    glb_of_chunks(serde_json::to_vec(&document)?, &binary)
+    let text = serde_json::to_vec(&document)?;
+    let is_small = u32::try_from(text.len() + binary.len() + 64).is_ok();
+    ensure!(is_small, "exceeds 4 GB; use .csv or .npy");
+    // The length is computed when the file is written.
+    let header = Header {
+        magic: *b"glTF",
+        version: 2,
+        length: 0,
+    };
+    let file = Glb {
+        header,
+        json: text.into(),
+        bin: Some(binary.into()),
+    };
+    Ok(file.to_vec()?)
 }
 
 /// Returns the colours (four bytes, linear) and the numbers (32 bits) of all facets' corners.
@@ -174,20 +189,4 @@ fn colors_and_values(answer: &FacetTable) -> [Vec<u8>; 2] {
         }
     }
     [colors, values]
-}
-
-/// Returns the file of a glTF document and its numbers.
-fn glb_of_chunks(mut text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
-    // Chunks fill multiples of four bytes.
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let length = 12 + 8 + text.len() + 8 + binary.len();
-    let length = u32::try_from(length).context("exceeds 4 GB")?;
-    let mut out = b"glTF".to_vec();
-    out.extend([2, length].into_iter().flat_map(u32::to_le_bytes));
-    for (kind, chunk) in [(b"JSON", &text[..]), (b"BIN\0", binary)] {
-        out.extend((chunk.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(chunk);
-    }
-    Ok(out)
 }

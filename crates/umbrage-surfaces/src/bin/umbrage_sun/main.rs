@@ -12,7 +12,7 @@ use std::{
     io::{ErrorKind, Write as _},
     process::ExitCode,
 };
-use umbrage_surfaces::{Facets, Options, Unit, Up};
+use umbrage_surfaces::{Facets, Options, Up};
 
 /// Exit code after writing into a closed pipe, as shells report for SIGPIPE.
 const CLOSED_PIPE: u8 = 141;
@@ -51,7 +51,7 @@ fn run(arguments: &cli::Arguments) -> Result<()> {
     let own_up = if is_obj { Up::Z } else { Up::Y };
     let options = Options {
         up: arguments.up.unwrap_or(own_up),
-        unit: arguments.unit.unwrap_or(Unit::Unstated),
+        unit_m: arguments.unit,
         sides: arguments.sides,
         ..Options::default()
     };

@@ -2,13 +2,15 @@
 
 use crate::answer::FacetTable;
 use anyhow::{Context as _, Result};
+use image::{Rgb, RgbImage, imageops};
 use kuva::{
     backend::png::PngBackend,
     render::render::{Primitive, Scene as Drawing, TextAnchor},
 };
+use rayon::prelude::*;
 use umbrage_surfaces::{
     Facets, direction_at,
-    glam::{DVec2, DVec3},
+    glam::{DMat3, DVec2, DVec3},
 };
 
 /// Size of an image, pixels.
@@ -106,80 +108,42 @@ fn legend(scale: &Scale, answer: &FacetTable, report: &[String]) -> Result<Vec<u
     }
     let drawn = PngBackend { scale: 1.0 }.render_scene(&drawing);
     let bytes = drawn.ok().context("the legend can't be drawn")?;
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
-    let mut buffer = vec![0; reader.output_buffer_size().context("too large")?];
-    let info = reader.next_frame(&mut buffer)?;
-    let samples = info.color_type.samples();
-    let mut pixels = vec![255; SIZE[0] * SIZE[1] * 3];
-    for y in 0..SIZE[1].min(info.height as usize) {
-        for x in 0..SIZE[0].min(info.width as usize) {
-            let from = (y * info.width as usize + x) * samples;
-            let to = (y * SIZE[0] + x) * 3;
-            pixels[to..to + 3].copy_from_slice(&buffer[from..from + 3]);
-        }
-    }
-    Ok(pixels)
+    let drawn = image::load_from_memory(&bytes)?.to_rgb8();
+    let [width, height] = SIZE.map(|size| size as u32);
+    let mut image = RgbImage::from_pixel(width, height, Rgb([255; 3]));
+    imageops::replace(&mut image, &drawn, 0, 0);
+    Ok(image.into_raw())
 }
 
-/// Draws facets with a depth buffer, in a parallel projection.
+/// Draws the first facet along the ray of each pixel, in a parallel projection.
 fn draw_facets(pixels: &mut [u8], facets: &Facets, answer: &FacetTable, scale: &Scale) {
     let up = facets.options().up;
     let eye = direction_at(EYE[0], EYE[1], up);
     let right = direction_at(EYE[0], EYE[1] + 90.0, up).cross(eye);
-    let above = eye.cross(right);
-    let across = |p: DVec3| DVec3::new(p.dot(right), -p.dot(above), p.dot(eye));
+    let view = DMat3::from_cols(right, right.cross(eye), eye);
     // Fit all facets into the upper part.
-    let rows = 0..facets.len();
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
-    for p in rows.clone().flat_map(|row| facets.corners_m(row)) {
-        low = low.min(across(p));
-        high = high.max(across(p));
+    for p in (0..facets.count()).flat_map(|row| facets.corners_m(row)) {
+        let p = view.transpose_mul_vec3(p);
+        low = low.min(p);
+        high = high.max(p);
     }
-    let area = DVec2::new(SIZE[0] as f64 - 40.0, (SIZE[1] - LEGEND) as f64 - 40.0);
+    let rows = SIZE[1] - LEGEND;
+    let area = DVec2::new(SIZE[0] as f64, rows as f64);
     let extent = (high - low).truncate().max(DVec2::splat(f64::MIN_POSITIVE));
-    let zoom = (area / extent).min_element();
-    let shift = (area + 40.0 - extent * zoom) / 2.0;
-    let mut depths = vec![f64::NEG_INFINITY; SIZE[0] * SIZE[1]];
-    for row in rows {
-        let corners = facets.corners_m(row).map(|p| {
-            let q = across(p) - low;
-            (q.truncate() * zoom + shift).extend(q.z)
-        });
-        let color = scale.color(answer.shades()[row]);
-        fill(pixels, &mut depths, corners, color);
-    }
-}
-
-/// Fills the pixels whose centre is in a triangle, where it is the nearest to the eye.
-fn fill(pixels: &mut [u8], depths: &mut [f64], corners: [DVec3; 3], color: [u8; 3]) {
-    let [a, b, c] = corners;
-    let low = a.min(b).min(c);
-    let high = a.max(b).max(c);
-    let edge = |p: DVec3, q: DVec3, at: DVec2| (q - p).truncate().perp_dot(at - p.truncate());
-    let twice_area = edge(a, b, c.truncate());
-    // Facets that are edge-on have no pixels.
-    if twice_area == 0.0 {
-        return;
-    }
-    let range = |axis: usize| {
-        let first = (low[axis] - 0.5).ceil().max(0.0) as usize;
-        let last = (high[axis] - 0.5).floor().min(SIZE[axis] as f64 - 1.0);
-        first..(last + 1.0) as usize
-    };
-    for y in range(1) {
-        for x in range(0) {
-            let at = DVec2::new(x as f64, y as f64) + 0.5;
-            let weights = DVec3::new(edge(b, c, at), edge(c, a, at), edge(a, b, at)) / twice_area;
-            if weights.min_element() < 0.0 {
-                continue;
-            }
-            let depth = weights.dot(DVec3::new(a.z, b.z, c.z));
-            let pixel = y * SIZE[0] + x;
-            if depth > depths[pixel] {
-                depths[pixel] = depth;
-                pixels[3 * pixel..3 * pixel + 3].copy_from_slice(&color);
-            }
+    let metres_per_pixel = (extent / (area - 40.0)).max_element();
+    let middle = low.midpoint(high).truncate();
+    // Rays begin and end beyond all facets, by more than any rounding.
+    let beyond = 0.01 * (high - low).max_element();
+    let step = eye * (low.z - high.z - 2.0 * beyond);
+    let pixels = pixels.par_chunks_exact_mut(3).take(SIZE[0] * rows);
+    pixels.enumerate().for_each(|(i, pixel)| {
+        let at = DVec2::new((i % SIZE[0]) as f64, (i / SIZE[0]) as f64) + 0.5;
+        let across = middle + (at - 0.5 * area) * metres_per_pixel;
+        let start = view * across.extend(high.z + beyond);
+        if let Some(row) = facets.first_along(start, step) {
+            pixel.copy_from_slice(&scale.color(answer.shades()[row]));
         }
-    }
+    });
 }

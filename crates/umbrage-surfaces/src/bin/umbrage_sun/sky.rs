@@ -2,6 +2,7 @@
 
 use crate::cli::Arguments;
 use anyhow::{Context as _, Result, bail, ensure};
+use chrono::{Datelike as _, NaiveDate};
 use solar_positioning::{
     Location, RefractionCorrection, SolarPositions, delta_t, time::JulianDate,
 };
@@ -9,7 +10,7 @@ use std::fs;
 use umbrage_surfaces::{Suns, Up, direction_at, glam::DVec3};
 
 /// Seconds of a day.
-const DAY_S: f64 = 86_400.0;
+pub(crate) const DAY_S: f64 = 86_400.0;
 
 /// Suns to compute for.
 #[derive(Clone, Debug)]
@@ -41,11 +42,10 @@ impl Sky {
             let directions = directions(&text).with_context(|| name.to_string())?;
             return Ok(Self::Directions(directions));
         }
-        let (Some(place), Some(day)) = (&arguments.place, &arguments.on) else {
+        let (Some(place), Some(day)) = (arguments.place, arguments.on) else {
             bail!("give a place and a day (`--where`, `--on`), or `--suns`");
         };
-        let day = LocalDay::new(place, day, arguments)?;
-        Ok(Self::Day(day))
+        Ok(Self::Day(LocalDay::new(place, day, arguments)?))
     }
 }
 
@@ -75,61 +75,37 @@ fn directions(text: &str) -> Result<Suns> {
 }
 
 impl LocalDay {
-    fn new(place: &str, day: &str, arguments: &Arguments) -> Result<Self> {
-        let coordinates = place.split_once(',').and_then(|(latitude, longitude)| {
-            let latitude: f64 = latitude.trim().parse().ok()?;
-            Some([latitude, longitude.trim().parse().ok()?])
-        });
-        let Some([latitude, longitude]) = coordinates else {
-            bail!("`--where {place}`: use degrees north and east, such as 48.1,11.6");
+    fn new(place: [f64; 2], day: NaiveDate, arguments: &Arguments) -> Result<Self> {
+        let [latitude, longitude] = place;
+        let zone = arguments.zone;
+        let title = format!("{day} at {latitude}, {longitude}, UTC{zone:+} h");
+        let at_start = || -> Result<Self, solar_positioning::Error> {
+            let delta_t = delta_t::estimate_from_date(day.year(), day.month())?;
+            let (year, month, day) = (day.year(), day.month(), day.day());
+            let noon = JulianDate::from_utc(year, month, day, 12, 0, 0.0, delta_t)?;
+            let midnight = noon.julian_date() - 0.5 - zone / 24.0;
+            let local = Self {
+                location: Location {
+                    latitude,
+                    longitude,
+                },
+                midnight: JulianDate::new(midnight, delta_t)?,
+                has_refraction: arguments.refraction,
+                step_s: arguments.step,
+                windows: arguments.window.clone(),
+                title: title.clone()
+                    + if arguments.refraction {
+                        ", refraction"
+                    } else {
+                        ""
+                    },
+            };
+            // Coordinates and years out of range are errors here, and not at each second.
+            local.position(0.0)?;
+            local.position(DAY_S)?;
+            Ok(local)
         };
-        let date = || -> Option<(i32, u32, u32)> {
-            let mut parts = day.splitn(3, '-');
-            let year = parts.next()?.parse().ok()?;
-            Some((
-                year,
-                parts.next()?.parse().ok()?,
-                parts.next()?.parse().ok()?,
-            ))
-        };
-        let (year, month, day_of_month) =
-            date().with_context(|| format!("`--on {day}`: use a date such as 2026-03-21"))?;
-        let delta_t =
-            delta_t::estimate_from_date(year, month).with_context(|| format!("`--on {day}`"))?;
-        let noon = JulianDate::from_utc(year, month, day_of_month, 12, 0, 0.0, delta_t)
-            .with_context(|| format!("`--on {day}`"))?;
-        ensure!(
-            arguments.zone.abs() <= 14.0,
-            "`--zone {}`: use hours from -14 to 14",
-            arguments.zone
-        );
-        let midnight = noon.julian_date() - 0.5 - arguments.zone / 24.0;
-        let windows: Result<Vec<_>> = arguments.window.iter().map(|text| window(text)).collect();
-        let refraction = if arguments.refraction {
-            ", refraction"
-        } else {
-            ""
-        };
-        let local = Self {
-            location: Location {
-                latitude,
-                longitude,
-            },
-            midnight: JulianDate::new(midnight, delta_t)?,
-            has_refraction: arguments.refraction,
-            step_s: step(&arguments.step)?,
-            windows: windows?,
-            title: format!(
-                "{day} at {latitude}, {longitude}, UTC{:+} h{refraction}",
-                arguments.zone
-            ),
-        };
-        // Coordinates and years out of range are errors here, and not at each second.
-        local
-            .position(0.0)
-            .and_then(|_| local.position(DAY_S))
-            .with_context(|| format!("`--where {place} --on {day}`"))?;
-        Ok(local)
+        at_start().context(title.clone())
     }
 
     fn position(&self, second: f64) -> solar_positioning::Result<[f64; 2]> {
@@ -169,44 +145,11 @@ impl LocalDay {
             };
             let hours = windows.iter().map(within).sum::<f64>() / 3600.0;
             let direction = self.direction(start + step / 2.0, up);
-            let height = match up {
-                Up::Y => direction.y,
-                Up::Z => direction.z,
-            };
-            if hours > 0.0 && height > 0.0 {
+            if hours > 0.0 && up.height(direction) > 0.0 {
                 directions.push(direction);
                 weights.push(hours);
             }
         }
         Ok(Suns::with_weights(&directions, &weights)?)
-    }
-}
-
-/// Reads a step (`1m`, `30s`, `60`) as seconds.
-fn step(text: &str) -> Result<f64> {
-    let (number, unit) = match text.strip_suffix('m') {
-        Some(number) => (number, 60.0),
-        None => (text.strip_suffix('s').unwrap_or(text), 1.0),
-    };
-    let seconds = number.parse::<f64>().unwrap_or(f64::NAN) * unit;
-    ensure!(
-        (1.0..=DAY_S).contains(&seconds),
-        "`--step {text}`: use 1s to 1440m, such as 1m"
-    );
-    Ok(seconds)
-}
-
-/// Reads a window (`8-16`, `8:30-16:15`) as seconds.
-fn window(text: &str) -> Result<[f64; 2]> {
-    let clock = |text: &str| -> Option<f64> {
-        let (hours, minutes) = text.split_once(':').unwrap_or((text, "0"));
-        let hours: f64 = hours.parse().ok()?;
-        Some(hours * 3600.0 + minutes.parse::<f64>().ok()? * 60.0)
-    };
-    let ends = text.split_once('-');
-    let ends = ends.and_then(|(from, to)| Some([clock(from)?, clock(to)?]));
-    match ends {
-        Some([from, to]) if 0.0 <= from && from < to && to <= DAY_S => Ok([from, to]),
-        _ => bail!("`--window {text}`: use hours of the day, such as 8-16 or 8:30-16"),
     }
 }
