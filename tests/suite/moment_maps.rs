@@ -193,7 +193,7 @@ fn random_maps() -> impl Strategy<Value = RandomMap> {
 #[test]
 fn random_sizes_agree() {
     let config = Config {
-        cases: 200,
+        cases: 80,
         failure_persistence: None,
         ..Config::default()
     };

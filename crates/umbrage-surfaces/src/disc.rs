@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// Error of a share of the disc by rounding alone.
 const ROUNDING: f64 = 1e-9;
-/// Share of the disc below which a caster hides nothing of it: a rounding of 0.
+/// Share of the disc below which a caster is not cut from it. Such shares are added to the bound.
 const NOTHING: f64 = 1e-14;
 
 /// A disc in the sky, evenly bright.
@@ -206,10 +206,13 @@ pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &DMat3, disc: &Disc)
     let [p, normal] = rays.point(row);
     // Casters' shares of the disc, and their images.
     let mut casters: Vec<(f64, Contour)> = Vec::new();
+    let mut negligible = 0.0;
     let mut add = |image: Contour| {
         let share = covered_share(radius, &image);
         if share > NOTHING {
             casters.push((share, image));
+        } else {
+            negligible += share.abs();
         }
         share > 1.0 - NOTHING
     };
@@ -224,12 +227,12 @@ pub(crate) fn disc_seen(rays: &Rays<'_>, row: usize, frame: &DMat3, disc: &Disc)
         return [0.0, ROUNDING];
     }
     if casters.is_empty() {
-        return [1.0, 0.0];
+        return [1.0, negligible];
     }
     // The largest ones are exact, the others are bounded.
     casters.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (largest, others) = casters.split_at(disc.max_casters.min(casters.len()));
-    let bound: f64 = others.iter().map(|caster| caster.0).sum();
+    let bound = negligible + others.iter().map(|caster| caster.0).sum::<f64>();
     let images: Vec<&Contour> = largest.iter().map(|caster| &caster.1).collect();
     let most = 1.0 - union_share(radius, &images);
     let least = (most - bound).max(0.0);

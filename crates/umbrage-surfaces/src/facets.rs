@@ -3,7 +3,7 @@
 use crate::{FacetsError, Options, Sides};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::sync::OnceLock;
+use std::{ops::Range, sync::OnceLock};
 use umbrage_core::{Anchor, Geometry, Instance, Mesh, Scene};
 
 /// Rows that errors name.
@@ -182,8 +182,9 @@ impl Facets {
         })
     }
 
-    /// Returns the first facet along a ray, computed in 32 bits: for images. The ray begins at a
-    /// position in the caller's axes, metres, and ends after a step.
+    /// Returns the first facet along a ray, computed in 32 bits: for images. Both sides count. The
+    /// ray begins at a position in the caller's axes, metres, and ends after a step. `None` if it
+    /// meets no facet.
     pub fn first_along(&self, start_m: DVec3, step_m: DVec3) -> Option<usize> {
         let geometry = self.geometry();
         let start = (start_m - self.anchor).as_vec3();
@@ -197,6 +198,26 @@ impl Facets {
     /// has a positive volume.
     fn check_closed(&self) -> Result<(), FacetsError> {
         let welded = self.welded_vertices();
+        let mut open = Vec::new();
+        // Edges of some vertices at once, which bounds the memory.
+        for first in (0..welded.len() as u32).step_by(1 << 20) {
+            open.extend(self.open_edges(&welded, first..first.saturating_add(1 << 20)));
+        }
+        if open.is_empty() {
+            return self.check_outward(&welded);
+        }
+        let rows = &open[..open.len().min(NAMED)];
+        let why = format!(
+            "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
+            open.len()
+        );
+        let help = "close the mesh, or use both sides";
+        Err(FacetsError::new("front sides", why, help))
+    }
+
+    /// Returns a facet of each edge without a neighbour, among edges whose lower vertex is in a
+    /// range.
+    fn open_edges(&self, welded: &[u32], range: Range<u32>) -> Vec<u32> {
         // Each edge from its lower vertex, with its facet and whether it is turned round.
         let mut edges: Vec<([u32; 2], u32, bool)> = (0..self.count() as u32)
             .into_par_iter()
@@ -208,6 +229,7 @@ impl Facets {
                 let sides = sides.filter(move |_| !is_flat);
                 sides.map(move |[from, to]| ([from.min(to), from.max(to)], row, from > to))
             })
+            .filter(|(edge, ..)| range.contains(&edge[0]))
             .collect();
         edges.par_sort_unstable();
         let groups = edges.chunk_by(|a, b| a.0 == b.0);
@@ -215,17 +237,7 @@ impl Facets {
             let turned = same.iter().filter(|edge| edge.2).count();
             2 * turned != same.len()
         };
-        let open: Vec<u32> = groups.filter(is_open).map(|same| same[0].1).collect();
-        if open.is_empty() {
-            return self.check_outward(&welded);
-        }
-        let rows = &open[..open.len().min(NAMED)];
-        let why = format!(
-            "{} edges, such as those of facets {rows:?}, have no neighbour that is turned alike",
-            open.len()
-        );
-        let help = "close the mesh, or use both sides";
-        Err(FacetsError::new("front sides", why, help))
+        groups.filter(is_open).map(|same| same[0].1).collect()
     }
 
     /// Returns an error if a connected body has a negative volume.

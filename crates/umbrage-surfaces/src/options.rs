@@ -73,6 +73,7 @@ impl FromStr for Sides {
     }
 }
 
+/// Returns the value of a name; `None` if it is unknown.
 fn find_name<T: Copy>(text: &str, names: &[(&str, T)]) -> Option<T> {
     let found = names.iter().find(|(name, _)| *name == text);
     found.map(|&(_, value)| value)

@@ -1,6 +1,7 @@
 //! Areas of unions of polygons, by `i_overlay` in 64-bit integers.
 //!
-//! The areas share no code with the cutting of lit areas, whose sum they check.
+//! The areas share no code with the cutting of lit areas, whose sum they check. They do share the
+//! tree that finds the facets of a cell; tests compare them with the union of all facets at once.
 
 use crate::tree::{self, Scene, Stack};
 use glam::{DVec2, Vec3Swizzles as _};

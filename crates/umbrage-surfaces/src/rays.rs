@@ -108,7 +108,7 @@ impl<'a> Rays<'a> {
     }
 
     /// Passes the corners, relative to a point, of facets that may hide a part of a cone around the
-    /// sun to `visit`. Facets that the point is on hide nothing.
+    /// sun to `visit`, until it returns true. Facets that the point is on hide nothing.
     pub(crate) fn visit_in_cone(
         &self,
         p: DVec3,

@@ -5,8 +5,8 @@ use bytemuck::cast_slice;
 use glam::{Affine3A, Vec2, Vec3};
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::{
-    cell::{Cell, RefCell},
-    sync::Arc,
+    cell::Cell,
+    sync::{Arc, Mutex, PoisonError},
 };
 use umbrage_core::{
     Backend, Camera, DeviceHierarchy, Instance, Kernel, Light, Mesh, NO_TRIANGLE, Scene,
@@ -118,20 +118,29 @@ fn mask(world: &World, set: &LightSet, id: LightId, forward: &mut Forward) -> Ve
     forward.mask(&world.program, set, index)
 }
 
-/// A set and a program's renderer of it. All scenes of a test share them, because pipelines take
+/// A set and a program's renderer of it. All scenes of all tests share them, because pipelines take
 /// far longer to compile than a scene takes to draw.
 struct Comparison {
     set: LightSet,
     forward: Forward,
 }
 
-impl Comparison {
-    fn new() -> Self {
-        let set = World::new("cubes").empty_set();
-        let forward = Forward::default();
-        Self { set, forward }
-    }
+static COMPARISON: Mutex<Option<Comparison>> = Mutex::new(None);
 
+/// Calls `run` with the shared comparison, or with a new one if a test failed before.
+fn with_comparison<T>(run: impl FnOnce(&mut Comparison) -> T) -> T {
+    let mut shared = COMPARISON.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut comparison = shared.take().unwrap_or_else(|| Comparison {
+        set: World::new("cubes").empty_set(),
+        forward: Forward::default(),
+    });
+    comparison.set.limit_references(None);
+    let result = run(&mut comparison);
+    *shared = Some(comparison);
+    result
+}
+
+impl Comparison {
     /// Returns the number of receivers at which rays differ, and the number in shadow, summed over
     /// a scene's lights.
     fn count(&mut self, world: &World) -> [usize; 2] {
@@ -184,9 +193,9 @@ fn allowed_pixels(pixels: usize) -> usize {
 
 #[test]
 fn hierarchies_of_the_device_answer_as_rays_do() {
-    let mut comparison = Comparison::new();
     for (_, name) in SCENES.iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
-        let shadowed = comparison.check(&World::new(name), name);
+        let world = World::new(name);
+        let shadowed = with_comparison(|comparison| comparison.check(&world, name));
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
     }
 }
@@ -213,16 +222,16 @@ fn check_random(scenes: impl Strategy<Value = Scene>, cases: u32) {
         ..ProptestConfig::default()
     };
     let in_shadow = Cell::new(0);
-    let comparison = RefCell::new(Comparison::new());
     proptest!(config, |(scene in scenes)| {
         let Some(world) = world_of(scene) else {
             return Ok(());
         };
-        let mut comparison = comparison.borrow_mut();
         // With capacity for strips, and without.
         for most in [None, Some(0)] {
-            comparison.set.limit_references(most);
-            let [wrong, shadowed] = comparison.count(&world);
+            let [wrong, shadowed] = with_comparison(|comparison| {
+                comparison.set.limit_references(most);
+                comparison.count(&world)
+            });
             prop_assert!(wrong <= allowed_pixels(world.receivers.len()), "{} pixels", wrong);
             in_shadow.set(in_shadow.get() + shadowed);
         }
@@ -260,10 +269,12 @@ fn rays_of_another_light_answer_otherwise() {
 /// anywhere. The answers are the same.
 #[test]
 fn hierarchies_without_room_answer_alike() {
-    let mut comparison = Comparison::new();
-    comparison.set.limit_references(Some(0));
     for name in ["figure", "lamp-in-room", "bar-at-lamp"] {
-        let shadowed = comparison.check(&World::new(name), name);
+        let world = World::new(name);
+        let shadowed = with_comparison(|comparison| {
+            comparison.set.limit_references(Some(0));
+            comparison.check(&world, name)
+        });
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
     }
 }
@@ -283,8 +294,7 @@ fn add_triangles(scene: &mut Scene, triangles: &[[Vec3; 3]]) {
 fn casters_that_are_not_finite_change_nothing() {
     for name in ["cubes", "teapot-lamp"] {
         let world = World::new(name);
-        let mut comparison = Comparison::new();
-        let shadowed = comparison.check(&world, name);
+        let shadowed = with_comparison(|comparison| comparison.check(&world, name));
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
         let d = world.program.d;
         for odd in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
@@ -300,12 +310,14 @@ fn casters_that_are_not_finite_change_nothing() {
                 base_vertex: 0,
                 bounds: world.geometry.caster_bounds(),
             };
-            let mesh = comparison.set.add_mesh(&mesh).expect("valid");
-            let caster = comparison.set.add_caster(mesh, Affine3A::IDENTITY);
-            comparison.check(&world, &format!("{name} and {odd}"));
-            let set = &mut comparison.set;
-            set.remove_caster(caster.expect("valid")).expect("is there");
-            set.remove_mesh(mesh).expect("is there");
+            with_comparison(|comparison| {
+                let mesh = comparison.set.add_mesh(&mesh).expect("valid");
+                let caster = comparison.set.add_caster(mesh, Affine3A::IDENTITY);
+                comparison.check(&world, &format!("{name} and {odd}"));
+                let set = &mut comparison.set;
+                set.remove_caster(caster.expect("valid")).expect("is there");
+                set.remove_mesh(mesh).expect("is there");
+            });
         }
     }
 }
@@ -313,7 +325,6 @@ fn casters_that_are_not_finite_change_nothing() {
 /// A triangle over everything puts everything in shadow, and one below everything changes nothing.
 #[test]
 fn casters_that_cover_everything_answer_as_rays_do() {
-    let mut comparison = Comparison::new();
     for name in ["cubes", "teapot-lamp"] {
         let [below, above] = [-1e3, 9.0].map(|height| {
             let mut world = World::new(name);
@@ -325,7 +336,8 @@ fn casters_that_cover_everything_answer_as_rays_do() {
             {
                 position.y = 10.0;
             }
-            comparison.check(&World::of_scene(world.scene), name)
+            let world = World::of_scene(world.scene);
+            with_comparison(|comparison| comparison.check(&world, name))
         });
         assert!(above > below, "{name}: {below} of {above}");
     }
@@ -383,7 +395,7 @@ fn crowds_of_casters_answer_as_rays_do() {
     let count = std::env::var("UMBRAGE_CROWD").ok();
     let count = count.map_or(20_000, |count| count.parse().expect("a number"));
     let world = crowd(count);
-    let shadowed = Comparison::new().check(&world, "crowd");
+    let shadowed = with_comparison(|comparison| comparison.check(&world, "crowd"));
     assert!(shadowed > 100, "only {shadowed} in shadow");
 }
 
@@ -418,7 +430,10 @@ fn casters_far_along_the_light_answer_as_rays_do() {
     let looks_at = away * 490.0;
     scene.cameras[0] =
         Camera::perspective(eye, looks_at, down, 0.8, near_far, size).expect("valid");
-    let shadowed = Comparison::new().check(&World::of_scene(world.scene), "plates");
+    let shadowed = {
+        let world = World::of_scene(world.scene);
+        with_comparison(|comparison| comparison.check(&world, "plates"))
+    };
     assert!(shadowed > 100, "only {shadowed} in shadow");
 }
 

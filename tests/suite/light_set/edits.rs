@@ -518,7 +518,7 @@ fn a_set_never_shows_what_is_stale() {
     let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let config = ProptestConfig {
-        cases: 40,
+        cases: 28,
         max_shrink_iters: 200,
         rng_seed: RngSeed::Fixed(7),
         failure_persistence: None,

@@ -229,9 +229,11 @@ impl CutOuts {
         let whole: f64 = weights.iter().sum();
         let weighted = record.uvs.iter().zip(weights);
         let uv: DVec2 = weighted.map(|(uv, weight)| uv.as_dvec2() * weight).sum();
-        // Keep the fraction, which 32 bits hold to a part of a texel: textures repeat.
-        let fraction = (uv / whole).map(|t| t - t.floor());
-        self.is_clear(&record, texel_at(fraction.as_vec2(), record.size))
+        // Keep the fraction, which 32 bits hold to a part of a texel: textures repeat. It may not
+        // round to 1, which is the first texel.
+        let fraction = (uv / whole).map(|t| t - t.floor()).as_vec2();
+        let below_one = Vec2::splat(1.0 - 0.5 * f32::EPSILON);
+        self.is_clear(&record, texel_at(fraction.min(below_one), record.size))
     }
 
     /// Returns whether the ray through a pixel's centre meets a hole of a triangle, given its

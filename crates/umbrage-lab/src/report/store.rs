@@ -64,7 +64,12 @@ fn content_hash(input: &SceneInput) -> String {
     // Hash texels as bytes: as text, each takes some 50 bytes, a gigabyte for a large texture.
     let textures: Vec<_> = textures
         .iter()
-        .map(|texture| (&texture.name, texture.size, hash(texture.texels.as_bytes())))
+        .map(|texture| {
+            let texels = &texture.texels;
+            // Equal bytes of another encoding have other values.
+            let encoding = std::mem::discriminant(texels);
+            (&texture.name, texture.size, encoding, hash(texels.as_bytes()))
+        })
         .collect();
     let surfaces = (meshes, instances, materials, textures);
     let rest = (name, lights, cameras, anchor, notices);

@@ -12,7 +12,7 @@ use crate::{
 use glam::UVec2;
 use std::{fs, sync::Arc, time::Duration};
 use umbrage_core::{
-    Receivers,
+    Receivers, Texels,
     metrics::{Causes, Errors, Pixel},
 };
 use umbrage_plan::{
@@ -560,18 +560,25 @@ fn figures_that_were_changed_are_not_taken_up() {
 
 #[test]
 fn plans_differ_where_a_texel_or_the_size_of_a_texture_does() {
-    let contents = |size: [u32; 2], blue: f32| {
-        let mut texels = vec![[0.5; 4]; 4];
-        texels[3][2] = blue;
+    let contents_of = |size: [u32; 2], texels: Texels| {
         let mut scene = umbrage_scenes::by_argument("cubes").expect("built in");
         scene.textures.push(umbrage_core::Texture {
             name: "tile".to_owned(),
             size: size.into(),
-            texels: texels.into(),
+            texels,
         });
         let input = SceneInput::new(scene, "");
         ComparisonPlan::new(&[input], &CompareOptions::default()).contents
     };
+    let contents = |size, blue: f32| {
+        let mut texels = vec![[0.5; 4]; 4];
+        texels[3][2] = blue;
+        contents_of(size, texels.into())
+    };
+    // The same bytes have other values in another encoding.
+    let bytes = vec![[128; 4]; 4];
+    let linear = contents_of([2, 2], Texels::Unorm8(bytes.clone()));
+    assert_ne!(linear, contents_of([2, 2], Texels::Srgb8(bytes)));
     assert_eq!(contents([2, 2], 0.5), contents([2, 2], 0.5));
     assert_ne!(contents([2, 2], 0.5), contents([2, 2], 0.5 + f32::EPSILON));
     assert_ne!(contents([2, 2], 0.5), contents([4, 1], 0.5));

@@ -15,7 +15,7 @@ use umbrage_core::{
 
 /// Greatest movement of a ray's origin by the rounding of its own triangle's corners, as a share of
 /// the pixel's width there. On larger triangles, 32-bit rounding would decide visible shadows, and
-/// truth must be better. This rule has no constant in common with the code under test.
+/// truth must be better. The rule does not use [`GIANT`](super::points::GIANT), which it judges.
 const CORNERS_SHARE: f64 = 0.1;
 
 /// Number of points of an area light along each side.

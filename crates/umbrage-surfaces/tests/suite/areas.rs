@@ -81,7 +81,7 @@ fn lit_areas_add_up_to_the_silhouette() {
             let (lit, stated) = areas_of(&mesh.certified_facets(sides), sun);
             let error = identity_error(&mesh, &lit, sun);
             assert!(error < IDENTITY, "{name}: {error:.1e} towards {sun}");
-            // The library's own check of it, by outlines, agrees with the other program's union.
+            // The library's own check, by the union within each cell, agrees with that of all facets.
             let own = stated.identity.expect("certified");
             assert!(own + error < IDENTITY, "{name}: {stated} towards {sun}");
         }
@@ -304,6 +304,8 @@ fn answers_have_the_same_bits_on_any_number_of_threads() {
         let facets = mesh.certified_facets(sides);
         for &sun in suns(&[45.0, 4.0]).directions() {
             let one = on_threads(1, || areas_of(&facets, sun));
+            let identity = one.1.identity.expect("certified");
+            assert!(identity < IDENTITY, "{name}: {identity:.1e}");
             for threads in [2, 16] {
                 let many = on_threads(threads, || areas_of(&facets, sun));
                 assert!(many == one, "{name} on {threads} threads");

@@ -105,7 +105,7 @@ impl LocalDay {
             local.position(DAY_S)?;
             Ok(local)
         };
-        at_start().context(title.clone())
+        at_start().with_context(|| format!("`--where`, `--on` and `--zone`: {title}"))
     }
 
     fn position(&self, second: f64) -> solar_positioning::Result<[f64; 2]> {
