@@ -68,7 +68,12 @@ fn content_hash(input: &SceneInput) -> String {
             let texels = &texture.texels;
             // Equal bytes of another encoding have other values.
             let encoding = std::mem::discriminant(texels);
-            (&texture.name, texture.size, encoding, hash(texels.as_bytes()))
+            (
+                &texture.name,
+                texture.size,
+                encoding,
+                hash(texels.as_bytes()),
+            )
         })
         .collect();
     let surfaces = (meshes, instances, materials, textures);
