@@ -122,16 +122,24 @@ fn recipe_of(kernel: ExactKernel) -> Recipe {
         table("items", |lists| &lists.items),
         table("corners", |lists| &lists.corners),
     ];
-    if let Some(cut_outs) = &kernel.cut_outs {
-        tables.push(Table {
-            label: "cut-outs",
-            rows: cut_outs.rows().clone().into(),
-        });
+    tables.extend(kernel.cut_outs.as_deref().map(cut_out_table));
+    recipe_from_tables(Arc::new(kernel), tables)
+}
+
+/// Returns the table of the records of alpha-tested casters.
+fn cut_out_table(cut_outs: &CutOuts) -> Table {
+    Table {
+        label: "cut-outs",
+        rows: cut_outs.rows().clone().into(),
     }
+}
+
+/// Returns the recipe of a kernel that reads all of these tables, and no image.
+fn recipe_from_tables(kernel: Arc<dyn ReceiveKernel>, tables: Vec<Table>) -> Recipe {
     Recipe {
         images: Vec::new(),
         receive: Receive {
-            kernel: Arc::new(kernel),
+            kernel,
             inputs: Vec::new(),
             tables: (0..tables.len()).collect(),
         },

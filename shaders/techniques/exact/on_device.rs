@@ -10,13 +10,14 @@
 //! times the casters' distance.
 
 use super::{
-    CASTER_CUT_OUT, CASTER_OPAQUE, ExactUniforms, FRAME_POINT,
+    CASTER_CUT_OUT, CASTER_OPAQUE, ExactUniforms, FRAME_POINT, cut_out_table,
     light_frame::{LEAST_MARGIN, LightFrame, POSITION_MARGIN},
+    recipe_from_tables,
 };
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, CutOuts, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, Receive,
-    ReceiveKernel, Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
+    Aabb, CutOuts, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, ReceiveKernel,
+    Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{DVec2, DVec3, Vec2, Vec3, Vec4},
@@ -152,23 +153,8 @@ fn recipe_without_casters(kernel: HierarchyKernel, cut_outs: Option<&CutOuts>) -
         table("hierarchy", hierarchy),
         table("corners", vec![[0; 4]; 3]),
     ];
-    tables.extend(cut_outs.map(|cut_outs| Table {
-        label: "cut-outs",
-        rows: cut_outs.rows().clone().into(),
-    }));
-    Recipe {
-        images: Vec::new(),
-        receive: Receive {
-            kernel: Arc::new(kernel),
-            inputs: Vec::new(),
-            tables: (0..tables.len()).collect(),
-        },
-        tables,
-        casts: Vec::new(),
-        filters: Vec::new(),
-        shade: None,
-        keep_images: false,
-    }
+    tables.extend(cut_outs.map(cut_out_table));
+    recipe_from_tables(Arc::new(kernel), tables)
 }
 
 /// Kernel that queries the hierarchy.
