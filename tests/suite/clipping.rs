@@ -156,7 +156,7 @@ fn faces_at_zero_w_are_drawn_wrongly_as_on_a_card() {
 fn exact_techniques_stay_exact() {
     let techniques: [&dyn ShadowTechnique; 2] = [&ShadowVolumes::default(), &Planar::default()];
     let mut compared = [0; 2];
-    for name in SCENES {
+    for (turn, name) in SCENES.iter().enumerate() {
         let stage = ClippingScene::of_width(name, WIDTH);
         let mut exact = Cpu::new();
         let mut find = |camera: &_, geometry: &_| exact.receivers(camera, geometry);
@@ -175,7 +175,8 @@ fn exact_techniques_stay_exact() {
                 continue;
             };
             let expected = Cpu::new().render(&view, &recipe).expect("valid").mask;
-            for device in devices() {
+            // Half of the devices for each scene, in turn.
+            for device in devices().into_iter().skip(turn % 2).step_by(2) {
                 // At outlines of visible surfaces, another triangle may cover a pixel.
                 let own = cpu_with(&device).render(&stage.view(), &recipe);
                 let own = own.expect("valid");

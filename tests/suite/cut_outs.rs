@@ -331,10 +331,17 @@ fn techniques_without_holes_refuse_them() {
     }
 }
 
-/// Returns the default techniques, and other kinds of maps: cascades, fits around the camera, 16
-/// bits, peeled layers in 16 bits.
+/// Returns the default techniques on small maps, and other kinds of maps: cascades, fits around the
+/// camera, 16 bits, peeled layers in 16 bits.
 fn techniques() -> Vec<TechniquePreset> {
-    let mut out = TechniquePreset::defaults();
+    let on_small_map = |preset: TechniquePreset| match preset.map() {
+        Some(map) => preset.with_map(ShadowMap { size: 400, ..*map }),
+        None => preset,
+    };
+    let mut out: Vec<_> = TechniquePreset::defaults()
+        .into_iter()
+        .map(on_small_map)
+        .collect();
     let cascades = ShadowMap {
         size: 256,
         layout: Layout::Cascades(Cascades::default()),

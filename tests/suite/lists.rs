@@ -19,7 +19,7 @@ use umbrage_tests::{
 };
 
 /// Greatest width, pixels.
-const WIDTH: u32 = 480;
+const WIDTH: u32 = 320;
 
 /// Greatest number of triangles of the built-in scenes. A hierarchy of more takes seconds in tests.
 const MOST_TRIANGLES: usize = 150_000;

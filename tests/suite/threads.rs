@@ -14,9 +14,7 @@ fn threads_and_vectors_change_nothing() {
     // The last one has an area light, for which soft shadows search and filter.
     for name in ["cubes", "figure", "teapot-lamp"] {
         let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
-        if !scene.lights[0].is_ideal() {
-            scene.cameras[0] = scene.cameras[0].with_size(UVec2::new(160, 120));
-        }
+        scene.cameras[0] = scene.cameras[0].with_size(UVec2::new(160, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in all().iter().flat_map(|e| (e.exhaustive)(200)) {
@@ -58,7 +56,8 @@ fn read_backs_wait_for_callbacks_of_other_threads() {
         .expect("a built-in scene")
         .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
-    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let camera = scene.cameras[0].with_size(UVec2::new(160, 120));
+    let view = View::new(&camera, &scene.lights[0], &geometry);
     let recipe = MapTechnique::<Hard>::default()
         .recipe(&view)
         .expect("renders");

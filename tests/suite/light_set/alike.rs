@@ -53,8 +53,12 @@ impl World {
             .build)())
     }
 
-    pub(super) fn of_scene(mut scene: Scene) -> Self {
-        scene.cameras[0] = scene.cameras[0].with_size(UVec2::new(160, 120));
+    pub(super) fn of_scene(scene: Scene) -> Self {
+        Self::of_size(scene, UVec2::new(160, 120))
+    }
+
+    pub(super) fn of_size(mut scene: Scene, size: UVec2) -> Self {
+        scene.cameras[0] = scene.cameras[0].with_size(size);
         let geometry = Geometry::bake(&scene).expect("valid");
         let receivers = Cpu::new()
             .receivers(&scene.cameras[0], &geometry)

@@ -232,10 +232,12 @@ impl WavyFloor {
     fn new(program: &ForwardProgram, size: UVec2) -> Self {
         let d = program.d;
         let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y)));
+        // Floors of different widths differ in all positions.
+        let shift = size.x as f32 * 0.013 - 9.0;
         let positions: Vec<[f32; 4]> = pixels
             .map(|(x, y)| {
                 let receives = f32::from(u8::from((x * 7 + y * 3) % 11 != 0));
-                [x as f32 * 0.731 - 9.0, 0.0, y as f32 * 0.613, receives]
+                [x as f32 * 0.731 + shift, 0.0, y as f32 * 0.613, receives]
             })
             .collect();
         let normals: Vec<[f32; 4]> = positions

@@ -11,9 +11,8 @@ use umbrage_core::{
 use umbrage_techniques::{Hard, MapFilter as _, ShadowMap};
 
 /// Tilts of the sun against the zenith, from one side to the other.
-const TILTS: [f32; 15] = [
-    -0.02, -0.015, -0.01, -0.005, -1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 0.005, 0.01, 0.015,
-    0.02,
+const TILTS: [f32; 11] = [
+    -0.02, -0.01, -1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 0.01, 0.02,
 ];
 
 /// Least y of the normals of evaluated pixels. Walls are lit on one side of the zenith only, at
@@ -59,8 +58,8 @@ fn errors_towards(azimuth: f32) -> Vec<f64> {
 
 #[test]
 fn the_error_does_not_jump_as_the_sun_crosses_the_zenith() {
-    for eighth in 0..8_u8 {
-        let azimuth = f32::from(eighth) * std::f32::consts::FRAC_PI_8;
+    for quarter in 0..4_u8 {
+        let azimuth = f32::from(quarter) * std::f32::consts::FRAC_PI_4;
         let errors = errors_towards(azimuth);
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = errors.iter().copied().fold(0.0, f64::max);

@@ -58,7 +58,7 @@ fn steps(options: &CiOptions) -> Vec<Step> {
         test::test(&TestOptions {
             install_driver,
             pinned_driver,
-            drivers: DriverTests::Tenth,
+            drivers: DriverTests::Part,
             arguments: Vec::new(),
         })
     };

@@ -49,7 +49,7 @@ pub(crate) struct TestOptions {
     #[arg(long)]
     pub(crate) install_driver: bool,
     /// Tests to run under each model of a driver with other rounding, and on SwiftShader
-    #[arg(long, value_name = "HOW", value_enum, default_value = "tenth")]
+    #[arg(long, value_name = "HOW", value_enum, default_value = "part")]
     pub(crate) drivers: DriverTests,
     /// Fail unless the adapter is the software driver on which the backends promise the same bits.
     /// Without this option, other drivers are compared by decided pixels
@@ -63,8 +63,9 @@ pub(crate) struct TestOptions {
 /// Tests to run under driver models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DriverTests {
-    /// A fixed tenth of the cases, and all cases that failed once
-    Tenth,
+    /// Each tenth case with rewritten shaders, each thirtieth on the second driver, and all cases
+    /// that failed once
+    Part,
     /// All tests that compare an adapter with the CPU
     All,
 }

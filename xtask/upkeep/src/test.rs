@@ -50,8 +50,8 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         let start = Instant::now();
         let mut command = cargo();
         driver.select(command.args(SECOND));
-        if options.drivers == DriverTests::Tenth {
-            command.env(NTH_CASE, TENTH);
+        if options.drivers == DriverTests::Part {
+            command.env(NTH_CASE, NTH_ON_SECOND);
         }
         let totals = run_tests(&mut command, options.drivers)?;
         failed += print_totals(&totals, start, "SwiftShader");
@@ -114,14 +114,16 @@ const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 
 /// Environment variable that makes tests run each Nth of their cases: see `tests/driver_model.rs`.
 const NTH_CASE: &str = "UMBRAGE_EVERY_NTH_CASE";
-/// Divisor of the number of cases on the second driver and under each model of a driver. Drivers on
-/// the CPU take longer to compile each case's shaders than to run them.
-const TENTH: &str = "10";
+/// Divisors of the number of cases under each model of a driver, and on the second driver. Drivers
+/// on the CPU take longer to compile each case's shaders than to run them, and the second driver
+/// takes longest.
+const NTH_UNDER_MODELS: &str = "10";
+const NTH_ON_SECOND: &str = "30";
 
 /// Arguments for the tests with rewritten shaders: some of each kind, and all that compare an
 /// adapter with the CPU.
 #[rustfmt::skip]
-const TENTH_ON_EVERY_DRIVER: [&str; 15] = [
+const PART_ON_EVERY_DRIVER: [&str; 15] = [
     "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--", "every_driver::", "agreement::random_scenes",
     "cascades::both_halves_agree", "soft::both_halves_agree", "lists::lamps_amid_triangles", "random_scenes_are_listed",
     "shadow_volumes_are_exact", "gives_the_bits_that_it_gives_alone", "the_suite_agrees",
@@ -139,9 +141,9 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     let mut command = cargo();
     command.env(DRIVER_MODEL, model);
     match tests {
-        DriverTests::Tenth => {
-            command.args(TENTH_ON_EVERY_DRIVER);
-            command.env(NTH_CASE, TENTH);
+        DriverTests::Part => {
+            command.args(PART_ON_EVERY_DRIVER);
+            command.env(NTH_CASE, NTH_UNDER_MODELS);
         }
         DriverTests::All => {
             command.args(ALL_ON_EVERY_DRIVER);
@@ -224,7 +226,7 @@ const UNOPTIMISED: (&str, &str) = ("GALLIVM_PERF", "nopt");
 /// Runs tests and prints their output.
 fn run_tests(command: &mut Command, drivers: DriverTests) -> Result<Totals> {
     // `--drivers all` tests the driver as users have it.
-    if drivers == DriverTests::Tenth && std::env::var_os(UNOPTIMISED.0).is_none() {
+    if drivers == DriverTests::Part && std::env::var_os(UNOPTIMISED.0).is_none() {
         command.env(UNOPTIMISED.0, UNOPTIMISED.1);
     }
     // Keep a number that the user has set.

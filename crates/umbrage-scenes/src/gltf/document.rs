@@ -28,7 +28,7 @@ const LOOKS: &str = "KHR_materials_";
 
 /// Reads and checks a document, and lists its ignored contents.
 pub(super) fn parse(json: &[u8]) -> Result<(Document, Vec<String>), Invalid> {
-    let (mut root, animations) = match serde_json::from_slice::<Root>(json) {
+    let (mut root, animations) = match Root::from_slice(json) {
         Ok(root) => {
             let animations = root.animations.len();
             (root, animations)
@@ -67,7 +67,8 @@ fn lenient_root(json: &[u8]) -> Option<(Root, usize)> {
             .entry("nodes")
             .or_insert_with(|| Value::Array(Vec::new()));
     }
-    Some((serde_json::from_value(document).ok()?, animations))
+    let json = serde_json::to_vec(&document).ok()?;
+    Some((Root::from_slice(&json).ok()?, animations))
 }
 
 /// Returns the nodes of a document as JSON, whose numbers have 64 bits. Empty if no node is far
