@@ -345,9 +345,11 @@ fn casters_that_cover_everything_answer_as_rays_do() {
     }
 }
 
-/// Small triangles within a 16,384th of a light's view, between two that are a kilometre apart. Many
-/// keys are equal.
+/// Small triangles within a 16,384th of a light's view, between two that are a kilometre apart, if
+/// there are more than two. Many keys are equal.
 fn crowd(count: usize) -> World {
+    let far: &[f32] = if count > 2 { &[-500.0, 500.0] } else { &[] };
+    let near = count - far.len();
     let mut seed = 1_u32;
     let mut random = || {
         // Numerical Recipes' generator (Press and others 1992).
@@ -356,13 +358,13 @@ fn crowd(count: usize) -> World {
     };
     // About half of the crowd's ground is in shadow.
     let size = 0.05 / (count as f32).sqrt();
-    let mut triangles: Vec<[Vec3; 3]> = (0..count)
+    let mut triangles: Vec<[Vec3; 3]> = (0..near)
         .map(|_| {
             let at = Vec3::new(0.04 * random(), 0.1 + 0.1 * random(), 0.04 * random());
             [0; 3].map(|_| at + size * Vec3::new(random(), random(), random()) * 2.0)
         })
         .collect();
-    for x in [-500.0, 500.0] {
+    for &x in far {
         triangles.push([0.0, 1.0, 2.0].map(|z| Vec3::new(x, 1.0, z)));
     }
     let mut world = World::new("cubes");
@@ -399,6 +401,51 @@ fn crowds_of_casters_answer_as_rays_do() {
     let world = crowd(count);
     let shadowed = with_comparison(|comparison| comparison.check(&world, "crowd"));
     assert!(shadowed > 100, "only {shadowed} in shadow");
+}
+
+/// Numbers of casters that fill a node of eight children, a node of such nodes, and a level more;
+/// and one more than each, which needs another level.
+#[test]
+fn few_casters_answer_as_rays_do() {
+    for count in [1, 2, 8, 9, 64, 65, 512, 513] {
+        let world = crowd(count);
+        let what = format!("{count} casters");
+        let shadowed = with_comparison(|comparison| comparison.check(&world, &what));
+        assert!(shadowed > 10, "{what}: only {shadowed} in shadow");
+    }
+}
+
+/// Memory for many casters is freed when few remain, and the rest with the last light.
+#[test]
+fn memory_follows_the_number_of_casters() {
+    let [many, few] = [20_000, 10].map(crowd);
+    let mut set = many.empty_set();
+    let light = set.add_light(exact(many.scene.lights[0])).expect("valid");
+    let mut forward = Forward::default();
+    let mut check_and_count_bytes = |set: &mut LightSet, world: &World| {
+        world.program.update(set, &world.frame_without_triangles());
+        let found = mask(world, set, light, &mut forward);
+        let expected = world.trace_mask(set, &world.scene.lights[0]);
+        let wrong = count_differing(&found, &expected);
+        assert!(wrong <= allowed_pixels(world.receivers.len()), "{wrong}");
+        set.table_bytes()
+    };
+    let casters = many.add_casters(&mut set);
+    let before = check_and_count_bytes(&mut set, &many);
+    assert!(before > 100 * 20_000, "{before} bytes");
+    for (mesh, caster) in casters {
+        set.remove_caster(caster).expect("is there");
+        set.remove_mesh(mesh).expect("is there");
+    }
+    few.add_casters(&mut set);
+    let after = check_and_count_bytes(&mut set, &few);
+    assert!(after * 5 < before, "{after} bytes, {before} before");
+    // Memory for a few more casters is kept.
+    assert_eq!(check_and_count_bytes(&mut set, &few), after);
+    set.remove_light(light).expect("is there");
+    few.program.update(&mut set, &few.frame_without_triangles());
+    let rest = set.table_bytes();
+    assert!(rest < after && rest <= 1 << 16, "{rest} bytes");
 }
 
 /// Plates along a kilometre of the sun's rays: positions round in proportion to the depth, which is

@@ -315,6 +315,16 @@ impl LightEntry {
     }
 }
 
+/// Least size that is always kept, in bytes, rows or items: small buffers cost more to create again
+/// than to keep.
+const LEAST_KEPT: u64 = 1 << 12;
+
+/// Returns whether a buffer of a size is kept for what is needed now: it is large enough, and at
+/// most eight times as large, so that sizes that vary seldom create another.
+pub(crate) fn is_kept(held: u64, needed: u64) -> bool {
+    (needed..=8 * needed.max(LEAST_KEPT)).contains(&held)
+}
+
 /// All tables of all lights in one buffer. Lights with equal tables share them.
 #[derive(Debug, Default)]
 pub(crate) struct SharedTables {
@@ -373,30 +383,28 @@ impl SharedTables {
         )
     }
 
-    /// Ensures that a region has at least `count` rows. Returns whether its position changed.
+    /// Ensures that a region has at least `count` rows, and not far more. Returns whether its
+    /// position changed.
     pub(crate) fn reserve(&mut self, region: Region, count: u32) -> bool {
-        let known = self.held.iter().position(|held| held.content.is(region));
-        if let Some(index) = known {
-            if self.held[index].count >= count {
-                return false;
-            }
-            self.held.remove(index);
-            self.pack();
+        let known = self.held.iter().find(|held| held.content.is(region));
+        if known.is_some_and(|held| is_kept(held.count.into(), count.into())) {
+            return false;
         }
+        self.free(region);
         self.push(Content::Made(region), count);
         self.moves += 1;
         true
     }
 
-    /// Frees a light's region.
-    pub(crate) fn free(&mut self, light: LightKey) {
+    /// Frees a region, if it is reserved. Returns whether it was.
+    pub(crate) fn free(&mut self, region: Region) -> bool {
         let before = self.held.len();
-        self.held.retain(
-            |held| !matches!(held.content, Content::Made(Region::Light(id)) if id == light),
-        );
-        if self.held.len() != before {
+        self.held.retain(|held| !held.content.is(region));
+        let was_reserved = self.held.len() != before;
+        if was_reserved {
             self.pack();
         }
+        was_reserved
     }
 
     /// Returns a region's position, which is empty if it wasn't reserved.
@@ -407,7 +415,7 @@ impl SharedTables {
 
     /// Returns the bytes of all tables except a light's region.
     pub(crate) fn bytes_without(&self, light: LightKey) -> u64 {
-        let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id)) if id == light);
+        let is_other = |held: &&HeldTable| !held.content.is(Region::Light(light));
         let others = self.held.iter().filter(is_other);
         16 * others.map(|held| u64::from(held.count)).sum::<u64>()
     }
@@ -470,8 +478,7 @@ impl SharedTables {
     pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
         let mut uploaded = Uploaded::default();
         let size = 16 * u64::from(self.rows()).max(1);
-        let held = self.buffer.as_ref().map_or(0, Buffer::size);
-        if held < size {
+        if !is_kept(self.buffer_bytes(), size) {
             let most = factory.device.limits().max_storage_buffer_binding_size;
             let room = size.next_power_of_two().min(most.max(size));
             self.buffer = Some(factory.buffer("umbrage tables", BufferUsages::STORAGE, room));
@@ -497,6 +504,11 @@ impl SharedTables {
 
     pub(crate) fn buffer(&self) -> Option<&Buffer> {
         self.buffer.as_ref()
+    }
+
+    /// Returns the bytes of the buffer, 0 if there is none yet.
+    pub(crate) fn buffer_bytes(&self) -> u64 {
+        self.buffer.as_ref().map_or(0, Buffer::size)
     }
 
     /// Drops the buffer: the next upload creates and fills another.
@@ -541,6 +553,21 @@ mod tests {
         assert!(tables.retain(|rows| rows[0][0] == 2, |_| true));
         assert_eq!(tables.place(&table(2, 2)).first, 0);
         assert!(!tables.retain(|_| true, |_| true));
+    }
+
+    #[test]
+    fn regions_grow_and_shrink() {
+        let mut tables = SharedTables::default();
+        assert!(tables.reserve(Region::Corners, 100_000));
+        tables.place(&table(1, 3));
+        assert!(!tables.reserve(Region::Corners, 50_000));
+        assert!(tables.reserve(Region::Corners, 5_000));
+        assert_eq!(tables.place(&table(1, 3)).first, 0);
+        assert_eq!(tables.place_of(Region::Corners).count, 5_000);
+        // Small regions are kept.
+        assert!(!tables.reserve(Region::Corners, 1));
+        assert!(tables.free(Region::Corners) && !tables.free(Region::Corners));
+        assert_eq!(tables.place_of(Region::Corners).count, 0);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use crate::{
     light_set::{
-        buffers::{Region, SharedTables},
+        buffers::{Region, SharedTables, is_kept},
         casters::Casters,
         corners::{CORNERS, CornerStage, group_counts, triangle_count, why_unreadable},
         hierarchy_layout::HierarchyLayout,
@@ -160,7 +160,8 @@ impl CasterHierarchies {
         self.lights
             .retain(|id, _| lights.get(id).is_some_and(wants_hierarchy));
         if !lights.values().any(wants_hierarchy) {
-            return false;
+            self.scratch = None;
+            return tables.free(Region::Corners);
         }
         let triangles = triangle_count(casters) as u32;
         let mut changed = tables.reserve(Region::Corners, CORNERS * triangles.max(1));
@@ -194,7 +195,7 @@ impl CasterHierarchies {
                     most >> 20
                 );
                 light.state = LightState::Refused(RecipeError::unsupported_because(why));
-                tables.free(id);
+                tables.free(Region::Light(id));
                 self.lights.remove(id);
                 changed = true;
                 continue;
@@ -295,7 +296,10 @@ impl CasterHierarchies {
         let layouts = || self.lights.values().map(|hierarchy| hierarchy.layout);
         let capacity = layouts().map(|layout| layout.capacity).max().unwrap_or(0);
         let nodes = layouts().map(|layout| layout.nodes).max().unwrap_or(0);
-        let fits = |held: &Scratch| held.capacity >= capacity && held.nodes >= nodes;
+        let fits = |held: &Scratch| {
+            is_kept(held.capacity.into(), capacity.into())
+                && is_kept(held.nodes.into(), nodes.into())
+        };
         let held = self.scratch.take().filter(fits);
         let scratch = held.unwrap_or_else(|| Scratch::new(factory, capacity, nodes));
         let scratch = self.scratch.insert(scratch);
@@ -311,6 +315,15 @@ impl CasterHierarchies {
         let is_on = |id| lights.get(id).is_some_and(|light| light.is_enabled);
         let mut all = self.lights.iter();
         all.any(|(id, hierarchy)| hierarchy.view.is_none() && is_on(id))
+    }
+
+    /// Returns the bytes of the buffers that only the passes use.
+    pub(crate) fn scratch_bytes(&self) -> u64 {
+        let buffers = self.scratch.iter().flat_map(|scratch| {
+            let own = [&scratch.references, &scratch.boxes];
+            own.into_iter().chain(scratch.sort.all())
+        });
+        buffers.map(Buffer::size).sum()
     }
 
     /// Returns the number of lights whose hierarchies are built in this frame.
@@ -350,14 +363,15 @@ impl CasterHierarchies {
     }
 }
 
-/// Returns the capacity for the references of this number of casters: that `held`, if it suffices.
+/// Returns the capacity for the references of this number of casters: that `held`, if it suffices
+/// and is not far more.
 fn capacity_for(casters: u32, faces: u32, held: u32) -> u32 {
     let casters = u64::from(casters);
     // A caster may be visible on several faces. Few are, if there are many casters.
     let most_faces = u64::from(faces).saturating_sub(REFERENCES);
     let more = (most_faces * casters).min(MORE_REFERENCES);
     let needed = REFERENCES * casters + more;
-    if u64::from(held) >= needed {
+    if is_kept(held.into(), needed) {
         return held;
     }
     // Round up, so that small changes of the number of casters have no effect.

@@ -633,6 +633,12 @@ impl LightSet {
     pub fn map_bytes(&self) -> u64 {
         self.pool.bytes() + still_bytes(&self.lights)
     }
+
+    /// Returns the bytes of all tables: the triangles that kernels read, the hierarchies that the
+    /// device builds, and the buffers for building them.
+    pub fn table_bytes(&self) -> u64 {
+        self.shader.tables().buffer_bytes() + self.hierarchies.scratch_bytes()
+    }
 }
 
 fn check_light(light: &Light, priority: f32) -> Result<(), Invalid> {

@@ -91,6 +91,12 @@ impl SortBuffers {
             sums: buffer("umbrage sums", u64::from(range.sum_blocks())),
         }
     }
+
+    /// Returns all buffers.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Buffer> {
+        let items = self.keys.iter().chain(&self.values);
+        items.chain([&self.head, &self.counts, &self.sums])
+    }
 }
 
 /// Sorts several ranges of the same buffers, one after another.
