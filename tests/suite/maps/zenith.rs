@@ -11,8 +11,8 @@ use umbrage_core::{
 use umbrage_techniques::{Hard, MapFilter as _, ShadowMap};
 
 /// Tilts of the sun against the zenith, from one side to the other.
-const TILTS: [f32; 11] = [
-    -0.02, -0.01, -1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 0.01, 0.02,
+const TILTS: [f32; 13] = [
+    -0.02, -0.01, -0.005, -1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 0.005, 0.01, 0.02,
 ];
 
 /// Least y of the normals of evaluated pixels. Walls are lit on one side of the zenith only, at

@@ -63,7 +63,7 @@ pub(crate) struct TestOptions {
 /// Tests to run under driver models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DriverTests {
-    /// Each tenth case with rewritten shaders, each thirtieth on the second driver, and all cases
+    /// Every tenth case with rewritten shaders, every thirtieth on the second driver, and all cases
     /// that failed once
     Part,
     /// All tests that compare an adapter with the CPU

@@ -315,14 +315,14 @@ impl LightEntry {
     }
 }
 
-/// Least size that is always kept, in bytes, rows or items: small buffers cost more to create again
+/// Smaller needs count as this many bytes, rows or items: small buffers cost more to create again
 /// than to keep.
-const LEAST_KEPT: u64 = 1 << 12;
+const LEAST_NEED: u64 = 1 << 12;
 
-/// Returns whether a buffer of a size is kept for what is needed now: it is large enough, and at
-/// most eight times as large, so that sizes that vary seldom create another.
+/// Returns whether a size is kept for what is needed now: it suffices, and is at most eight times
+/// the need, so that varying needs seldom create another buffer.
 pub(crate) fn is_kept(held: u64, needed: u64) -> bool {
-    (needed..=8 * needed.max(LEAST_KEPT)).contains(&held)
+    (needed..=8 * needed.max(LEAST_NEED)).contains(&held)
 }
 
 /// All tables of all lights in one buffer. Lights with equal tables share them.
@@ -383,7 +383,7 @@ impl SharedTables {
         )
     }
 
-    /// Ensures that a region has at least `count` rows, and not far more. Returns whether its
+    /// Ensures that a region has at least `count` rows, and no more than [`is_kept`]. Returns whether its
     /// position changed.
     pub(crate) fn reserve(&mut self, region: Region, count: u32) -> bool {
         let known = self.held.iter().find(|held| held.content.is(region));

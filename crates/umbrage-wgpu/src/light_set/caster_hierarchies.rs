@@ -160,7 +160,10 @@ impl CasterHierarchies {
         self.lights
             .retain(|id, _| lights.get(id).is_some_and(wants_hierarchy));
         if !lights.values().any(wants_hierarchy) {
+            // Bind groups keep buffers alive, too.
             self.scratch = None;
+            self.sort.drop_bindings();
+            self.corners.drop_bindings();
             return tables.free(Region::Corners);
         }
         let triangles = triangle_count(casters) as u32;
@@ -363,8 +366,8 @@ impl CasterHierarchies {
     }
 }
 
-/// Returns the capacity for the references of this number of casters: that `held`, if it suffices
-/// and is not far more.
+/// Returns the capacity for the references of this number of casters: `held` if it is kept (see
+/// [`is_kept`]), otherwise the needed one, rounded up.
 fn capacity_for(casters: u32, faces: u32, held: u32) -> u32 {
     let casters = u64::from(casters);
     // A caster may be visible on several faces. Few are, if there are many casters.

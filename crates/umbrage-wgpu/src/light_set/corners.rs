@@ -45,6 +45,11 @@ fn triangles_of(mesh: &MeshSlots) -> u64 {
 }
 
 impl CornerStage {
+    /// Drops the bind groups, and with them the buffers that only they keep.
+    pub(crate) fn drop_bindings(&mut self) {
+        self.bindings.clear();
+    }
+
     /// Writes the inputs of the passes. `cut_outs` are the records of alpha-tested casters, if there
     /// are any. `first_row` is the row at which the corners begin in the tables.
     pub(crate) fn prepare(

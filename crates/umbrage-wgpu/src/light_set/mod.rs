@@ -634,8 +634,8 @@ impl LightSet {
         self.pool.bytes() + still_bytes(&self.lights)
     }
 
-    /// Returns the bytes of all tables: the triangles that kernels read, the hierarchies that the
-    /// device builds, and the buffers for building them.
+    /// Returns the bytes of the buffer of all tables (triangles that kernels read, and hierarchies
+    /// that the device builds), and of those for building hierarchies.
     pub fn table_bytes(&self) -> u64 {
         self.shader.tables().buffer_bytes() + self.hierarchies.scratch_bytes()
     }

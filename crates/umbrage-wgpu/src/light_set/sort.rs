@@ -109,6 +109,11 @@ pub(crate) struct SortStage {
 }
 
 impl SortStage {
+    /// Drops the bind groups, and with them the buffers that only they keep.
+    pub(crate) fn drop_bindings(&mut self) {
+        self.bindings = Default::default();
+    }
+
     /// Writes the inputs of the passes that sort these ranges.
     pub(crate) fn prepare(
         &mut self,
