@@ -298,7 +298,7 @@ fn casters_that_are_not_finite_change_nothing() {
         assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
         let d = world.program.d;
         for odd in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
-            // In each corner, so that bounds are NaN; and beside two corners that are finite.
+            // A triangle with such a number in each corner, and one with two finite corners.
             let in_each = [[odd, 1.0, 0.0], [0.0, odd, 1.0], [1.0, 0.0, odd]];
             let in_one = [[odd, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
             let corners = [in_each, in_one];

@@ -383,8 +383,8 @@ impl SharedTables {
         )
     }
 
-    /// Ensures that a region has at least `count` rows, and no more than [`is_kept`]. Returns whether its
-    /// position changed.
+    /// Ensures that a region's size [`is_kept`] for `count` rows. Returns whether its position
+    /// changed.
     pub(crate) fn reserve(&mut self, region: Region, count: u32) -> bool {
         let known = self.held.iter().find(|held| held.content.is(region));
         if known.is_some_and(|held| is_kept(held.count.into(), count.into())) {
