@@ -84,7 +84,8 @@ impl Stage {
         let program = ForwardProgram::floor(d, UVec2::new(64, 48));
         let mut set = program.set(budget, still_layers);
         let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
-        let mesh = foreign::add_triangle(program.d, &mut set, BufferUsages::VERTEX, corners);
+        let usage = BufferUsages::STORAGE | BufferUsages::VERTEX;
+        let mesh = foreign::add_triangle(program.d, &mut set, usage, corners);
         let casters = places
             .iter()
             .map(|&x| set.add_caster(mesh, translation_along_x(x)).expect("valid"))

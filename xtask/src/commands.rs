@@ -125,7 +125,10 @@ pub(crate) const COMMANDS: [XtaskCommand; 17] = [
         "tidy",
         "Check the style: sizes of functions and files, names and text",
     ),
-    upkeep("ci", "Run tests, tidy, format, clippy, docs and packaging"),
+    upkeep(
+        "ci",
+        "Run tests, tidy, format, clippy, docs, and build the Python wheel",
+    ),
     upkeep("web", "Build the viewer for browsers, and serve it"),
     upkeep(
         "site",

@@ -634,7 +634,10 @@ fn hierarchies_of_lights_that_are_off_are_not_rebuilt() {
 /// the mesh.
 #[test]
 fn buffers_without_the_usage_are_named() {
-    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let mut stage = Stage::new(SetBudget::default(), &[]);
+    let corners = [[-0.5, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
+    let d = stage.program.d;
+    foreign::add_triangle(d, &mut stage.set, BufferUsages::VERTEX, corners);
     let id = stage.set.add_light(exact(spot(0.0))).expect("valid");
     stage.frame();
     let unserved: Vec<_> = stage.set.unserved_lights().collect();

@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 use umbrage_core::{Geometry, ShadowTechnique, View};
-use umbrage_techniques::{MapFilter as _, ShadowMap, Traced, Vsm};
+use umbrage_techniques::{Exact, MapFilter as _, ShadowMap, Traced, Vsm};
 use umbrage_tests::{
     adapter::{TestDevice, open_with},
     foreign,
     light_stage::{LAYER, Stage, spot, translation_along_x},
 };
 use umbrage_wgpu::{
-    FrameGeometry, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers, PassCasters,
-    SetBudget, SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers, TimedPass, Unserved,
+    FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs, MaskReceivers,
+    PassCasters, SetBudget, SetFrame, SetPass, SetTimestamps, ShadowedLight, StillLayers,
+    TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
 
@@ -63,6 +64,64 @@ fn tables_beyond_a_binding_are_refused() {
     assert_eq!(*id, traced);
     let why = why.to_string();
     assert!(why.contains("max_storage_buffer_binding_size"), "{why}");
+}
+
+/// Tables keep some of their memory when casters go. A light that needs it is not refused, neither
+/// in a later frame nor in that in which the casters go.
+#[test]
+fn unused_table_memory_refuses_no_light() {
+    const MANY: usize = 20_000;
+    const FEW: usize = 4_000;
+    // The tables of one light with many casters, and less than a second light with few needs.
+    let limits = Limits {
+        max_storage_buffer_binding_size: 130 * MANY as u64,
+        ..Limits::default()
+    };
+    let d = device(LightSet::REQUIRED_FEATURES, limits);
+    for is_later in [true, false] {
+        let mut stage = Stage::on_device(d, SetBudget::default(), StillLayers::Auto, &[]);
+        let usage = BufferUsages::STORAGE | BufferUsages::VERTEX;
+        let corners = [[-0.01, 0.0, -0.01], [0.01, 0.0, -0.01], [0.0, 0.0, 0.01]];
+        let mesh = foreign::add_triangle(d, &mut stage.set, usage, corners);
+        let add_caster = |stage: &mut Stage, i: usize| {
+            let at = translation_along_x(1e-4 * i as f32);
+            stage.set.add_caster(mesh, at).expect("valid")
+        };
+        let casters: Vec<_> = (0..MANY).map(|i| add_caster(&mut stage, i)).collect();
+        let first = exact_light(&mut stage);
+        stage.frame();
+        let unserved: Vec<_> = stage.set.unserved_lights().collect();
+        assert!(unserved.is_empty(), "{unserved:?}");
+        for &caster in &casters[FEW..] {
+            stage.set.remove_caster(caster).expect("is there");
+        }
+        if is_later {
+            stage.frame();
+        }
+        let lights = [first, exact_light(&mut stage)];
+        stage.frame();
+        assert_eq!(stage.unserved_ids(), [], "later: {is_later}");
+        let shadowed = lights.map(|id| stage.shadowed_pixels(id));
+        assert!(
+            shadowed[0] > 0 && shadowed[0] == shadowed[1],
+            "{shadowed:?}"
+        );
+        // Negative control: many casters and two lights exceed the limit.
+        for i in FEW..MANY {
+            add_caster(&mut stage, i);
+        }
+        stage.frame();
+        assert_eq!(stage.unserved_ids().len(), 1);
+    }
+}
+
+fn exact_light(stage: &mut Stage) -> LightId {
+    let light = ShadowedLight {
+        light: spot(PLACES[1]),
+        technique: Arc::new(Exact::default()),
+        priority: 1.0,
+    };
+    stage.set.add_light(light).expect("valid")
 }
 
 /// The required limits suffice for few lights in a uniform buffer, and for many.

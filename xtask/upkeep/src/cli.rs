@@ -25,7 +25,7 @@ pub(crate) enum Command {
     /// Check the style: sizes of functions and files, names and text
     #[command(after_help = "Examples:\n  cargo xtask tidy")]
     Tidy,
-    /// Run tests, tidy, format, clippy, docs and packaging
+    /// Run tests, tidy, format, clippy, docs, and build the Python wheel
     Ci(CiOptions),
     /// Pack the programs that measure a graphics card, for a machine without a compiler or network
     Card(PackOptions),
@@ -177,7 +177,8 @@ pub(crate) enum ReleaseStep {
     Versions,
     /// Tests of umbrage-core in Miri that end within minutes
     Miri,
-    /// `cargo publish --dry-run` of every published package
+    /// `cargo publish --dry-run` of every published package, and packages for browsers with all
+    /// features
     Publish,
     /// The viewer's lints and tests, and end-to-end tests of its window and page with keys and a
     /// mouse: Xvfb, Chromium, Python

@@ -3,7 +3,7 @@
 mod versions;
 
 use crate::{
-    ci::{Step, run_all},
+    ci::{Step, check_in_browsers, run_all},
     cli::{ReleaseOptions, ReleaseStep},
     run::{cargo, root, run, target_folder},
     web::build_page,
@@ -121,9 +121,11 @@ fn miri() -> Result<()> {
     run(test.args(MIRI_TESTS))
 }
 
-/// Packs every published package, and compiles it as its users will.
+/// Packs every published package, and compiles it as its users will. Also compiles the packages for
+/// browsers with all features, as docs.rs documents them.
 fn publish() -> Result<()> {
-    run(cargo().args(["publish", "--workspace", "--dry-run"]))
+    run(cargo().args(["publish", "--workspace", "--dry-run"]))?;
+    check_in_browsers(&["--all-features"])
 }
 
 /// Lints and tests the viewer, and runs the end-to-end tests of its window and its page. The

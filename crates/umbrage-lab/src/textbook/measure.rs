@@ -1,11 +1,15 @@
 //! Measures an effect and renders its images.
 
 use super::effect::{Effect, Preset};
-use crate::{color, error::LabError, output::png};
+use crate::{
+    color::{self, ColorScene},
+    error::LabError,
+    output::png,
+};
 use glam::UVec2;
-use umbrage_core::{Backend, Invalid, RecipeError, Shadows, metrics::Errors};
+use umbrage_core::{Backend, Invalid, RecipeError, Scene, Shadows, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{self, TruthOptions};
+use umbrage_plan::truth::{self, Truth, TruthOptions};
 
 /// Both halves of an effect.
 #[derive(Clone, Debug)]
@@ -39,36 +43,59 @@ pub fn measure(
     effect: &Effect,
     backends: &mut [Box<dyn Backend + Send>],
 ) -> Result<MeasuredEffect, LabError> {
+    let [fault_scene, cure_scene] = [&effect.fault, &effect.cure].map(|preset| (preset.scene)());
+    let has_own_scene = cure_scene != fault_scene;
+    let of_fault = TracedScene::new(fault_scene, &effect.fault)?;
+    let own = has_own_scene.then(|| TracedScene::new(cure_scene, &effect.cure));
+    let own = own.transpose()?;
+    let of_cure = own.as_ref().unwrap_or(&of_fault);
     Ok(MeasuredEffect {
-        fault: side(&effect.fault, backends)?,
-        cure: side(&effect.cure, backends)?,
+        fault: side(&effect.fault, &of_fault, backends)?,
+        cure: side(&effect.cure, of_cure, backends)?,
     })
 }
 
+/// A scene with its ray-traced truth.
+struct TracedScene {
+    stage: ColorScene,
+    truth: Truth,
+}
+
+impl TracedScene {
+    fn new(scene: Scene, preset: &Preset) -> Result<Self, LabError> {
+        let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
+        let stage = ColorScene::new(scene, fit)?;
+        let view = stage.view()?;
+        // Trace truth with fewer samples than a comparison: the gallery shows artefacts, not
+        // thousandths.
+        let options = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
+        let geometry = view
+            .geometry
+            .ok_or_else(|| unusable_preset(preset, "has no triangles"))?;
+        let mut finder = Cpu::new();
+        let truth = truth::trace(
+            view.camera,
+            view.light,
+            geometry,
+            &options,
+            &mut |camera, geometry| finder.receivers(camera, geometry),
+            &|_, _| {},
+        )?;
+        Ok(Self { stage, truth })
+    }
+}
+
 /// Renders one half on all backends.
-fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Side, LabError> {
-    let scene = (preset.scene)();
-    let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
-    let stage = color::ColorScene::new(scene, fit)?;
+fn side(
+    preset: &Preset,
+    scene: &TracedScene,
+    backends: &mut [Box<dyn Backend + Send>],
+) -> Result<Side, LabError> {
+    let TracedScene { stage, truth } = scene;
     let view = stage.view()?;
-    // Trace truth with fewer samples than a comparison: the gallery shows artefacts, not
-    // thousandths.
-    let options = TruthOptions {
-        samples: 256,
-        ..TruthOptions::default()
-    };
-    let geometry = view
-        .geometry
-        .ok_or_else(|| unusable_preset(preset, "has no triangles"))?;
-    let mut finder = Cpu::new();
-    let truth = truth::trace(
-        view.camera,
-        view.light,
-        geometry,
-        &options,
-        &mut |camera, geometry| finder.receivers(camera, geometry),
-        &|_, _| {},
-    )?;
     // Render the recipe on every backend, and measure each mask.
     let recipe = match stage.recipe(&(preset.technique)(), &truth.receivers) {
         Err(RecipeError::Unsupported(why)) => return Err(unusable_preset(preset, &why).into()),

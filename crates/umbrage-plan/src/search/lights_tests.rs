@@ -122,7 +122,7 @@ fn nine_lamps_share_few_bytes() {
 eye = [9, 6, 11]
 target = [0, 0, 0]
 fov_y_degrees = 45
-size = [640, 360]
+size = [320, 180]
 [[object]]
 shape = "plane"
 scale = [8, 1, 8]
@@ -140,7 +140,7 @@ scale = [8, 1, 8]
     }
     let scene = umbrage_scenes::parse(&text, "lamps.toml", ".").expect("valid");
     let options = PlanOptions {
-        samples: 2048,
+        samples: 1024,
         ..PlanOptions::default()
     };
     let budget = LightsBudget::Error(0.03);
@@ -150,7 +150,8 @@ scale = [8, 1, 8]
     let chosen = plan.lights.iter().flat_map(|light| &light.chosen);
     let bytes: u64 = chosen.map(|setting| setting.bytes).sum();
     let mebibytes = bytes as f64 / f64::from(1 << 20);
-    assert!(mebibytes <= 216.0, "{mebibytes} MiB");
+    // It is 79. Without exchange between lights it was 2.8 times as much.
+    assert!(mebibytes <= 120.0, "{mebibytes} MiB");
 }
 
 fn lights(budget: LightsBudget) -> LightsPlan {

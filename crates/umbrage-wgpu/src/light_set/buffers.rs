@@ -407,6 +407,13 @@ impl SharedTables {
         was_reserved
     }
 
+    /// Frees all regions.
+    pub(crate) fn free_regions(&mut self) {
+        self.held
+            .retain(|held| matches!(held.content, Content::Rows(_)));
+        self.pack();
+    }
+
     /// Returns a region's position, which is empty if it wasn't reserved.
     pub(crate) fn place_of(&self, region: Region) -> TablePlace {
         let known = self.held.iter().find(|held| held.content.is(region));
@@ -415,16 +422,22 @@ impl SharedTables {
 
     /// Returns the bytes of all tables except a light's region.
     pub(crate) fn bytes_without(&self, light: LightKey) -> u64 {
-        let is_other = |held: &&HeldTable| !held.content.is(Region::Light(light));
-        let others = self.held.iter().filter(is_other);
-        16 * others.map(|held| u64::from(held.count)).sum::<u64>()
+        self.bytes_of(|content| !content.is(Region::Light(light)))
     }
 
     /// Returns the bytes of all regions.
-    pub(crate) fn made_bytes(&self) -> u64 {
-        let regions = self.held.iter();
-        let made = regions.filter(|held| matches!(held.content, Content::Made(_)));
-        16 * made.map(|held| u64::from(held.count)).sum::<u64>()
+    pub(crate) fn region_bytes(&self) -> u64 {
+        self.bytes_of(|content| matches!(content, Content::Made(_)))
+    }
+
+    /// Returns the bytes of all other tables.
+    pub(crate) fn fixed_bytes(&self) -> u64 {
+        self.bytes_of(|content| matches!(content, Content::Rows(_)))
+    }
+
+    fn bytes_of(&self, is_counted: impl Fn(&Content) -> bool) -> u64 {
+        let counted = self.held.iter().filter(|held| is_counted(&held.content));
+        16 * counted.map(|held| u64::from(held.count)).sum::<u64>()
     }
 
     /// Returns a number that grows whenever rows of the device are lost or moved.

@@ -167,28 +167,25 @@ impl CasterHierarchies {
             return tables.free(Region::Corners);
         }
         let triangles = triangle_count(casters) as u32;
-        let mut changed = tables.reserve(Region::Corners, CORNERS * triangles.max(1));
         let limits = device.limits();
         let most = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
+        // Free what exceeds the need if the tables would be too large otherwise. Regions that shrink
+        // below need no order: the corners shrink first, by more rows than another light needs.
+        let held_rows = self.rows(lights, triangles, Some(tables));
+        let is_beyond = tables.fixed_bytes() + 16 * held_rows > most;
+        if is_beyond && self.rows(lights, triangles, None) < held_rows {
+            tables.free_regions();
+            self.lights.clear();
+        }
+        let mut changed = tables.reserve(Region::Corners, corner_rows(triangles));
         for (id, light) in lights.iter_mut() {
             let Some(made) = shown_hierarchy(light) else {
                 continue;
             };
-            if !self.lights.contains_key(id) {
-                self.lights.insert(id, LightHierarchy::default());
-            }
-            let Some(hierarchy) = self.lights.get_mut(id) else {
-                continue;
-            };
-            // Compute the needed capacity, and reject lights that exceed the device's limits.
-            let held = hierarchy.layout.capacity;
-            let capacity = self.most_references.map_or_else(
-                || capacity_for(triangles, made.faces, held),
-                |most| most.max(triangles),
-            );
-            let layout = HierarchyLayout::new(capacity);
+            // Refuse lights that exceed the device's limits.
+            let layout = self.layout_for(made, triangles, self.capacity_of(id));
             let tables_bytes = 16 * u64::from(layout.rows()) + tables.bytes_without(id);
             let bytes = tables_bytes.max(Scratch::largest_buffer(&layout));
             if bytes > most {
@@ -203,13 +200,51 @@ impl CasterHierarchies {
                 changed = true;
                 continue;
             }
-            // Reserve the capacity.
+            // Reserve the region.
+            if !self.lights.contains_key(id) {
+                self.lights.insert(id, LightHierarchy::default());
+            }
+            let hierarchy = &mut self.lights[id];
             hierarchy.is_stale |= hierarchy.layout != layout || hierarchy.casters != triangles;
             hierarchy.layout = layout;
             hierarchy.casters = triangles;
             changed |= tables.reserve(Region::Light(id), layout.rows());
         }
         changed
+    }
+
+    /// Returns the layout of a hierarchy, whose present capacity is `held`.
+    fn layout_for(&self, made: &DeviceHierarchy, triangles: u32, held: u32) -> HierarchyLayout {
+        let capacity = self.most_references.map_or_else(
+            || capacity_for(triangles, made.faces, held),
+            |most| most.max(triangles),
+        );
+        HierarchyLayout::new(capacity)
+    }
+
+    /// Returns the present capacity of a light's hierarchy, 0 if there is none.
+    fn capacity_of(&self, id: LightKey) -> u32 {
+        let held = self.lights.get(id);
+        held.map_or(0, |hierarchy| hierarchy.layout.capacity)
+    }
+
+    /// Returns the number of rows that all regions need, with what is kept of those in `held`.
+    fn rows(
+        &self,
+        lights: &SlotMap<LightKey, HeldLight>,
+        triangles: u32,
+        held: Option<&SharedTables>,
+    ) -> u64 {
+        let hierarchies = lights.iter().filter_map(|(id, light)| {
+            let made = shown_hierarchy(light)?;
+            let capacity = held.map_or(0, |_| self.capacity_of(id));
+            Some(self.layout_for(made, triangles, capacity).rows())
+        });
+        let needed = corner_rows(triangles);
+        let held = held.map_or(0, |tables| tables.place_of(Region::Corners).count);
+        let is_kept = is_kept(held.into(), needed.into());
+        let corners = if is_kept { held } else { needed };
+        hierarchies.chain([corners]).map(u64::from).sum()
     }
 
     /// Creates and writes the inputs of this frame's passes.
@@ -232,6 +267,7 @@ impl CasterHierarchies {
             // Rebuild everything: the device's rows were moved or lost.
             self.moves = tables.moves();
             self.mark_stale();
+            self.drop_bindings();
         }
         let corners = tables.place_of(Region::Corners).first;
         for (id, hierarchy) in &mut self.lights {
@@ -303,9 +339,11 @@ impl CasterHierarchies {
             is_kept(held.capacity.into(), capacity.into())
                 && is_kept(held.nodes.into(), nodes.into())
         };
-        let held = self.scratch.take().filter(fits);
-        let scratch = held.unwrap_or_else(|| Scratch::new(factory, capacity, nodes));
-        let scratch = self.scratch.insert(scratch);
+        if !self.scratch.as_ref().is_some_and(fits) {
+            self.drop_bindings();
+            self.scratch = Some(Scratch::new(factory, capacity, nodes));
+        }
+        let scratch = self.scratch.as_ref()?;
         self.sort
             .prepare(factory, pipelines, &scratch.sort, ranges.into_iter());
         let windows = windows.into_iter();
@@ -313,11 +351,12 @@ impl CasterHierarchies {
         written.map(|(buffer, _)| buffer)
     }
 
-    /// Returns whether buffers are missing for a light that is on.
-    pub(crate) fn lack_buffers(&self, lights: &SlotMap<LightKey, HeldLight>) -> bool {
-        let is_on = |id| lights.get(id).is_some_and(|light| light.is_enabled);
-        let mut all = self.lights.iter();
-        all.any(|(id, hierarchy)| hierarchy.view.is_none() && is_on(id))
+    /// Drops the bind groups of all lights, and with them the buffers that only they keep. Lights
+    /// that are due get others.
+    fn drop_bindings(&mut self) {
+        for hierarchy in self.lights.values_mut() {
+            hierarchy.binding = Binding::default();
+        }
     }
 
     /// Returns the bytes of the buffers that only the passes use.
@@ -364,6 +403,11 @@ impl CasterHierarchies {
             hierarchy.is_stale = false;
         }
     }
+}
+
+/// Returns the rows of the corners of this number of casters.
+fn corner_rows(casters: u32) -> u32 {
+    CORNERS * casters.max(1)
 }
 
 /// Returns the capacity for the references of this number of casters: `held` if it is kept (see

@@ -332,15 +332,18 @@ impl LightSet {
         });
     }
 
-    /// Writes the frame. Collects errors of the graphics API if objects may be created.
+    /// Writes the frame. Collects errors of the graphics API unless nothing changed: then no object
+    /// is created.
     fn write_within_scopes(&mut self) -> Result<(), BackendError> {
-        let shows_plans = |&id: &LightKey| self.lights[id].state.has_next();
-        let makes = self.shader.is_outdated()
+        let has_changes = self.shader.is_outdated()
             || self.casters.has_grown()
-            || self.passes.lights.iter().any(shows_plans)
-            || self.hierarchies.lack_buffers(&self.lights);
-        if !makes {
-            return self.write();
+            || !self.casters.changed_boxes().is_empty()
+            || !self.passes.lights.is_empty();
+        if !has_changes {
+            let before = self.counters;
+            let result = self.write();
+            debug_assert_eq!(self.counters, before, "objects outside error scopes");
+            return result;
         }
         let scopes = Scopes::open(&self.device);
         let result = self.write();

@@ -383,7 +383,7 @@ impl SetShader {
     /// Refuses the lights of least priority whose tables, together with those of all lights before
     /// them, exceed what a shader can bind.
     fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightKey, HeldLight>, most: u64) {
-        let mut bytes = self.tables.made_bytes();
+        let mut bytes = self.tables.region_bytes();
         // Add up the tables by priority, counting shared ones once.
         let mut order: Vec<LightKey> = lights.keys().collect();
         order.sort_by(|&a, &b| {

@@ -1,8 +1,7 @@
 //! Check that version numbers reflect the changes since the last release.
 
 use crate::{
-    ci::published_packages,
-    run::{root, run, target_folder},
+    run::{metadata, root, run, target_folder},
     tools::Tool,
 };
 use anyhow::{Context as _, Result, bail};
@@ -31,8 +30,7 @@ pub(super) fn versions() -> Result<()> {
     let program = SEMVER_CHECKS.find_or_install(&target_folder()?)?;
     detect_removed_function(&program)?;
     let packages = published_packages()?;
-    let names: Vec<&str> = packages.iter().map(|package| &*package.name).collect();
-    match comparison(&program, root(), &names)? {
+    match comparison(&program, root(), &packages)? {
         Some(mut comparison) => run(&mut comparison),
         None => {
             println!("skipped: there is no tag `v*`, so no release to compare with");
@@ -41,9 +39,20 @@ pub(super) fn versions() -> Result<()> {
     }
 }
 
+/// Returns the names of all packages without `publish = false`.
+fn published_packages() -> Result<Vec<String>> {
+    let metadata = metadata()?;
+    let packages = metadata["packages"]
+        .as_array()
+        .context("cargo metadata names no packages")?;
+    let published = packages.iter().filter(|p| p["publish"].is_null());
+    let names = published.filter_map(|package| package["name"].as_str());
+    Ok(names.map(str::to_owned).collect())
+}
+
 /// Returns the command that compares packages of a checkout with its last release; `None` before
 /// the first release.
-fn comparison(program: &Path, checkout: &Path, packages: &[&str]) -> Result<Option<Command>> {
+fn comparison(program: &Path, checkout: &Path, packages: &[String]) -> Result<Option<Command>> {
     let Some(tag) = last_release(checkout)? else {
         return Ok(None);
     };
@@ -85,7 +94,7 @@ fn detect_removed_function(program: &Path) -> Result<()> {
     fs::write(&library, KEPT_FUNCTION.to_owned() + REMOVED_FUNCTION)?;
     release(folder.path())?;
     let check = || -> Result<(bool, String)> {
-        let comparison = comparison(program, folder.path(), &["control"])?;
+        let comparison = comparison(program, folder.path(), &["control".to_owned()])?;
         let output = comparison.context("the control has no tag")?.output()?;
         let printed = [output.stdout, output.stderr].concat();
         let printed = String::from_utf8_lossy(&printed).into_owned();
