@@ -79,7 +79,8 @@ const PLANAR: &[&str] = &[
 
 /// Greatest width, pixels. Larger images have more pixels so close to a silhouette that rounding in
 /// the rasteriser decides: of the 574,207 pixels of `ten-thousand-boxes` at 1280 x 720, 6 are wrong
-/// with volumes.
+/// with volumes. At other widths, a pixel at the floor's outline may be wrong (one at 320, of
+/// `cubes` and of `thin-plate`): the side of the floor's own volume passes through its centre.
 const WIDTH: u32 = 480;
 
 fn built_in(name: &str) -> Scene {
