@@ -13,6 +13,9 @@ fn corner_of(row: u32) -> vec3f {
 const FACE_STEP = 3.0;
 // That of on_device/shapes.wgsl.
 const TEST_ERROR = 1.9073486e-6;
+// Less than the depth of a hit from a point light, as a fraction of the receiver's depth. Rays end
+// 2^-14 of their length before the light, and a depth is at least .577 of the distance.
+const LEAST_HIT = 1.52587890625e-5;
 const GUARDS = vec2u(0x80808080u);
 const ONES = 0x01010101u;
 
@@ -34,10 +37,14 @@ fn children_at(node: u32, point: vec3f) -> u32 {
     let inverse = bitcast<vec3f>(((vec3u(first.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu)) << vec3u(23u));
     let difference = point - bitcast<vec3f>(first.xyz);
     let steps = difference * inverse;
-    // A 64th of a step is more than the rounding of differences. Under a directional light, the
-    // error of the triangle test is added; for a point light it is part of the rectangles.
-    let error = select(TEST_ERROR * max(difference.z, 0.0), 0.0, kernel.tiles.z == 1u);
-    let slack = error * inverse + 0.015625;
+    // The error of the triangle test grows with the distance to the caster. Around a point light,
+    // it is divided by the depth at which a ray may hit.
+    let error = TEST_ERROR * max(difference.z, 0.0);
+    let is_lamp = kernel.tiles.z == 1u;
+    let least_depth = max(bitcast<f32>(first.z), LEAST_HIT * point.z);
+    let around = error / select(1.0, least_depth, is_lamp);
+    // A 64th of a step is more than the rounding of differences.
+    let slack = vec3f(around, around, error) * inverse + 0.015625;
     let up = floor(steps + slack);
     let down = ceil(steps.xy - slack.xy);
     if any(up < vec3f(0.0)) || any(down > vec2f(127.0)) {

@@ -16,10 +16,9 @@
 //! (`ray_triangle.rs` of `umbrage-core`), as does the rounding of coordinates. Boxes and depths are
 //! widened by more than that.
 //!
-//! **Margins of a device's hierarchy** (`on_device/`) are those of lists under a point light. Under
-//! a directional light they follow the distances, so that they are small in large scenes. `u = 2^-24`
-//! is the greatest relative error of one rounding, `w` a caster's longest side, and `D` the depth
-//! from the caster to a receiver in its shadow.
+//! **Margins of a device's hierarchy** (`on_device/`) follow the distances, so that they are small
+//! in large scenes. `u = 2^-24` is the greatest relative error of one rounding, `w` a caster's
+//! longest side, and `D` the depth from the caster to a receiver in its shadow.
 //!
 //! * A position relative to the origin is rounded, then three products and their sum: an error of at
 //!   most `5u` of its length across the rays, and `7u` along them. A caster is at most `R` from the
@@ -38,6 +37,10 @@
 //!   Each weight has an error of at most `9u w^2`, of a sum that is at least `w^2 / 512` (`GRAZING`). So the
 //!   point is at most `27u * 512 w`, or `w / 1,200`, from the exact one, and strips are a 512th of their
 //!   length longer. Casters of less area have the least depth of all their corners.
+//! * Around a point light, the same errors across the rays are divided by the depth of the caster,
+//!   since a face has that size at the depth 1. Rays end 2^-14 of their length before the light, so
+//!   the depth of a hit is bounded. A caster beyond the rim of a face, by less than the error for the
+//!   farthest receivers, is on the rim.
 
 use umbrage_core::{
     Aabb, Geometry, Light,

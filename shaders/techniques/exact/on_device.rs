@@ -32,11 +32,11 @@ const RECEIVERS_REACH: f32 = 4.0;
 uniforms! {
     /// The light's view. Twin of `LightView` in view.wgsl.
     pub struct LightView {
-        /// 1 if the light has a position; half the size of a face, across and down; distance from a
-        /// point light within which casters may be anywhere. It is the first field: see
-        /// `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
+        /// 1 if the light has a position; half the size of a face, across and down; w is unused. It
+        /// is the first field: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub face: Vec4,
-        /// World position of frame space's origin; w: error of the triangle test.
+        /// World position of frame space's origin; w: error of the triangle test for the farthest
+        /// receivers.
         pub origin: Vec4,
         /// First row of the matrix from the world, relative to the origin, to frame space; w: the
         /// least margin.
@@ -105,7 +105,7 @@ fn light_view(frame: &LightFrame, casters: &Aabb) -> LightView {
     };
     let is_lamp = f32::from(u8::from(frame.is_lamp));
     LightView {
-        face: Vec4::new(is_lamp, frame.half.x, frame.half.y, frame.at_lamp()),
+        face: Vec4::new(is_lamp, frame.half.x, frame.half.y, 0.0),
         origin: frame.origin.extend(frame.rounding),
         across: across.extend(least_margin),
         down: down.extend(frame.depth_margin()),

@@ -118,10 +118,12 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
     low -= around;
     high += around;
     if is_lamp() {
-        let start = max(low.xy, vec2f(-1.0));
-        let stop = min(high.xy, vec2f(1.0));
+        // What is beyond the rim is on it: the lookup adds margins for receivers at the rim.
+        let start = clamp(low.xy, vec2f(-1.0), vec2f(1.0));
+        let stop = clamp(high.xy, vec2f(-1.0), vec2f(1.0));
+        let is_within = all(low.xy <= vec2f(shape.rim)) && all(high.xy >= vec2f(-shape.rim));
         // Sums are monotonic when rounded, so a point in the rectangle remains in it.
-        return Rect(start + shift, stop + shift, shape.nearest, all(start <= stop));
+        return Rect(start + shift, stop + shift, shape.nearest, is_within);
     }
     let nearest = select(low.z - shape.before, shape.nearest, shape.grazes);
     return Rect(low.xy, high.xy, nearest, true);

@@ -6,9 +6,11 @@ struct Shape {
     // Across, down, and depth of a directional light's corners.
     corners: array<vec3f, 3>,
     around: f32,
-    // Margin of a directional light's depths.
+    // Margin of depths.
     before: f32,
     nearest: f32,
+    // Rim of a point light's face, beyond which no receiver on the face may hit the caster.
+    rim: f32,
     is_there: bool,
     // True if a computed hit may have the depth of any of its points.
     grazes: bool,
@@ -22,6 +24,8 @@ struct Shape {
 const TEST_ERROR = 1.9073486e-6;
 // Twice the area of a caster that the light grazes, at most, over its longest side squared.
 const GRAZING = 0.001953125;
+// Margin around a caster, on a face around a point light, beyond which it may be anywhere.
+const WIDEST = 0.25;
 // Margin of the depth of a computed hit, as a fraction of the longest side, see light_frame.rs.
 const SHIFT_DEPTH = 0.001953125;
 const GRAZING_SHIFT_DEPTH = 1.5;
@@ -37,19 +41,32 @@ fn within_side(p: vec3f, side: u32, rim: f32) -> f32 {
     return p.z * rim - select(across, -across, (side & 1u) == 1u);
 }
 
+// Returns a shape that covers a face.
 fn whole_face(nearest: f32) -> Shape {
     var out: Shape;
     out.is_there = true;
     out.is_box = true;
-    out.nearest = max(before(nearest), 0.0);
+    out.nearest = nearest;
     out.corners[0] = vec3f(-1.0, -1.0, 0.0);
     out.corners[1] = vec3f(1.0, 1.0, 0.0);
     return out;
 }
 
+// Returns the length of a caster's longest side.
+fn longest_side(corners: array<vec3f, 3>) -> f32 {
+    let u = corners[1] - corners[0];
+    let v = corners[2] - corners[0];
+    return max(max(length(u), length(v)), length(u - v));
+}
+
+// Returns a depth around a point light minus the margins.
+fn before(depth: f32, shape: Shape) -> f32 {
+    return max(depth * (1.0 - view.down.w) - shape.before, 0.0);
+}
+
 // Returns the rectangle of the part of a caster in a face's pyramid, if some of its corners are
 // behind the light (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
-fn clipped_to_pyramid(shape: Shape, rim: f32) -> Shape {
+fn clipped_to_pyramid(shape: Shape) -> Shape {
     var out = shape;
     var polygon: array<vec3f, 8>;
     for (var i = 0u; i < 3u; i++) {
@@ -62,8 +79,8 @@ fn clipped_to_pyramid(shape: Shape, rim: f32) -> Shape {
         for (var i = 0u; i < count; i++) {
             let p = polygon[i];
             let q = polygon[select(i + 1u, 0u, i + 1u == count)];
-            let p_in = within_side(p, side, rim);
-            let q_in = within_side(q, side, rim);
+            let p_in = within_side(p, side, shape.rim);
+            let q_in = within_side(q, side, shape.rim);
             if p_in >= 0.0 {
                 clipped[min(kept, 7u)] = p;
                 kept += 1u;
@@ -75,7 +92,7 @@ fn clipped_to_pyramid(shape: Shape, rim: f32) -> Shape {
         }
         if kept > 8u {
             // Rounding made the polygon concave.
-            return whole_face(shape.nearest);
+            return whole_face(before(shape.nearest, shape));
         }
         polygon = clipped;
         count = kept;
@@ -90,25 +107,39 @@ fn clipped_to_pyramid(shape: Shape, rim: f32) -> Shape {
     }
     out.is_there = count > 0u;
     out.is_box = true;
-    out.nearest = max(before(max(low.z, shape.nearest)), 0.0);
+    out.nearest = before(max(low.z, shape.nearest), shape);
     out.corners[0] = vec3f(max(low.xy - shape.around, vec2f(-1.0)), 0.0);
     out.corners[1] = vec3f(min(high + shape.around, vec2f(1.0)), 0.0);
     return out;
 }
 
+// Returns whether a point light grazes a caster: the area across its rays is small for its longest
+// side.
+fn is_grazed(corners: array<vec3f, 3>, longest: f32) -> bool {
+    let normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    let farthest = max(max(length(corners[0]), length(corners[1])), length(corners[2]));
+    return abs(dot(normal, corners[0])) < longest * longest * GRAZING * farthest;
+}
+
 fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
     var out: Shape;
     out.corners = corners;
-    let distance = distance_to_origin(corners);
-    if distance < view.face.w {
+    let longest = longest_side(corners);
+    // A point's depth is at least this fraction of its distance.
+    let least_depth = COORDINATE * distance_to_origin(corners);
+    out.around = view.across.w + TEST_ERROR * longest / least_depth;
+    if out.around > WIDEST {
         return whole_face(0.0);
     }
-    out.around = margin(distance);
-    let rim = 1.0 + 2.0 * out.around;
+    // The lookup adds the part of the error that grows with the receiver's distance, but stays on
+    // the receiver's face.
+    out.rim = 1.0 + 2.0 * (out.around + view.origin.w / least_depth);
+    let shift = select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, is_grazed(corners, longest));
+    out.before = longest * (TEST_ERROR + shift);
     let a = turned(corners[0], face);
     let b = turned(corners[1], face);
     let c = turned(corners[2], face);
-    let ends = vec3f(a.z, b.z, c.z) * rim;
+    let ends = vec3f(a.z, b.z, c.z) * out.rim;
     let x = vec3f(a.x, b.x, c.x);
     let y = vec3f(a.y, b.y, c.y);
     if all(x > ends) || all(-x > ends) || all(y > ends) || all(-y > ends) {
@@ -119,10 +150,10 @@ fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
         out.corners[0] = a;
         out.corners[1] = b;
         out.corners[2] = c;
-        out.nearest = distance * COORDINATE;
-        return clipped_to_pyramid(out, rim);
+        out.nearest = least_depth;
+        return clipped_to_pyramid(out);
     }
-    out.nearest = max(before(max(distance * COORDINATE, min(min(a.z, b.z), c.z))), 0.0);
+    out.nearest = before(max(least_depth, min(min(a.z, b.z), c.z)), out);
     out.corners[0] = vec3f(a.xy / a.z, 0.0);
     out.corners[1] = vec3f(b.xy / b.z, 0.0);
     out.corners[2] = vec3f(c.xy / c.z, 0.0);
@@ -137,7 +168,7 @@ fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
     out.corners = corners;
     let u = corners[1] - corners[0];
     let v = corners[2] - corners[0];
-    let longest = max(max(length(u), length(v)), length(u - v));
+    let longest = longest_side(corners);
     out.around = view.across.w + TEST_ERROR * longest;
     // A computed hit is at a point of the caster whose depth may be that of any point if the light
     // grazes it, see light_frame.rs.

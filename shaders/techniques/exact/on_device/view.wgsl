@@ -2,10 +2,9 @@
 // arithmetic, whose rounding is within the margins.
 
 struct LightView {
-    // 1 if the light has a position; half the size of a face, across and down; distance from a point
-    // light within which casters may be anywhere.
+    // 1 if the light has a position; half the size of a face, across and down; w is unused.
     face: vec4f,
-    // Frame space's origin, world space; w: error of the triangle test.
+    // Frame space's origin, world space; w: error of the triangle test for the farthest receivers.
     origin: vec4f,
     // Rows of the matrix from the world, relative to the origin, to frame space. w: the least
     // margin across the rays.
@@ -55,14 +54,4 @@ fn distance_to_origin(corners: array<vec3f, 3>) -> f32 {
     let low = min(min(corners[0], corners[1]), corners[2]);
     let high = max(max(corners[0], corners[1]), corners[2]);
     return length(max(low, vec3f(0.0)) + min(high, vec3f(0.0)));
-}
-
-// Returns the margin of a point light's directions. `distance` is that of a caster.
-fn margin(distance: f32) -> f32 {
-    return view.across.w + view.origin.w / (distance * COORDINATE);
-}
-
-// Returns the depth from a point light minus the margin.
-fn before(depth: f32) -> f32 {
-    return depth * (1.0 - view.down.w) - view.origin.w;
 }
