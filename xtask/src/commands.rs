@@ -127,7 +127,7 @@ pub(crate) const COMMANDS: [XtaskCommand; 17] = [
     ),
     upkeep(
         "ci",
-        "Run tests, tidy, format, clippy, docs, and build the Python wheel",
+        "Run tests, tidy, format, clippy, browser, doc and wheel",
     ),
     upkeep("web", "Build the viewer for browsers, and serve it"),
     upkeep(

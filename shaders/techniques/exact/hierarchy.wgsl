@@ -13,8 +13,8 @@ fn corner_of(row: u32) -> vec3f {
 const FACE_STEP = 3.0;
 // That of on_device/shapes.wgsl.
 const TEST_ERROR = 1.9073486e-6;
-// Less than the depth of a hit from a point light, as a fraction of the receiver's depth. Rays end
-// 2^-14 of their length before the light, and a depth is at least .577 of the distance.
+// A quarter of the least depth of a hit from a point light, as a fraction of the receiver's depth:
+// rays end 2^-14 of their length before the light.
 const LEAST_HIT = 1.52587890625e-5;
 const GUARDS = vec2u(0x80808080u);
 const ONES = 0x01010101u;
@@ -40,9 +40,10 @@ fn children_at(node: u32, point: vec3f) -> u32 {
     // The error of the triangle test grows with the distance to the caster. Around a point light,
     // it is divided by the depth at which a ray may hit.
     let error = TEST_ERROR * max(difference.z, 0.0);
-    let is_lamp = kernel.tiles.z == 1u;
-    let least_depth = max(bitcast<f32>(first.z), LEAST_HIT * point.z);
-    let around = error / select(1.0, least_depth, is_lamp);
+    var around = error;
+    if kernel.tiles.z == 1u {
+        around /= max(bitcast<f32>(first.z), LEAST_HIT * point.z);
+    }
     // A 64th of a step is more than the rounding of differences.
     let slack = vec3f(around, around, error) * inverse + 0.015625;
     let up = floor(steps + slack);

@@ -37,10 +37,13 @@
 //!   Each weight has an error of at most `9u w^2`, of a sum that is at least `w^2 / 512` (`GRAZING`). So the
 //!   point is at most `27u * 512 w`, or `w / 1,200`, from the exact one, and strips are a 512th of their
 //!   length longer. Casters of less area have the least depth of all their corners.
-//! * Around a point light, the same errors across the rays are divided by the depth of the caster,
-//!   since a face has that size at the depth 1. Rays end 2^-14 of their length before the light, so
-//!   the depth of a hit is bounded. A caster beyond the rim of a face, by less than the error for the
-//!   farthest receivers, is on the rim.
+//! * Around a point light, the same errors across the rays are divided by the depth of the hit,
+//!   since a face has that size at the depth 1. The ray's direction rounds, too: by `4u D`. With `6u`
+//!   that is a third of `TEST_ERROR`. The part with w is divided by the caster's least depth, and
+//!   that with D by the node's. Rays end 2^-14 of their length before the light, which bounds it.
+//!   A caster beyond the rim of a face, by less than the error for the farthest receivers, is on
+//!   the rim. A whole caster needs no margin in depth but `LAMP_DEPTH_MARGIN`: the test against its
+//!   box is exact along the face's axis.
 
 use umbrage_core::{
     Aabb, Geometry, Light,

@@ -67,7 +67,7 @@ fn tables_beyond_a_binding_are_refused() {
 }
 
 /// Tables keep some of their memory when casters go. A light that needs it is not refused, neither
-/// in a later frame nor in that in which the casters go.
+/// in a later frame nor in that in which casters or another light go.
 #[test]
 fn unused_table_memory_refuses_no_light() {
     const MANY: usize = 20_000;
@@ -88,6 +88,10 @@ fn unused_table_memory_refuses_no_light() {
             stage.set.add_caster(mesh, at).expect("valid")
         };
         let casters: Vec<_> = (0..MANY).map(|i| add_caster(&mut stage, i)).collect();
+        let removed = exact_light(&mut stage);
+        stage.frame();
+        // A light takes the memory of one that goes in the same frame.
+        stage.set.remove_light(removed).expect("is there");
         let first = exact_light(&mut stage);
         stage.frame();
         let unserved: Vec<_> = stage.set.unserved_lights().collect();

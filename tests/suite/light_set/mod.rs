@@ -13,3 +13,4 @@ mod masks;
 mod own_casters;
 mod turning;
 mod unknown_receivers;
+mod wide_scenes;

@@ -1,5 +1,5 @@
 //! Programs whose output is not read to its end, as in `cargo xtask compare --list | head -3`. The
-//! tests of both programs use this file.
+//! tests of all three programs use this file.
 
 use std::process::{Command, ExitStatus, Stdio};
 

@@ -25,7 +25,7 @@ pub(crate) enum Command {
     /// Check the style: sizes of functions and files, names and text
     #[command(after_help = "Examples:\n  cargo xtask tidy")]
     Tidy,
-    /// Run tests, tidy, format, clippy, docs, and build the Python wheel
+    /// Run tests, tidy, format, clippy, browser, doc and wheel
     Ci(CiOptions),
     /// Pack the programs that measure a graphics card, for a machine without a compiler or network
     Card(PackOptions),

@@ -124,7 +124,7 @@ fn miri() -> Result<()> {
 /// Packs every published package, and compiles it as its users will. Also compiles the packages for
 /// browsers with all features, as docs.rs documents them.
 fn publish() -> Result<()> {
-    run(cargo().args(["publish", "--workspace", "--dry-run"]))?;
+    run(cargo().args(["publish", "--workspace", "--dry-run", "--all-features"]))?;
     check_in_browsers(&["--all-features"])
 }
 

@@ -1,6 +1,7 @@
 //! Immediate or deferred reporting of errors of the graphics API.
 
 use crate::device::error_scopes::{ClosedScopes, Scopes};
+use std::collections::VecDeque;
 use umbrage_core::BackendError;
 
 /// Time at which errors of the graphics API are reported, such as out-of-memory errors or invalid
@@ -26,9 +27,15 @@ impl Default for ApiErrors {
     }
 }
 
-/// Closed scopes whose errors have not arrived yet.
+/// Results of closed scopes that were not reported at once.
 #[derive(Debug, Default)]
-pub(crate) struct LaterErrors(Vec<ClosedScopes>);
+pub(crate) struct LaterErrors {
+    /// Scopes whose results have not arrived yet, in the order in which they were closed.
+    pending: VecDeque<ClosedScopes>,
+    /// The first error that has arrived. Further ones usually follow from it and are dropped until
+    /// it is taken.
+    first: Option<BackendError>,
+}
 
 impl LaterErrors {
     /// Closes scopes. Returns their result immediately, or stores them.
@@ -36,24 +43,25 @@ impl LaterErrors {
         if when == ApiErrors::AtOnce && cfg!(not(target_arch = "wasm32")) {
             return scopes.close();
         }
-        self.0.push(scopes.close_later());
+        self.pending.push_back(scopes.close_later());
+        // Scopes are closed each frame, so that their results must not pile up until they are taken.
+        self.collect();
         Ok(())
     }
 
     /// Returns the first error that has arrived.
     pub(crate) fn take(&mut self) -> Option<BackendError> {
-        while let Some(first) = self.0.first_mut() {
-            match first.poll() {
-                // The scopes behind it were closed later.
-                None => return None,
-                Some(result) => {
-                    self.0.remove(0);
-                    if let Err(error) = result {
-                        return Some(error);
-                    }
-                }
+        self.collect();
+        self.first.take()
+    }
+
+    /// Removes the scopes whose results have arrived.
+    fn collect(&mut self) {
+        while let Some(result) = self.pending.front_mut().and_then(ClosedScopes::poll) {
+            self.pending.pop_front();
+            if let Err(error) = result {
+                self.first.get_or_insert(error);
             }
         }
-        None
     }
 }

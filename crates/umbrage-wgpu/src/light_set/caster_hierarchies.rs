@@ -171,8 +171,7 @@ impl CasterHierarchies {
         let most = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
-        // Free what exceeds the need if the tables would be too large otherwise. Regions that shrink
-        // below need no order: the corners shrink first, by more rows than another light needs.
+        // Free what exceeds the need if the tables would be too large otherwise.
         let held_rows = self.rows(lights, triangles, Some(tables));
         let is_beyond = tables.fixed_bytes() + 16 * held_rows > most;
         if is_beyond && self.rows(lights, triangles, None) < held_rows {
@@ -180,35 +179,46 @@ impl CasterHierarchies {
             self.lights.clear();
         }
         let mut changed = tables.reserve(Region::Corners, corner_rows(triangles));
-        for (id, light) in lights.iter_mut() {
+        // Free the regions that change, so that the checks below don't count them.
+        for (id, light) in &*lights {
             let Some(made) = shown_hierarchy(light) else {
                 continue;
             };
-            // Refuse lights that exceed the device's limits.
             let layout = self.layout_for(made, triangles, self.capacity_of(id));
-            let tables_bytes = 16 * u64::from(layout.rows()) + tables.bytes_without(id);
-            let bytes = tables_bytes.max(Scratch::largest_buffer(&layout));
-            if bytes > most {
-                let why = format!(
-                    "its hierarchy of {triangles} triangles needs {} MiB, and shaders of the device can bind {} MiB; request a device with a greater `max_storage_buffer_binding_size`",
-                    bytes >> 20,
-                    most >> 20
-                );
-                light.state = LightState::Refused(RecipeError::unsupported_because(why));
-                tables.free(Region::Light(id));
-                self.lights.remove(id);
-                changed = true;
-                continue;
-            }
-            // Reserve the region.
             if !self.lights.contains_key(id) {
                 self.lights.insert(id, LightHierarchy::default());
             }
-            let hierarchy = &mut self.lights[id];
-            hierarchy.is_stale |= hierarchy.layout != layout || hierarchy.casters != triangles;
-            hierarchy.layout = layout;
+            let Some(hierarchy) = self.lights.get_mut(id) else {
+                continue;
+            };
+            if hierarchy.layout != layout {
+                hierarchy.layout = layout;
+                hierarchy.is_stale = true;
+                changed |= tables.free(Region::Light(id));
+            }
+            hierarchy.is_stale |= hierarchy.casters != triangles;
             hierarchy.casters = triangles;
-            changed |= tables.reserve(Region::Light(id), layout.rows());
+        }
+        // Reserve the regions, and refuse lights that exceed the device's limits.
+        for (id, light) in lights.iter_mut() {
+            let Some(layout) = self.lights.get(id).map(|hierarchy| hierarchy.layout) else {
+                continue;
+            };
+            let tables_bytes = 16 * u64::from(layout.rows()) + tables.bytes_without(id);
+            let bytes = tables_bytes.max(Scratch::largest_buffer(&layout));
+            if bytes <= most {
+                changed |= tables.reserve(Region::Light(id), layout.rows());
+                continue;
+            }
+            let why = format!(
+                "its hierarchy of {triangles} triangles needs {} MiB, and shaders of the device can bind {} MiB; request a device with a greater `max_storage_buffer_binding_size`",
+                bytes >> 20,
+                most >> 20
+            );
+            light.state = LightState::Refused(RecipeError::unsupported_because(why));
+            tables.free(Region::Light(id));
+            self.lights.remove(id);
+            changed = true;
         }
         changed
     }
@@ -268,6 +278,7 @@ impl CasterHierarchies {
             self.moves = tables.moves();
             self.mark_stale();
             self.drop_bindings();
+            self.corners.drop_bindings();
         }
         let corners = tables.place_of(Region::Corners).first;
         for (id, hierarchy) in &mut self.lights {

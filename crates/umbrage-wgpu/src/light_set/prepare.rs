@@ -332,19 +332,10 @@ impl LightSet {
         });
     }
 
-    /// Writes the frame. Collects errors of the graphics API unless nothing changed: then no object
-    /// is created.
+    /// Writes the frame, and collects errors of the graphics API.
     fn write_within_scopes(&mut self) -> Result<(), BackendError> {
-        let has_changes = self.shader.is_outdated()
-            || self.casters.has_grown()
-            || !self.casters.changed_boxes().is_empty()
-            || !self.passes.lights.is_empty();
-        if !has_changes {
-            let before = self.counters;
-            let result = self.write();
-            debug_assert_eq!(self.counters, before, "objects outside error scopes");
-            return result;
-        }
+        // Scopes cost half a microsecond, and almost any frame may create objects: layers of still
+        // casters, pipelines of meshes that come into view, or smaller tables.
         let scopes = Scopes::open(&self.device);
         let result = self.write();
         let closed = self.errors.close(scopes, self.options.errors);
@@ -445,6 +436,8 @@ impl LightSet {
 
     /// Writes the shader data of the lights, and the inputs of hierarchies.
     fn write_shader(&mut self, textures_changed: bool) -> Result<Uploaded, BackendError> {
+        // Free the tables that no light uses before adding new ones.
+        self.shader.retain_tables(&self.lights);
         let has_moved = self.hierarchies.make_room(
             &self.device,
             &mut self.lights,

@@ -135,10 +135,6 @@ impl SetShader {
         self.revision
     }
 
-    pub(crate) fn is_outdated(&self) -> bool {
-        self.is_outdated
-    }
-
     pub(crate) fn bind_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
         self.binding.group().zip(self.binding.layout())
     }
@@ -198,8 +194,6 @@ impl SetShader {
             return Ok(Uploaded::default());
         }
         self.register_all(lights);
-        // Free the tables that no light uses before adding new ones.
-        self.retain_tables(lights);
         let most = factory.device.limits().max_storage_buffer_binding_size;
         self.refuse_long_tables(lights, most);
         self.set_records(lights);
@@ -419,8 +413,11 @@ impl SetShader {
         }
     }
 
-    /// Drops the tables that no shown light uses.
-    fn retain_tables(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
+    /// Drops the tables that no shown light uses, if lights changed.
+    pub(crate) fn retain_tables(&mut self, lights: &SlotMap<LightKey, HeldLight>) {
+        if !self.has_changed {
+            return;
+        }
         let plans = || lights.values().filter_map(|light| light.state.shown_plan());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| plan.given_tables().any(|table| table.rows() == rows))

@@ -125,6 +125,6 @@ fn rect_of(face: u32, shape: Shape, number: u32, count: u32) -> Rect {
         // Sums are monotonic when rounded, so a point in the rectangle remains in it.
         return Rect(start + shift, stop + shift, shape.nearest, is_within);
     }
-    let nearest = select(low.z - shape.before, shape.nearest, shape.grazes);
+    let nearest = select(low.z - shape.depth_margin, shape.nearest, shape.grazes);
     return Rect(low.xy, high.xy, nearest, true);
 }

@@ -6,8 +6,8 @@ struct Shape {
     // Across, down, and depth of a directional light's corners.
     corners: array<vec3f, 3>,
     around: f32,
-    // Margin of depths.
-    before: f32,
+    // Margin of a directional light's depths, and of a caster that is clipped to a pyramid.
+    depth_margin: f32,
     nearest: f32,
     // Rim of a point light's face, beyond which no receiver on the face may hit the caster.
     rim: f32,
@@ -24,8 +24,11 @@ struct Shape {
 const TEST_ERROR = 1.9073486e-6;
 // Twice the area of a caster that the light grazes, at most, over its longest side squared.
 const GRAZING = 0.001953125;
-// Margin around a caster, on a face around a point light, beyond which it may be anywhere.
+// Margin around a caster, on a face around a point light, beyond which it may be anywhere. With
+// less, no hit is behind the light by rounding.
 const WIDEST = 0.25;
+// Greatest error that the lookup adds around a point light: TEST_ERROR / LEAST_HIT.
+const MOST_LOOKUP_ERROR = 0.125;
 // Margin of the depth of a computed hit, as a fraction of the longest side, see light_frame.rs.
 const SHIFT_DEPTH = 0.001953125;
 const GRAZING_SHIFT_DEPTH = 1.5;
@@ -59,9 +62,9 @@ fn longest_side(corners: array<vec3f, 3>) -> f32 {
     return max(max(length(u), length(v)), length(u - v));
 }
 
-// Returns a depth around a point light minus the margins.
-fn before(depth: f32, shape: Shape) -> f32 {
-    return max(depth * (1.0 - view.down.w) - shape.before, 0.0);
+// Returns a depth around a point light minus margins: a fraction of it, and an absolute one.
+fn depth_before(depth: f32, margin: f32) -> f32 {
+    return max(depth * (1.0 - view.down.w) - margin, 0.0);
 }
 
 // Returns the rectangle of the part of a caster in a face's pyramid, if some of its corners are
@@ -92,7 +95,7 @@ fn clipped_to_pyramid(shape: Shape) -> Shape {
         }
         if kept > 8u {
             // Rounding made the polygon concave.
-            return whole_face(before(shape.nearest, shape));
+            return whole_face(depth_before(shape.nearest, shape.depth_margin));
         }
         polygon = clipped;
         count = kept;
@@ -107,14 +110,14 @@ fn clipped_to_pyramid(shape: Shape) -> Shape {
     }
     out.is_there = count > 0u;
     out.is_box = true;
-    out.nearest = before(max(low.z, shape.nearest), shape);
+    out.nearest = depth_before(max(low.z, shape.nearest), shape.depth_margin);
     out.corners[0] = vec3f(max(low.xy - shape.around, vec2f(-1.0)), 0.0);
     out.corners[1] = vec3f(min(high + shape.around, vec2f(1.0)), 0.0);
     return out;
 }
 
 // Returns whether a point light grazes a caster: the area across its rays is small for its longest
-// side.
+// side. A corner's ray has the angle to the plane whose sine is its distance over its length.
 fn is_grazed(corners: array<vec3f, 3>, longest: f32) -> bool {
     let normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
     let farthest = max(max(length(corners[0]), length(corners[1])), length(corners[2]));
@@ -127,15 +130,16 @@ fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
     let longest = longest_side(corners);
     // A point's depth is at least this fraction of its distance.
     let least_depth = COORDINATE * distance_to_origin(corners);
-    out.around = view.across.w + TEST_ERROR * longest / least_depth;
-    if out.around > WIDEST {
+    let error = TEST_ERROR * longest;
+    // Compare before dividing: the light may be in the caster's box.
+    if error >= WIDEST * least_depth {
         return whole_face(0.0);
     }
+    out.around = view.across.w + error / least_depth;
     // The lookup adds the part of the error that grows with the receiver's distance, but stays on
-    // the receiver's face.
-    out.rim = 1.0 + 2.0 * (out.around + view.origin.w / least_depth);
-    let shift = select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, is_grazed(corners, longest));
-    out.before = longest * (TEST_ERROR + shift);
+    // the receiver's face. Double, since the coordinates across change with the face.
+    let farthest_error = min(view.origin.w / least_depth, MOST_LOOKUP_ERROR);
+    out.rim = 1.0 + 2.0 * (out.around + farthest_error);
     let a = turned(corners[0], face);
     let b = turned(corners[1], face);
     let c = turned(corners[2], face);
@@ -151,9 +155,12 @@ fn shape_on_cube(face: u32, corners: array<vec3f, 3>) -> Shape {
         out.corners[1] = b;
         out.corners[2] = c;
         out.nearest = least_depth;
+        let shift = select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, is_grazed(corners, longest));
+        out.depth_margin = error + longest * shift;
         return clipped_to_pyramid(out);
     }
-    out.nearest = before(max(least_depth, min(min(a.z, b.z), c.z)), out);
+    // A ray that hits begins behind the nearest corner: its own box test is exact.
+    out.nearest = depth_before(max(least_depth, min(min(a.z, b.z), c.z)), 0.0);
     out.corners[0] = vec3f(a.xy / a.z, 0.0);
     out.corners[1] = vec3f(b.xy / b.z, 0.0);
     out.corners[2] = vec3f(c.xy / c.z, 0.0);
@@ -173,8 +180,8 @@ fn shape_of(face: u32, corners: array<vec3f, 3>) -> Shape {
     // A computed hit is at a point of the caster whose depth may be that of any point if the light
     // grazes it, see light_frame.rs.
     out.grazes = abs(u.x * v.y - u.y * v.x) < longest * longest * GRAZING;
-    out.before = out.around + longest * select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, out.grazes);
-    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z) - out.before;
+    out.depth_margin = out.around + longest * select(SHIFT_DEPTH, GRAZING_SHIFT_DEPTH, out.grazes);
+    out.nearest = min(min(corners[0].z, corners[1].z), corners[2].z) - out.depth_margin;
     out.is_there = true;
     return out;
 }
