@@ -126,7 +126,8 @@ impl LightSet {
     pub fn prepare(&mut self, frame: &SetFrame<'_>) -> Result<&SetReport, BackendError> {
         self.is_prepared = false;
         frame.camera.validate()?;
-        if self.unsubmitted_encoders.any() || self.casters.is_rebased() {
+        let draws_all = self.unsubmitted_encoders.any() || self.casters.is_rebased();
+        if draws_all {
             self.draw_all_again();
         }
         self.passes.clear();
@@ -134,10 +135,10 @@ impl LightSet {
         self.meter.collect(&self.queue);
         self.casters.begin_frame();
         self.plan_lights(frame);
-        self.assign_layers();
+        let layers_changed = self.assign_layers();
         self.mark_stale();
         self.choose_redraws();
-        let result = self.write_within_scopes();
+        let result = self.write_within_scopes(draws_all || layers_changed);
         if let Err(error) = result {
             self.forget_objects();
             return Err(error);
@@ -254,10 +255,10 @@ impl LightSet {
         }
     }
 
-    /// Assigns layers to lights, and releases unused ones.
-    fn assign_layers(&mut self) {
+    /// Assigns layers to lights, and releases unused ones. Returns whether there was a reason to.
+    fn assign_layers(&mut self) -> bool {
         if !std::mem::take(&mut self.layers_changed) {
-            return;
+            return false;
         }
         let lights = &self.lights;
         let bytes = |id: LightKey| lights[id].state.newest().map(LightPlan::bytes);
@@ -277,6 +278,7 @@ impl LightSet {
         for id in fitting {
             take_layers(&mut self.lights[id], &mut self.pool, most_layers);
         }
+        true
     }
 
     /// Marks the layers with changes.
@@ -332,10 +334,23 @@ impl LightSet {
         });
     }
 
-    /// Writes the frame, and collects errors of the graphics API.
-    fn write_within_scopes(&mut self) -> Result<(), BackendError> {
-        // Scopes cost half a microsecond, and almost any frame may create objects: layers of still
-        // casters, pipelines of meshes that come into view, or smaller tables.
+    /// Writes the frame. Collects errors of the graphics API unless nothing changed: scopes allocate
+    /// memory, and still frames must not. Almost any other frame may create objects: layers of still
+    /// casters, pipelines of meshes that come into view, or smaller tables.
+    fn write_within_scopes(&mut self, layers_changed: bool) -> Result<(), BackendError> {
+        let has_changes = layers_changed
+            || self.shader.has_changes()
+            || self.casters.has_grown()
+            || !self.casters.changed_boxes().is_empty()
+            || !self.passes.lights.is_empty();
+        if !has_changes {
+            let before = self.counters;
+            let result = self.write();
+            if cfg!(feature = "testing") {
+                assert_eq!(self.counters, before, "objects outside of error scopes");
+            }
+            return result;
+        }
         let scopes = Scopes::open(&self.device);
         let result = self.write();
         let closed = self.errors.close(scopes, self.options.errors);

@@ -147,6 +147,11 @@ impl SetShader {
         &mut self.tables
     }
 
+    /// Returns whether lights or the text changed since the last frame.
+    pub(crate) fn has_changes(&self) -> bool {
+        self.has_changed || self.is_outdated
+    }
+
     /// Marks that the plans of shown lights differ from those that were written.
     pub(crate) fn change(&mut self) {
         self.has_changed = true;
