@@ -460,6 +460,25 @@ fn hierarchies_of_lights_that_are_off_are_not_rebuilt() {
     assert_eq!(update(&mut set), 0);
 }
 
+/// Frames in which only lights go, or are switched on, create objects within error scopes: otherwise
+/// the set panics in tests.
+#[test]
+fn objects_are_created_within_error_scopes() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let [first, second, third] =
+        [-0.2, 0.0, 0.2].map(|x| stage.set.add_light(exact(spot(x))).expect("valid"));
+    stage.frame();
+    stage.set.set_enabled(second, false).expect("is there");
+    stage.frame();
+    // The tables of the others move.
+    stage.set.remove_light(first).expect("is there");
+    stage.frame();
+    stage.set.set_enabled(second, true).expect("is there");
+    stage.frame();
+    let shadowed = [second, third].map(|id| stage.shadowed_pixels(id));
+    assert!(shadowed.iter().all(|&count| count > 0), "{shadowed:?}");
+}
+
 /// Meshes that compute shaders can't read leave the light without shadows, with a reason that names
 /// the mesh.
 #[test]
