@@ -44,7 +44,7 @@ impl LaterErrors {
             return scopes.close();
         }
         self.pending.push_back(scopes.close_later());
-        // Scopes are closed each frame, so that their results must not pile up until they are taken.
+        // Most frames close scopes: their results must not pile up until they are taken.
         self.collect();
         Ok(())
     }

@@ -336,9 +336,10 @@ impl LightSet {
 
     /// Writes the frame. Collects errors of the graphics API unless nothing changed: scopes allocate
     /// memory, and still frames must not. Almost any other frame may create objects: layers of still
-    /// casters, pipelines of meshes that come into view, or smaller tables.
-    fn write_within_scopes(&mut self, layers_changed: bool) -> Result<(), BackendError> {
-        let has_changes = layers_changed
+    /// casters, pipelines of meshes that come into view, or smaller tables. `is_redrawn` is true if
+    /// layers were assigned, or all are drawn again.
+    fn write_within_scopes(&mut self, is_redrawn: bool) -> Result<(), BackendError> {
+        let has_changes = is_redrawn
             || self.shader.has_changes()
             || self.casters.has_grown()
             || !self.casters.changed_boxes().is_empty()

@@ -24,8 +24,8 @@ struct Shape {
 const TEST_ERROR = 1.9073486e-6;
 // Twice the area of a caster that the light grazes, at most, over its longest side squared.
 const GRAZING = 0.001953125;
-// Margin around a caster, on a face around a point light, beyond which it may be anywhere. With
-// less, no hit is behind the light by rounding.
+// Margin around a caster, on a face around a point light, from which on the caster covers the face.
+// A smaller margin also means that rounding moves no hit behind the light.
 const WIDEST = 0.25;
 // Greatest error that the lookup adds around a point light: TEST_ERROR / LEAST_HIT.
 const MOST_LOOKUP_ERROR = 0.125;
