@@ -30,7 +30,9 @@ pub use shadow_map::{
     BetweenKernel, BeyondFar, Bias, Border, CompareMethod, MapFormat, ShadowMap, Surface,
 };
 pub use techniques::evsm::{EvsmKernel, EvsmMoments, EvsmUniforms, MAX_EVSM_EXPONENT};
-pub use techniques::exact::{ExactKernel, ExactUniforms, LightView, QueriedCell};
+pub use techniques::exact::{
+    ExactKernel, ExactStructure, ExactUniforms, HierarchyKernel, LightView, QueriedCell,
+};
 pub use techniques::hard::HardKernel;
 pub use techniques::map_technique::{MapFilter, MapTechnique};
 pub use techniques::msm::{MsmKernel, MsmUniforms, Reconstruction};

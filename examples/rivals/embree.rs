@@ -150,7 +150,7 @@ fn measure(
         || time_rebuild(view, geometry),
         || embree.run_command("build"),
     )?;
-    let recipe = Exact {}.recipe(view)?;
+    let recipe = Exact::default().recipe(view)?;
     // The first renders of a recipe don't build lists by themselves: build them here, so that
     // lookups are timed.
     recipe.make_tables();
@@ -188,13 +188,13 @@ fn time_rebuild(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration
     let fresh = geometry.without_hierarchies();
     // Do the work of a new scene first: its boxes, the reach of receivers, the table of corners.
     let warm = View::new(view.camera, &OTHER_LIGHT, &fresh);
-    Exact {}.recipe(&warm)?.make_tables();
+    Exact::default().recipe(&warm)?.make_tables();
     let view = View {
         geometry: Some(&fresh),
         ..*view
     };
     let start = Instant::now();
-    let recipe = Exact {}.recipe(&view)?;
+    let recipe = Exact::default().recipe(&view)?;
     recipe.make_tables();
     let taken = start.elapsed();
     check_lists(&recipe)?;

@@ -7,7 +7,7 @@ use crate::shadow_map::ShadowMap;
 use std::{any::Any, sync::Arc};
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
-use umbrage_core::{CutOuts, DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_core::{CutOuts, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// A technique and its settings. In a file, the field `technique` holds the name that
 /// [`ShadowTechnique::name`] returns. All other fields are those of its struct; missing ones have
@@ -81,7 +81,7 @@ impl ShadowTechnique for TechniquePreset {
         &self,
         view: &View<'_>,
         cut_outs: Option<&CutOuts>,
-    ) -> Option<Result<DeviceRecipe, RecipeError>> {
+    ) -> Option<Result<Recipe, RecipeError>> {
         self.0.device_recipe(view, cut_outs)
     }
 

@@ -55,6 +55,7 @@ impl Maps {
                 tables: Vec::new(),
             },
             shade: None,
+            hierarchy: None,
             keep_images: false,
         }
     }

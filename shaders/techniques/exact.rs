@@ -1,5 +1,5 @@
-//! Exact hard shadows from per-cell triangle lists of a grid over the light. The result equals one
-//! ray, without bias, map or error.
+//! Exact hard shadows from per-cell triangle lists of a grid over the light, or on a device from a
+//! hierarchy. The result equals one ray, without bias, map or error.
 //!
 //! This is the light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing
 //! Accelerator". (Wyman, Hoetzlein and Lefohn 2015, "Frustum-Traced Raster Shadows" keep lists of
@@ -25,7 +25,7 @@
 //! - `lists.rs`: all lists as tables, built on first use
 //! - `lookup.rs`: the CPU half
 //! - `at_once.rs`: the CPU's method before lists exist
-//! - `on_device.rs`: a hierarchy that a device builds from vertices that only it has
+//! - `on_device.rs`: a hierarchy that a device builds
 
 mod at_once;
 mod holes;
@@ -47,15 +47,14 @@ use light_frame::LightFrame;
 use lists::{KeptLists, Lists, Rows};
 pub use lookup::QueriedCell;
 use lookup::{LookupInput, cells_of_span, look_up_span};
-pub use on_device::LightView;
+pub use on_device::{HierarchyKernel, LightView};
 use std::{
     fmt::{Debug, Formatter},
     sync::Arc,
 };
 use umbrage_core::{
-    Aabb, CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, Module, Receive, ReceiveKernel,
-    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
-    View,
+    Aabb, CutOuts, Geometry, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe,
+    RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
@@ -75,14 +74,33 @@ const FRAME_POINT: Module = module!("frame_point", "exact/frame_point.wgsl");
 /// Approximate number of receivers that are sampled for the mean list length.
 const SAMPLED_RECEIVERS: usize = 2048;
 
-/// Per-cell triangle lists of the light's grid.
+/// Exact hard shadows: one ray a receiver, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "presets",
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
-pub struct Exact {}
+pub struct Exact {
+    /// The structure that a device queries. The result is the same.
+    pub structure: ExactStructure,
+}
+
+/// Structure that a device queries for [`Exact`]. The CPU always uses lists.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum ExactStructure {
+    /// Lists, which the CPU builds once for each light and geometry. A light set without triangles
+    /// on the CPU uses a hierarchy instead.
+    #[default]
+    Lists,
+    /// A hierarchy, which the device builds in every frame.
+    Hierarchy,
+}
 
 impl ShadowTechnique for Exact {
     fn name(&self) -> &'static str {
@@ -96,15 +114,20 @@ impl ShadowTechnique for Exact {
                 "the view has no triangles to build lists from: make it with `View::new`",
             ));
         };
-        Ok(recipe_of(ExactKernel::new(view, geometry)))
+        let kernel = ExactKernel::new(view, geometry);
+        Ok(match self.structure {
+            ExactStructure::Lists => recipe_of(kernel),
+            ExactStructure::Hierarchy => on_device::recipe_with_triangles(view, geometry, kernel),
+        })
     }
 
     fn device_recipe(
         &self,
         view: &View<'_>,
         cut_outs: Option<&CutOuts>,
-    ) -> Option<Result<DeviceRecipe, RecipeError>> {
-        Some(on_device::device_recipe(view, cut_outs))
+    ) -> Option<Result<Recipe, RecipeError>> {
+        let has_lists = self.structure == ExactStructure::Lists && view.geometry.is_some();
+        (!has_lists).then(|| on_device::device_recipe(view, cut_outs))
     }
 }
 
@@ -147,16 +170,21 @@ fn recipe_from_tables(kernel: Arc<dyn ReceiveKernel>, tables: Vec<Table>) -> Rec
         casts: Vec::new(),
         filters: Vec::new(),
         shade: None,
+        hierarchy: None,
         keep_images: false,
     }
 }
 
 impl ListedTechnique for Exact {
     const SUMMARY: &'static str =
-        "per-cell triangle lists, equal to one ray of traced (Haines, Greenberg 1986)";
+        "triangle lists or a hierarchy, equal to one ray of traced (Haines, Greenberg 1986)";
 
     fn settings(&self) -> String {
-        "lists".to_owned()
+        match self.structure {
+            ExactStructure::Lists => "lists",
+            ExactStructure::Hierarchy => "hierarchy",
+        }
+        .to_owned()
     }
 }
 

@@ -135,6 +135,7 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
             tables: vec![0],
         },
         shade: None,
+        hierarchy: None,
         keep_images: false,
     }
 }

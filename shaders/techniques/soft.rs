@@ -174,6 +174,7 @@ impl ShadowTechnique for Soft {
                 tables: table_ids,
             },
             shade: None,
+            hierarchy: None,
             keep_images: false,
         })
     }

@@ -97,6 +97,7 @@ impl ShadowTechnique for Traced {
                 tables: table_ids,
             },
             shade: None,
+            hierarchy: None,
             keep_images: false,
         })
     }

@@ -45,6 +45,7 @@ impl ShadowTechnique for Unshadowed {
                 tables: Vec::new(),
             },
             shade: None,
+            hierarchy: None,
             keep_images: false,
         })
     }

@@ -183,6 +183,7 @@ fn recipe(
             tables: Vec::new(),
         },
         shade: None,
+        hierarchy: None,
         keep_images: false,
     }
 }

@@ -43,9 +43,9 @@ fn compare(
     let receivers = cpu.receivers(camera, geometry).map_err(|e| e.to_string())?;
     let light = light.without_extent();
     let view = View::new(camera, &light, geometry).with_receivers(&receivers);
-    let lists = recipe(&Exact {}, &view)?;
+    let lists = recipe(&Exact::default(), &view)?;
     let expected = rays(&view, geometry, &receivers);
-    let found = Exact {}.answers_without_lists(Simd::Native, &view);
+    let found = Exact::default().answers_without_lists(Simd::Native, &view);
     let found = found.map_err(|e| e.to_string())?;
     same(&expected, &found, &receivers, &light)
         .map_err(|why| format!("CPU, without lists: {why}"))?;
@@ -95,7 +95,7 @@ fn same_as_traced(camera: &Camera, light: &Light, geometry: &Geometry) -> Result
     let view = View::new(camera, &light, geometry);
     let recipes = [
         recipe(&Traced { samples: 1 }, &view)?,
-        recipe(&Exact {}, &view)?,
+        recipe(&Exact::default(), &view)?,
     ];
     let mut cpu = Cpu::new();
     let [traced, exact] = recipes
@@ -192,7 +192,7 @@ fn lists_of_whole_casters_are_separated_from_those_with_holes() {
     let mask = |scene: &Scene| {
         let geometry = Geometry::bake(scene).expect("valid");
         let view = View::new(&camera, &light, &geometry);
-        let lists = recipe(&Exact {}, &view).expect("lists serve all");
+        let lists = recipe(&Exact::default(), &view).expect("lists serve all");
         Cpu::new().render(&view, &lists).expect("renders").mask
     };
     let with_holes = mask(&scene);
@@ -369,7 +369,7 @@ fn lists_are_made_for_casters_that_stay() {
     let geometry = Geometry::bake(&scene).expect("valid");
     let camera = scene.cameras[0].with_size(UVec2::new(160, 90));
     let view = View::new(&camera, &scene.lights[0], &geometry);
-    let exact = recipe(&Exact {}, &view).expect("lists serve all");
+    let exact = recipe(&Exact::default(), &view).expect("lists serve all");
     let mut cpu = Cpu::new();
     let first = cpu.render(&view, &exact).expect("renders").mask;
     assert_eq!(
@@ -396,7 +396,7 @@ fn spoilt_lists_are_found_out() {
     let rays = recipe(&Traced { samples: 1 }, &view).expect("rays serve all");
     let expected = gpu().render(&view, &rays).expect("renders").mask;
     let spoil = |table: usize, change: &dyn Fn(usize, &mut [u32; 4])| {
-        let mut spoilt = recipe(&Exact {}, &view).expect("lists serve all");
+        let mut spoilt = recipe(&Exact::default(), &view).expect("lists serve all");
         let mut rows = spoilt.tables[table].rows().to_vec();
         for (i, row) in rows.iter_mut().enumerate() {
             change(i, row);
@@ -418,7 +418,10 @@ fn spoilt_lists_are_found_out() {
     });
     assert!(no_boxes > 100, "{no_boxes} pixels tell");
     // Give each cell the list of the first.
-    let first = recipe(&Exact {}, &view).expect("lists serve all").tables[1].rows()[0][0];
+    let first = recipe(&Exact::default(), &view)
+        .expect("lists serve all")
+        .tables[1]
+        .rows()[0][0];
     let no_lists = spoil(1, &|_, row| row[0] = first);
     assert!(no_lists > 100, "{no_lists} pixels tell");
 }
@@ -439,7 +442,9 @@ fn lists_are_kept_and_do_not_depend_on_threads() {
     };
     let tables = |light: &Light, camera: &Camera, geometry: &Geometry| {
         let view = View::new(camera, light, geometry);
-        recipe(&Exact {}, &view).expect("lists serve all").tables
+        recipe(&Exact::default(), &view)
+            .expect("lists serve all")
+            .tables
     };
     let first = tables(&sun(0.0), &camera, &geometry);
     let again = tables(&sun(0.0), &other_camera, &geometry);

@@ -92,6 +92,7 @@ fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
             format: Format::Depth32,
         }],
         casts: (0..).zip(triangles).map(cast).collect(),
+        hierarchy: None,
         keep_images: true,
         ..of_hard
     }

@@ -58,7 +58,7 @@ pub use light_space::{
     layers::{Arrangement, CascadePick, LayerPicker, Layout, LightSpaces},
 };
 pub use math::MATH;
-pub use recipe::device_hierarchy::{DeviceHierarchy, DeviceRecipe};
+pub use recipe::device_hierarchy::DeviceHierarchy;
 #[cfg(feature = "testing")]
 pub use recipe::twin::{Twin, Words};
 pub use recipe::{

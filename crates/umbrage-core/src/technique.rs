@@ -1,10 +1,7 @@
 //! The trait that a shadow technique implements.
 
 use crate::{
-    geometry::cut_out::CutOuts,
-    recipe::{Recipe, device_hierarchy::DeviceRecipe},
-    recipe_error::RecipeError,
-    scene::light::Light,
+    geometry::cut_out::CutOuts, recipe::Recipe, recipe_error::RecipeError, scene::light::Light,
     view::View,
 };
 use std::fmt::Debug;
@@ -29,7 +26,7 @@ pub trait ShadowTechnique: Debug + Send + Sync {
         &self,
         view: &View<'_>,
         cut_outs: Option<&CutOuts>,
-    ) -> Option<Result<DeviceRecipe, RecipeError>> {
+    ) -> Option<Result<Recipe, RecipeError>> {
         let _ = (view, cut_outs);
         None
     }

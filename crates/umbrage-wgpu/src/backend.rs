@@ -296,7 +296,10 @@ impl Gpu {
             images: tickets.images(&back, recipe)?,
             receivers,
             timings,
-            bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * bytes_per_pixel(recipe),
+            bytes: recipe.image_bytes()
+                + recipe.table_bytes()
+                + self.renderer.hierarchy_bytes()
+                + pixels * bytes_per_pixel(recipe),
         })
     }
 }

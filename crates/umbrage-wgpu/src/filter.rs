@@ -181,9 +181,10 @@ impl FilterStage {
         }
     }
 
-    /// Returns whether there are any filter passes.
-    pub(crate) fn has_passes(&self) -> bool {
-        self.filters.iter().any(|filter| filter.passes.count() > 0)
+    /// Returns the number of filter passes.
+    pub(crate) fn pass_count(&self) -> usize {
+        let counts = self.filters.iter().map(|filter| filter.passes.count());
+        counts.sum()
     }
 
     /// Clears the layers that may be read before a stage writes them.
@@ -194,14 +195,15 @@ impl FilterStage {
     }
 
     /// Records all filters: a compute pass for each that computes tiles, otherwise a render pass
-    /// for each layer of its output.
-    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
-        let count = self
-            .filters
-            .iter()
-            .map(|filter| filter.passes.count())
-            .sum();
-        let mut first = 0;
+    /// for each layer of its output. `earlier` is the number of earlier passes of the timed stage.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        stamps: Option<&PassTimestamps<'_>>,
+        earlier: usize,
+    ) {
+        let count = earlier + self.pass_count();
+        let mut first = earlier;
         for filter in &self.filters {
             filter.encode(encoder, |pass| {
                 pass_stamps(stamps, TimedStage::Filter, first + pass, count)

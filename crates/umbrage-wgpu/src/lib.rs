@@ -22,6 +22,7 @@ mod filter;
 mod frame;
 mod gbuffer;
 mod gbuffer_from_depth;
+mod hierarchy;
 mod light_set;
 mod receive;
 mod renderer;

@@ -7,6 +7,7 @@ use crate::{
         requirements::{COMPUTE_LIMITS, check_compute, limits},
     },
     frame::{FrameInputs, RendererOptions, check_size},
+    hierarchy::one::check_hierarchy,
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
@@ -142,6 +143,7 @@ impl ShadowRenderer {
         check_counting(recipe, self.device.features())?;
         check_compute(recipe, &limits)?;
         check_faces(recipe, limits.max_buffer_size)?;
+        check_hierarchy(recipe, &limits)?;
         let inputs = frame.inputs;
         check_size(inputs.size, self.limits.image_side)?;
         inputs.validate(recipe, &limits)?;
@@ -214,8 +216,7 @@ impl ShadowRenderer {
     ) -> Result<&TextureView, BackendError> {
         let light = self.recorded_resources(encoder)?;
         light.casts.encode(encoder, stamps);
-        light.filters.clear(encoder);
-        light.filters.encode(encoder, stamps);
+        light.encode_inputs(encoder, stamps);
         light
             .encode_mask(encoder, self.options, stamps)
             .ok_or_else(unprepared_error)
@@ -269,8 +270,7 @@ impl ShadowRenderer {
         encoder: &mut CommandEncoder,
     ) -> Result<&TextureView, BackendError> {
         let light = self.recorded_resources(encoder)?;
-        light.filters.clear(encoder);
-        light.filters.encode(encoder, None);
+        light.encode_inputs(encoder, None);
         light
             .encode_mask(encoder, self.options, None)
             .ok_or_else(unprepared_error)
@@ -288,14 +288,13 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Records only the filters.
+    /// Records only the filters, and the passes that build the recipe's hierarchy.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         let light = self.recorded_resources(encoder)?;
-        light.filters.clear(encoder);
-        light.filters.encode(encoder, None);
+        light.encode_inputs(encoder, None);
         Ok(())
     }
 
@@ -307,13 +306,15 @@ impl ShadowRenderer {
     ) -> Result<(), BackendError> {
         self.recorded_resources(encoder)?
             .filters
-            .encode(encoder, None);
+            .encode(encoder, None, 0);
         Ok(())
     }
 
     #[cfg(feature = "testing")]
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.recorded_resources(encoder)?
+        let light = self.recorded_resources(encoder)?;
+        light.hierarchy.encode(encoder, None);
+        light
             .encode_mask(encoder, self.options, None)
             .map(|_| ())
             .ok_or_else(unprepared_error)
@@ -360,6 +361,12 @@ impl ShadowRenderer {
             buffers: self.counters.buffers + self.submissions.made_count(),
             ..self.counters
         }
+    }
+
+    /// Returns the bytes of the hierarchy that was prepared last, without the corners, 0 if there is
+    /// none.
+    pub(crate) fn hierarchy_bytes(&self) -> u64 {
+        self.light().map_or(0, |light| light.hierarchy.bytes())
     }
 
     /// Returns the largest images, layers and tables that recipes may use on this device.

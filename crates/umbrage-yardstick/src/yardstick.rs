@@ -88,6 +88,7 @@ impl Yardstick {
             filters: Vec::new(),
             receive,
             shade: None,
+            hierarchy: None,
             keep_images: false,
         };
         Some(Self {

@@ -60,10 +60,10 @@ pub(super) struct Lists {
 
 /// Corners of the casters, three rows per caster, computed on first use.
 #[derive(Default)]
-struct CornerRows(OnceLock<Rows>);
+pub(super) struct CornerRows(OnceLock<Rows>);
 
 impl CornerRows {
-    fn of_geometry(geometry: &Geometry) -> Rows {
+    pub(super) fn of_geometry(geometry: &Geometry) -> Rows {
         let kept = geometry.derive_once(|_| Self::default());
         let make = || {
             let mut rows = zeros(3 * geometry.casters().len().max(1));

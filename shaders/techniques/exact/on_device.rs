@@ -1,23 +1,24 @@
-//! A hierarchy over the light's view that a device builds from vertices that only it has, by the
-//! passes in `on_device/`, and its lookup.
+//! A hierarchy over the light's view that a device builds by the passes in `on_device/`, and its
+//! lookup.
 //!
 //! A receiver is a point over the light's view. Leaves are rectangles with a least depth, around
 //! casters or strips of them. They are sorted along a Hilbert curve and packed into nodes of eight
 //! children (Kamel and Faloutsos 1993, "On Packing R-trees"). So the number of nodes follows from
 //! the number of casters.
 //!
-//! Receivers are not known beforehand. Rays are lifted off them for all receivers within a few
-//! times the casters' distance.
+//! If only the device has the vertices, receivers are not known beforehand. Rays are then lifted off
+//! them for all receivers within a few times the casters' distance.
 
 use super::{
-    CASTER_CUT_OUT, CASTER_OPAQUE, ExactUniforms, FRAME_POINT, cut_out_table,
+    CASTER_CUT_OUT, CASTER_OPAQUE, ExactKernel, ExactUniforms, FRAME_POINT, cut_out_table,
     light_frame::{LEAST_MARGIN, LightFrame, POSITION_MARGIN},
+    lists::CornerRows,
     recipe_from_tables,
 };
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, CutOuts, DeviceHierarchy, DeviceRecipe, Inputs, Kernel, MATH, Module, ReceiveKernel,
-    Recipe, RecipeError, Span, Table, UniformBlock, Uniforms, View,
+    Aabb, CutOuts, DeviceHierarchy, Geometry, Inputs, Kernel, MATH, Module, ReceiveKernel,
+    Receivers, Recipe, RecipeError, Simd, Span, Table, TableRows, UniformBlock, Uniforms, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{DVec2, DVec3, Vec2, Vec3, Vec4},
@@ -48,41 +49,77 @@ uniforms! {
     }
 }
 
+/// Returns the recipe for the casters of a geometry. Its result has the bits of `on_cpu`, which
+/// computes it on the CPU.
+pub(super) fn recipe_with_triangles(
+    view: &View<'_>,
+    geometry: &Geometry,
+    on_cpu: ExactKernel,
+) -> Recipe {
+    let casters = box_or_origin(&geometry.caster_bounds());
+    let frame = upright_frame(view, &casters, &geometry.bounds());
+    let ExactUniforms { grid, far, .. } = on_cpu.uniforms;
+    let cut_outs = on_cpu.cut_outs.clone();
+    let kernel = HierarchyKernel {
+        uniforms: ExactUniforms::new(view, &frame, grid.w, far),
+        has_cut_outs: cut_outs.is_some(),
+        on_cpu: Some(on_cpu),
+    };
+    let geometry = geometry.clone();
+    let corners = TableRows::on_first_use(move || CornerRows::of_geometry(&geometry));
+    let hierarchy = device_hierarchy(&frame, &casters);
+    hierarchy_recipe(kernel, corners, cut_outs.as_deref(), hierarchy)
+}
+
 /// Returns the recipe for casters of which only the bounding box is known, and the records of
 /// alpha-tested ones.
 pub(super) fn device_recipe(
     view: &View<'_>,
     cut_outs: Option<&CutOuts>,
-) -> Result<DeviceRecipe, RecipeError> {
+) -> Result<Recipe, RecipeError> {
     view.validate()?;
     let reach = reach_around(view);
-    let center = if view.casters.is_empty() {
-        Vec3::ZERO
-    } else {
-        view.casters.center()
-    };
+    let casters = box_or_origin(&view.casters);
     // Use a cube whose diagonal is the reach.
     let half = Vec3::splat(0.5 * reach / 3.0_f32.sqrt());
     let everything = Aabb {
-        min: center - half,
-        max: center + half,
+        min: casters.center() - half,
+        max: casters.center() + half,
     };
-    let casters = view.casters.union(&Aabb::from_points([center]));
-    // A hierarchy has no tiles.
-    let frame = LightFrame::around_casters(view.light, upright_pair, &casters, &everything, 1);
+    let frame = upright_frame(view, &casters, &everything);
     let kernel = HierarchyKernel {
         uniforms: ExactUniforms::new(view, &frame, reach, 2.0 * reach),
         has_cut_outs: cut_outs.is_some(),
+        on_cpu: None,
     };
-    Ok(DeviceRecipe {
-        recipe: recipe_without_casters(kernel, cut_outs),
-        hierarchy: DeviceHierarchy {
-            modules: modules(),
-            uniforms_name: LightView::NAME,
-            uniforms: light_view(&frame, &casters).to_bytes(),
-            faces: frame.faces(),
-        },
-    })
+    let no_corners = vec![[0; 4]; 3].into();
+    let hierarchy = device_hierarchy(&frame, &casters);
+    Ok(hierarchy_recipe(kernel, no_corners, cut_outs, hierarchy))
+}
+
+/// Returns a box, or the origin if it is empty.
+fn box_or_origin(casters: &Aabb) -> Aabb {
+    if casters.is_empty() {
+        Aabb::from_points([Vec3::ZERO])
+    } else {
+        *casters
+    }
+}
+
+/// Returns the frame of a view's light. `everything` is the box around casters and ray origins.
+fn upright_frame(view: &View<'_>, casters: &Aabb, everything: &Aabb) -> LightFrame {
+    // A hierarchy has no tiles.
+    let tiles = 1;
+    LightFrame::around_casters(view.light, upright_pair, casters, everything, tiles)
+}
+
+fn device_hierarchy(frame: &LightFrame, casters: &Aabb) -> DeviceHierarchy {
+    DeviceHierarchy {
+        modules: modules(),
+        uniforms_name: LightView::NAME,
+        uniforms: light_view(frame, casters).to_bytes(),
+        faces: frame.faces(),
+    }
 }
 
 /// Returns an upper bound of the distance between two points of the scene, metres. It is a power of
@@ -140,29 +177,33 @@ fn modules() -> Vec<Module> {
     ]
 }
 
-/// Returns a recipe with the hierarchy of no casters: a header with one level, and a node without
-/// children. The device's hierarchy replaces it.
-fn recipe_without_casters(kernel: HierarchyKernel, cut_outs: Option<&CutOuts>) -> Recipe {
-    let mut hierarchy = vec![[0; 4]; 8];
-    hierarchy[0][0] = 1;
-    let table = |label, rows: Vec<[u32; 4]>| Table {
-        label,
-        rows: rows.into(),
-    };
-    let mut tables = vec![
-        table("hierarchy", hierarchy),
-        table("corners", vec![[0; 4]; 3]),
-    ];
+/// Returns the recipe of a kernel. The table of its hierarchy is that of no casters: a header with one
+/// level, and a node without children. The device's hierarchy replaces it.
+fn hierarchy_recipe(
+    kernel: HierarchyKernel,
+    corners: TableRows,
+    cut_outs: Option<&CutOuts>,
+    hierarchy: DeviceHierarchy,
+) -> Recipe {
+    let mut empty = vec![[0; 4]; 8];
+    empty[0][0] = 1;
+    let table = |label, rows| Table { label, rows };
+    let mut tables = vec![table("hierarchy", empty.into()), table("corners", corners)];
     tables.extend(cut_outs.map(cut_out_table));
-    recipe_from_tables(Arc::new(kernel), tables)
+    Recipe {
+        hierarchy: Some(hierarchy),
+        ..recipe_from_tables(Arc::new(kernel), tables)
+    }
 }
 
 /// Kernel that queries the hierarchy.
 #[derive(Clone, Debug)]
-struct HierarchyKernel {
+pub struct HierarchyKernel {
     uniforms: ExactUniforms,
     /// True if there are alpha-tested casters.
     has_cut_outs: bool,
+    /// Computes the same on the CPU; `None` if only a device has the casters.
+    on_cpu: Option<ExactKernel>,
 }
 
 impl Kernel for HierarchyKernel {
@@ -184,8 +225,11 @@ impl Kernel for HierarchyKernel {
 }
 
 impl ReceiveKernel for HierarchyKernel {
-    /// Only a device has casters: receivers that face the light are lit.
-    fn receive(&self, _: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+    /// If only a device has casters, receivers that face the light are lit.
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        if let Some(on_cpu) = &self.on_cpu {
+            return on_cpu.receive(inputs, span, out);
+        }
         let u = &self.uniforms;
         for (i, out) in out.iter_mut().enumerate() {
             let n = span.normal(i);
@@ -193,6 +237,10 @@ impl ReceiveKernel for HierarchyKernel {
             let ray = segment(&u.light, origin, Vec2::ZERO, u.far);
             *out = f32::from(u8::from(dot3(n, ray) > 0.0));
         }
+    }
+
+    fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {
+        self.on_cpu.as_ref()?.receive_all(simd, receivers)
     }
 
     fn in_compute(&self) -> bool {

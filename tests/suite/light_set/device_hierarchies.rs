@@ -79,7 +79,7 @@ impl World {
         let view = set.view(&self.frame_without_triangles(), light);
         let made = Exact::default().device_recipe(&view, None);
         let made = made.expect("a hierarchy");
-        let recipe = made.expect("serves the light").recipe;
+        let recipe = made.expect("serves the light");
         let kernel: &dyn Kernel = &*recipe.receive.kernel;
         let bytes = kernel.uniforms().expect("has some").uniform_bytes();
         let [extent, far] = extent_and_far(&bytes);
@@ -399,8 +399,8 @@ fn shared_constants_are_equal() {
     let view = set.view(&frame, &world.scene.lights[0]);
     let made = Exact::default().device_recipe(&view, None);
     let made = made.expect("a hierarchy").expect("serves the light");
-    let passes = join(&made.hierarchy.modules);
-    let lookup = join(&made.recipe.receive.kernel.modules());
+    let lookup = join(&made.receive.kernel.modules());
+    let passes = join(&made.hierarchy.expect("is built").modules);
     check(&LightView::layout(), &passes).expect("equal");
     let constant = |text: &str, name: &str| -> f64 {
         let (_, rest) = text

@@ -117,6 +117,7 @@ impl ShadowTechnique for Broken {
                 tables: Vec::new(),
             },
             shade: None,
+            hierarchy: None,
             keep_images: false,
         })
     }

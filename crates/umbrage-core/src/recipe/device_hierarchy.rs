@@ -1,10 +1,11 @@
 //! Hierarchies of casters that a device builds.
 
-use crate::recipe::{Recipe, shader::Module};
+use crate::recipe::shader::Module;
 
 /// A hierarchy of eight children a node over the casters around a light, built by compute passes.
-/// For renderers whose vertices exist only on the device. It replaces the tables of the recipe's
-/// kernel, in this order: the hierarchy, the casters' corners. Tables after these are the recipe's.
+///
+/// The device writes the first table of the recipe's receive kernel: the hierarchy. The second one
+/// has the casters' corners. A light set writes these on the device, too, from its own vertices.
 ///
 /// A caster has at least one reference, and further ones as far as capacity lasts. References are
 /// sorted by keys, and each 64 are grouped into 8 nodes, which are grouped alike. Level 1 has the
@@ -54,13 +55,4 @@ impl DeviceHierarchy {
     pub const HEADER: u32 = 4;
     /// Greatest number of levels, with that of references.
     pub const LEVELS: usize = 12;
-}
-
-/// A recipe whose tables are built by a device.
-#[derive(Clone, Debug)]
-pub struct DeviceRecipe {
-    /// The recipe, with tables for a scene without casters. The device's tables replace them.
-    pub recipe: Recipe,
-    /// The hierarchy that the device builds.
-    pub hierarchy: DeviceHierarchy,
 }

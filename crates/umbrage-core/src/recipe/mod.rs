@@ -25,6 +25,7 @@ use crate::{
     invalid::{self, Invalid},
     light_space::{LightSpace, caster_set::CasterSet},
     recipe::{
+        device_hierarchy::DeviceHierarchy,
         image::{Format, ImageDesc},
         kernel::{FilterKernel, ReceiveKernel, ShadeKernel},
         shader::UniformBlock,
@@ -54,6 +55,9 @@ pub struct Recipe {
     pub receive: Receive,
     /// Shades visible geometry; `None` if only the mask is needed.
     pub shade: Option<Shade>,
+    /// The hierarchy that devices build for the receive kernel's first tables, if any. Backends on
+    /// the CPU don't need it.
+    pub hierarchy: Option<DeviceHierarchy>,
     /// True to return the images in [`Shadows::images`](crate::Shadows::images).
     pub keep_images: bool,
 }

@@ -171,6 +171,7 @@ pub(crate) fn recipe() -> Recipe {
             tables: Vec::new(),
         },
         shade: None,
+        hierarchy: None,
         keep_images: true,
     }
 }

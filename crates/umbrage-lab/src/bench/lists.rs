@@ -97,7 +97,7 @@ struct ListsBench<'a> {
 impl ListsBench<'_> {
     fn on_cpu(&self, cpu: &mut Cpu) -> Result<Vec<Pair>, LabError> {
         let view = &self.view;
-        let exact = plan(view, &Exact {})?;
+        let exact = plan(view, &Exact::default())?;
         let rays = plan(view, &Traced { samples: 1 })?;
         // Check the results against rays.
         let hard = plan(view, &map())?;
@@ -150,7 +150,7 @@ impl ListsBench<'_> {
 
     fn on_gpu(&self, gpu: &mut Gpu, cpu: &mut Cpu) -> Result<Vec<Pair>, LabError> {
         let view = &self.view;
-        let exact = plan(view, &Exact {})?;
+        let exact = plan(view, &Exact::default())?;
         let rays = plan(view, &Traced { samples: 1 })?;
         let hard = plan(view, &map())?;
         // Use the CPU's rays as reference: the hierarchy may exceed the adapter's capacity.
@@ -179,13 +179,13 @@ impl ListsBench<'_> {
         let fresh = self.geometry.without_hierarchies();
         // Prepare the scene once: its boxes, and the extent of receivers.
         let warm = View::new(self.view.camera, &OTHER_LIGHT, &fresh);
-        drop(plan(&warm, &Exact {})?);
+        drop(plan(&warm, &Exact::default())?);
         let view = View {
             geometry: Some(&fresh),
             ..self.view
         };
         let start = Instant::now();
-        let recipe = plan(&view, &Exact {})?;
+        let recipe = plan(&view, &Exact::default())?;
         let made = start.elapsed();
         Ok(made + receive_time(cpu, &view, &recipe)?)
     }

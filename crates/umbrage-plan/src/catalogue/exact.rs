@@ -1,15 +1,22 @@
 //! Catalogue entry of `exact`.
 
 use super::{
-    CataloguedTechnique, ClosedFormDemand,
+    CataloguedTechnique, ClosedFormDemand, RandomParameter,
     kernel::{self, CataloguedKernel, KernelCost},
 };
 use umbrage_core::{ReceiveKernel, Receivers, Recipe};
-use umbrage_techniques::{Exact, ExactKernel, ShadowMap};
+use umbrage_techniques::{Exact, ExactKernel, ExactStructure, HierarchyKernel, ShadowMap};
+
+const STRUCTURES: [ExactStructure; 2] = [ExactStructure::Lists, ExactStructure::Hierarchy];
 
 impl CataloguedTechnique for Exact {
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
         kernel::downcast::<ExactKernel>(kernel)
+            .or_else(|| kernel::downcast::<HierarchyKernel>(kernel))
+    }
+
+    fn exhaustive(_: u32) -> Vec<Self> {
+        STRUCTURES.map(|structure| Self { structure }).to_vec()
     }
 
     fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
@@ -17,7 +24,17 @@ impl CataloguedTechnique for Exact {
     }
 
     fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        Some(ClosedFormDemand::new(Self {}, 0.0))
+        Some(ClosedFormDemand::new(Self::default(), 0.0))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(0..STRUCTURES.len() as u32)]
+    }
+
+    fn random(_: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            structure: STRUCTURES[numbers[0] as usize],
+        }
     }
 }
 
@@ -36,6 +53,8 @@ impl CataloguedKernel for ExactKernel {
         Self::triangles_listed(self)
     }
 }
+
+impl CataloguedKernel for HierarchyKernel {}
 
 /// Divisor of the square root of the number of casters for the taps of a lookup.
 ///

@@ -88,7 +88,7 @@ impl StagesWithPasses {
         Self([
             finds_receivers,
             !recipe.casts.is_empty(),
-            !recipe.filters.is_empty(),
+            !recipe.filters.is_empty() || recipe.hierarchy.is_some(),
             true,
         ])
     }

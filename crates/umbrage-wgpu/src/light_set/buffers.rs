@@ -1,6 +1,9 @@
 //! Buffers of a light set: one for the uniforms of all lights, and one for all tables.
 
-use crate::{light_set::ids::LightKey, resources::counters::ResourceFactory};
+use crate::{
+    light_set::ids::LightKey,
+    resources::counters::{ResourceFactory, is_kept},
+};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
@@ -313,16 +316,6 @@ impl LightEntry {
         }
         words
     }
-}
-
-/// Smaller needs count as this many bytes, rows or items: small buffers cost more to create again
-/// than to keep.
-const LEAST_NEED: u64 = 1 << 12;
-
-/// Returns whether a size is kept for what is needed now: it suffices, and is at most eight times
-/// the need, so that varying needs seldom create another buffer.
-pub(crate) fn is_kept(held: u64, needed: u64) -> bool {
-    (needed..=8 * needed.max(LEAST_NEED)).contains(&held)
 }
 
 /// All tables of all lights in one buffer. Lights with equal tables share them.

@@ -2,6 +2,7 @@
 
 use crate::{
     frame::PositionFormat,
+    hierarchy::passes::{corner_rows, group_counts},
     light_set::{
         casters::{Casters, MeshDraw, MeshSlots},
         ids::MeshKey,
@@ -18,9 +19,6 @@ use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
 use umbrage_core::CutOuts;
 use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
-
-/// Rows per triangle.
-pub(crate) const CORNERS: u32 = 3;
 
 /// Bytes of `PlacedMesh` in corners.wgsl.
 const NUMBERS: NonZeroU64 = NonZeroU64::new(44).unwrap();
@@ -75,7 +73,7 @@ impl CornerStage {
             }
             placed.push((id, triangles));
             let numbers = numbers_of(mesh, cut_outs, row);
-            row += CORNERS * triangles;
+            row += corner_rows(triangles);
             Some(numbers)
         });
         let Some((numbers, _)) = self.numbers.write(factory, "umbrage corners", numbers) else {
@@ -137,14 +135,6 @@ impl CornerStage {
             pass.dispatch_workgroups(x, y, 1);
         }
     }
-}
-
-/// Returns the numbers of workgroups of 64, across and down, for this number of invocations.
-pub(crate) fn group_counts(invocations: u32) -> [u32; 2] {
-    const MOST_ACROSS: u32 = 1 << 15;
-    let groups = invocations.div_ceil(64).max(1);
-    let across = groups.min(MOST_ACROSS);
-    [across, groups.div_ceil(across)]
 }
 
 fn numbers_of(mesh: &MeshSlots, cut_outs: Option<&CutOuts>, first_row: u32) -> [u32; 11] {
@@ -210,22 +200,4 @@ fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
         ));
     }
     None
-}
-
-#[cfg(test)]
-mod tests {
-    use super::group_counts;
-
-    #[test]
-    fn groups_hold_all_invocations() {
-        for (invocations, expected) in [
-            (0, [1, 1]),
-            (1, [1, 1]),
-            (65, [2, 1]),
-            (64 << 15, [1 << 15, 1]),
-            ((64 << 15) + 1, [1 << 15, 2]),
-        ] {
-            assert_eq!(group_counts(invocations), expected, "{invocations}");
-        }
-    }
 }

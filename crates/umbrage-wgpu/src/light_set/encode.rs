@@ -116,12 +116,12 @@ impl LightSet {
                 .peek()
                 .is_none_or(|(_, next)| next.light != name.light)
             {
-                let stamps = if filters.has_passes() {
+                let stamps = if filters.pass_count() > 0 {
                     clock.filters(name.light)
                 } else {
                     None
                 };
-                filters.encode(encoder, stamps.as_ref());
+                filters.encode(encoder, stamps.as_ref(), 0);
             }
         }
         drop(names);

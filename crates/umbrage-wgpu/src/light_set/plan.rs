@@ -27,8 +27,6 @@ pub(crate) struct LightPlan {
     pub(crate) kind: KernelKind,
     /// The kernel's uniforms; empty if it has none.
     pub(crate) uniforms: Vec<u8>,
-    /// Hierarchy that the device builds for the kernel's tables, if any.
-    pub(crate) hierarchy: Option<DeviceHierarchy>,
 }
 
 /// Difference between two plans.
@@ -44,8 +42,7 @@ pub(crate) enum Difference {
 }
 
 impl LightPlan {
-    /// Plans a light. If the program has no geometry, the device builds a hierarchy for techniques
-    /// that can use one.
+    /// Plans a light. The device builds a hierarchy for techniques that can use one.
     ///
     /// Errors if the technique doesn't support the light, or with `Unsupported` if the set can't
     /// execute its recipe.
@@ -54,20 +51,11 @@ impl LightPlan {
         view: &View<'_>,
         inputs: PlanInputs<'_>,
     ) -> Result<Self, RecipeError> {
-        if view.geometry.is_none()
-            && let Some(made) = technique.device_recipe(view, inputs.cut_outs)
-        {
-            let made = made?;
-            if let Some(why) = inputs.unbuilt {
-                return Err(RecipeError::unsupported_because(why));
-            }
-            made.recipe.validate(inputs.recipes)?;
-            return Ok(Self {
-                hierarchy: Some(made.hierarchy),
-                ..Self::new(made.recipe)?
-            });
+        let device_recipe = technique.device_recipe(view, inputs.cut_outs);
+        let recipe = device_recipe.unwrap_or_else(|| technique.recipe(view))?;
+        if let (Some(_), Some(why)) = (&recipe.hierarchy, inputs.unbuilt) {
+            return Err(RecipeError::unsupported_because(why));
         }
-        let recipe = technique.recipe(view)?;
         recipe.validate(inputs.recipes)?;
         Self::new(recipe)
     }
@@ -110,14 +98,13 @@ impl LightPlan {
             recipe,
             kind,
             uniforms,
-            hierarchy: None,
         })
     }
 
     /// Returns the difference from `before`.
     pub(crate) fn difference(&self, before: &Self) -> Difference {
         let is_like = self.recipe.images == before.recipe.images
-            && self.hierarchy.is_some() == before.hierarchy.is_some()
+            && self.recipe.hierarchy.is_some() == before.recipe.hierarchy.is_some()
             && self.kind == before.kind
             && self.recipe.receive.inputs == before.recipe.receive.inputs;
         if !is_like {
@@ -133,7 +120,7 @@ impl LightPlan {
         if !same_maps {
             return Difference::Maps;
         }
-        if self.uniforms == before.uniforms && self.hierarchy == before.hierarchy {
+        if self.uniforms == before.uniforms && self.recipe.hierarchy == before.recipe.hierarchy {
             Difference::Nothing
         } else {
             Difference::Numbers
@@ -142,7 +129,7 @@ impl LightPlan {
 
     /// Returns the kernel's tables that the device doesn't write, which are the last ones.
     pub(crate) fn given_tables(&self) -> impl Iterator<Item = &Table> {
-        let written = match self.hierarchy {
+        let written = match self.recipe.hierarchy {
             Some(_) => DeviceHierarchy::TABLES,
             None => 0,
         };

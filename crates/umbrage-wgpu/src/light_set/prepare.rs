@@ -5,7 +5,7 @@ use crate::{
     light_set::{
         LightSet, PlannedFor, SetCutOuts,
         buffers::{MAX_NAMED_LAYERS, Uploaded},
-        caster_hierarchies::{CasterHierarchies, why_not_built},
+        caster_hierarchies::{CasterHierarchies, why_no_hierarchy},
         ids::{LightId, LightKey},
         masks::{MaskInputs, MaskPass, MaskReceivers, MaskStage},
         options::{SetFrame, SetReport},
@@ -39,7 +39,7 @@ impl LightSet {
         frame: &SetFrame<'_>,
     ) -> Result<(), RecipeError> {
         light.validate()?;
-        let unbuilt = why_not_built(&self.casters, &self.device.limits());
+        let unbuilt = why_no_hierarchy(&self.casters, &self.device.limits());
         let inputs = PlanInputs {
             recipes: &self.limits,
             unbuilt: unbuilt.as_deref(),
@@ -69,7 +69,7 @@ impl LightSet {
         for (id, technique) in techniques {
             changed.insert(self.light_key(*id)?, technique);
         }
-        let unbuilt = why_not_built(&self.casters, &self.device.limits());
+        let unbuilt = why_no_hierarchy(&self.casters, &self.device.limits());
         let inputs = PlanInputs {
             recipes: &self.limits,
             unbuilt: unbuilt.as_deref(),
@@ -215,7 +215,7 @@ impl LightSet {
         // Meshes determine whether the device can build hierarchies.
         let mut meshes_changed = false;
         if self.casters.has_grown() {
-            let unbuilt = why_not_built(&self.casters, &self.device.limits());
+            let unbuilt = why_no_hierarchy(&self.casters, &self.device.limits());
             meshes_changed = unbuilt != self.unbuilt;
             self.unbuilt = unbuilt;
         }
@@ -410,6 +410,7 @@ impl LightSet {
                     recipe: &plan.recipe,
                     images: &maps.images,
                     tables: &mut self.tables,
+                    hierarchy: None,
                 };
                 let pipelines = &mut self.pipelines;
                 maps.filters.prepare(&mut factory, pipelines, &mut sources);

@@ -368,7 +368,7 @@ impl SetShader {
             };
         }
         let mut first_given = 0;
-        if plan.hierarchy.is_some() {
+        if plan.recipe.hierarchy.is_some() {
             entry.tables[0] = self.tables.place_of(Region::Light(id));
             entry.tables[1] = self.tables.place_of(Region::Corners);
             first_given = DeviceHierarchy::TABLES;
@@ -429,7 +429,7 @@ impl SetShader {
         };
         let is_built = |id: LightKey| {
             let shown = lights.get(id).and_then(|light| light.state.shown_plan());
-            shown.is_some_and(|plan| plan.hierarchy.is_some())
+            shown.is_some_and(|plan| plan.recipe.hierarchy.is_some())
         };
         self.tables.retain(is_used, is_built);
     }

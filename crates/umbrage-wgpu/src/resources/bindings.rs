@@ -1,7 +1,7 @@
 //! Caches of bind groups and their layouts.
 
 use crate::resources::counters::ResourceFactory;
-use std::{collections::HashMap, num::NonZeroU64};
+use std::{collections::HashMap, num::NonZeroU64, ops::Range};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindGroupLayoutEntry, BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType,
@@ -146,6 +146,8 @@ fn entry(binding: u32, visibility: ShaderStages, slot: Slot) -> BindGroupLayoutE
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Bound {
     Buffer(Buffer),
+    /// These bytes of a buffer.
+    Part(Buffer, Range<u64>),
     Window(Buffer, NonZeroU64),
     View(TextureView),
     Sampler(Sampler),
@@ -163,6 +165,11 @@ impl Bound {
     fn resource(&self) -> BindingResource<'_> {
         match self {
             Self::Buffer(buffer) => buffer.as_entire_binding(),
+            Self::Part(buffer, bytes) => BindingResource::Buffer(BufferBinding {
+                buffer,
+                offset: bytes.start,
+                size: NonZeroU64::new(bytes.end - bytes.start),
+            }),
             Self::Window(buffer, size) => BindingResource::Buffer(BufferBinding {
                 buffer,
                 offset: 0,

@@ -85,3 +85,13 @@ impl<'a> ResourceFactory<'a> {
         slot.insert(buffer).clone()
     }
 }
+
+/// Smaller needs count as this many bytes, rows or items: small buffers cost more to create again
+/// than to keep.
+const LEAST_NEED: u64 = 1 << 12;
+
+/// Returns whether a size is kept for what is needed now: it suffices, and is at most eight times
+/// the need, so that varying needs seldom create another buffer.
+pub(crate) fn is_kept(held: u64, needed: u64) -> bool {
+    (needed..=8 * needed.max(LEAST_NEED)).contains(&held)
+}

@@ -1,6 +1,7 @@
 //! A kernel of a filter, receive or shade stage, with its uniforms and bindings.
 
 use crate::{
+    hierarchy::one::RecipeHierarchy,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -10,7 +11,7 @@ use crate::{
     },
     wgsl::kernel::{InputImage, InputKind, KernelInterface},
 };
-use umbrage_core::{Kernel, Recipe};
+use umbrage_core::{Kernel, Recipe, TableId};
 use wgpu::{Buffer, BufferUsages, ShaderStages};
 
 /// Resources of one kernel of a recipe, kept between frames.
@@ -25,6 +26,17 @@ pub(crate) struct Sources<'a> {
     pub(crate) recipe: &'a Recipe,
     pub(crate) images: &'a [GpuImage],
     pub(crate) tables: &'a mut Tables,
+    /// Contains some of the tables.
+    pub(crate) hierarchy: Option<&'a RecipeHierarchy>,
+}
+
+impl Sources<'_> {
+    /// Returns the binding of a table, which is uploaded unless the hierarchy contains it.
+    fn table(&mut self, factory: &mut ResourceFactory<'_>, id: TableId) -> Bound {
+        let of_hierarchy = self.hierarchy.and_then(|hierarchy| hierarchy.table(id));
+        of_hierarchy
+            .unwrap_or_else(|| Bound::Buffer(self.tables.get(factory, &self.recipe.tables[id])))
+    }
 }
 
 impl KernelStage {
@@ -54,8 +66,7 @@ impl KernelStage {
             entries.push((image_slot(*input), Bound::View(view)));
         }
         for &table in tables {
-            let buffer = sources.tables.get(factory, &sources.recipe.tables[table]);
-            entries.push((Slot::Table, Bound::Buffer(buffer)));
+            entries.push((Slot::Table, sources.table(factory, table)));
         }
         if shape.compares() {
             let sampler = pipelines.sampler(factory.device);

@@ -92,7 +92,7 @@ pub(crate) struct Pipelines {
     /// Pipelines by shader text, which declares the bindings, and target format.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
     /// Compute pipelines by shader text.
-    computes: HashMap<String, ComputePipeline>,
+    computes: HashMap<String, Vec<ComputePipeline>>,
     /// Shaders by the kind of alpha test, if any.
     cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
@@ -171,7 +171,26 @@ impl Pipelines {
         self.kernels.entry(key).insert_entry(pipeline).get().clone()
     }
 
-    /// Returns the pipeline of the compute shader `entry` of the shader `text`.
+    /// Returns the pipelines of the compute shaders `entries` of the shader `text`, which are always
+    /// the same for a text.
+    pub(crate) fn computes(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        label: &str,
+        text: String,
+        entries: &[&str],
+        groups: &[Option<&BindGroupLayout>],
+    ) -> Vec<ComputePipeline> {
+        let make = |text: &String| {
+            factory.counters.pipelines += entries.len() as u32;
+            let module = shader(factory.device, label, text);
+            let pipeline = |entry: &&str| compute_pipeline(factory.device, &module, entry, groups);
+            entries.iter().map(pipeline).collect()
+        };
+        self.computes.entry(text).or_insert_with_key(make).clone()
+    }
+
+    /// Returns the pipeline of the compute shader `entry`, the only one of the shader `text`.
     pub(crate) fn compute(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -180,17 +199,8 @@ impl Pipelines {
         entry: &str,
         groups: &[Option<&BindGroupLayout>],
     ) -> ComputePipeline {
-        if let Some(pipeline) = self.computes.get(&text) {
-            return pipeline.clone();
-        }
-        factory.counters.pipelines += 1;
-        let module = shader(factory.device, label, &text);
-        let pipeline = compute_pipeline(factory.device, &module, entry, groups);
-        self.computes
-            .entry(text)
-            .insert_entry(pipeline)
-            .get()
-            .clone()
+        self.computes(factory, label, text, &[entry], groups)
+            .remove(0)
     }
 }
 

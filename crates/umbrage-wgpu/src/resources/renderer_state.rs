@@ -5,6 +5,7 @@ use crate::{
     cast::CastStage,
     filter::FilterStage,
     frame::RendererOptions,
+    hierarchy::one::RecipeHierarchy,
     receive::PixelStage,
     resources::{
         counters::ResourceFactory,
@@ -16,7 +17,7 @@ use crate::{
         pipelines::Pipelines,
         submissions::Pending,
         tables::Tables,
-        timestamps::{PassTimestamps, TimedStage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, of_compute, pass_stamps},
     },
 };
 use glam::UVec2;
@@ -38,6 +39,7 @@ pub(crate) struct Shared {
 pub(crate) struct Resources {
     pub(crate) images: Vec<GpuImage>,
     pub(crate) casts: CastStage,
+    pub(crate) hierarchy: RecipeHierarchy,
     pub(crate) filters: FilterStage,
     pub(crate) receive: PixelStage,
     pub(crate) shading: PixelStage,
@@ -76,10 +78,12 @@ impl Resources {
         );
         let inputs = frame.inputs;
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
+        self.hierarchy.prepare(factory, pipelines, recipe);
         let mut sources = Sources {
             recipe,
             images: &self.images,
             tables,
+            hierarchy: Some(&self.hierarchy),
         };
         self.filters.prepare(factory, pipelines, &mut sources);
         let receive = &mut self.receive;
@@ -104,6 +108,22 @@ impl Resources {
                 .receive
                 .image()
                 .is_some_and(|held| held.desc.size == mask)
+    }
+
+    /// Records the passes that compute the kernel's inputs: the hierarchy and the filters.
+    pub(crate) fn encode_inputs(
+        &self,
+        encoder: &mut CommandEncoder,
+        stamps: Option<&PassTimestamps<'_>>,
+    ) {
+        self.filters.clear(encoder);
+        // The hierarchy is the first pass of the stage.
+        let earlier = usize::from(self.hierarchy.has_passes());
+        let count = earlier + self.filters.pass_count();
+        let stamps_of_hierarchy = pass_stamps(stamps, TimedStage::Filter, 0, count);
+        self.hierarchy
+            .encode(encoder, stamps_of_hierarchy.map(of_compute));
+        self.filters.encode(encoder, stamps, earlier);
     }
 
     /// Records the receive stage and the shade pass. Returns the mask.

@@ -156,6 +156,7 @@ fn everything(stage: &BackendScene) -> Recipe {
         },
         casts: Vec::new(),
         shade: None,
+        hierarchy: None,
         keep_images: true,
     }
 }

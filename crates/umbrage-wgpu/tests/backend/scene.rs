@@ -128,6 +128,7 @@ impl BackendScene {
                 tables: Vec::new(),
             },
             shade: None,
+            hierarchy: None,
             keep_images: true,
         }
     }

@@ -5,7 +5,7 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        pipelines::{Pipelines, compute_pipeline, shader},
+        pipelines::Pipelines,
         windows::Windows,
     },
     wgsl::stages::shader_of,
@@ -102,7 +102,7 @@ impl SortBuffers {
 /// Sorts several ranges of the same buffers, one after another.
 #[derive(Debug, Default)]
 pub(crate) struct SortStage {
-    pipelines: Option<[ComputePipeline; SHADERS.len()]>,
+    pipelines: Vec<ComputePipeline>,
     passes: Windows,
     /// Passes from the first copies to the second ones, and back.
     bindings: [Binding; 2],
@@ -145,12 +145,12 @@ impl SortStage {
         ];
         let stages = ShaderStages::COMPUTE;
         let layout = pipelines.layouts.get(factory, stages, &slots);
-        self.pipelines.get_or_insert_with(|| {
-            factory.counters.pipelines += SHADERS.len() as u32;
-            let device = factory.device;
-            let module = shader(device, "umbrage sort", &shader_of(&["sort"]));
-            SHADERS.map(|(entry, _)| compute_pipeline(device, &module, entry, &[Some(&layout)]))
-        });
+        if self.pipelines.is_empty() {
+            let text = shader_of(&["sort"]);
+            let groups = [Some(&layout)];
+            let entries = SHADERS.map(|(entry, _)| entry);
+            self.pipelines = pipelines.computes(factory, "umbrage sort", text, &entries, &groups);
+        }
         // Bind the buffers. Each pass moves the items to the other copy.
         for (from, binding) in self.bindings.iter_mut().enumerate() {
             let to = 1 - from;
@@ -172,13 +172,10 @@ impl SortStage {
 
     /// Records the passes that sort a range, by its number among the prepared ones.
     pub(crate) fn encode(&self, pass: &mut ComputePass<'_>, number: usize, range: SortRange) {
-        let Some(pipelines) = &self.pipelines else {
-            return;
-        };
         for digit in 0..PASSES as usize {
             let offset = self.passes.offset(PASSES as usize * number + digit);
             pass.set_bind_group(0, self.bindings[digit % 2].group(), &[offset]);
-            for (pipeline, (_, groups)) in pipelines.iter().zip(SHADERS) {
+            for (pipeline, (_, groups)) in self.pipelines.iter().zip(SHADERS) {
                 let groups = match groups {
                     Groups::Items => range.blocks(),
                     Groups::Counts => range.sum_blocks(),
