@@ -101,6 +101,12 @@ impl SceneRun<'_> {
             self.repeat(setting, first_row, backends.backends.len());
             return Ok(());
         }
+        // The CPU has no hierarchies.
+        let is_of_device = made.as_ref().is_ok_and(|m| m.recipe.hierarchy.is_some());
+        let is_cpu = |kind: &str| kind == "cpu";
+        if is_of_device && backends.backends.iter().all(|b| is_cpu(b.kind())) {
+            return Ok(());
+        }
         let first_row = self.rows.len();
         let mut of_cpu = None;
         for i in 0..backends.backends.len() {
@@ -111,10 +117,15 @@ impl SceneRun<'_> {
                 backend,
                 index: self.rows.len(),
             });
-            let (outcome, images) = match &made {
+            let mut executed = match &made {
                 Ok(made) => self.execute(setting, made, i, &mut of_cpu, backends)?,
                 Err(reason) => unsupported_row(reason),
             };
+            // The other backends' masks are compared with the CPU's, which it computes by lists.
+            if is_of_device && is_cpu(backend) {
+                executed = unsupported_row(ONLY_ON_DEVICES);
+            }
+            let (outcome, images) = executed;
             let row = CompareRow {
                 technique: setting.name.clone(),
                 settings: setting.settings.clone(),
@@ -483,6 +494,9 @@ impl<'a> Judge<'a> {
 }
 
 /// Returns the outcome of a row without figures and images.
+/// Reason why the CPU has no row of a recipe with a hierarchy.
+const ONLY_ON_DEVICES: &str = "only devices build this hierarchy: the CPU uses lists";
+
 fn unsupported_row(reason: &str) -> (RowOutcome, RowImages) {
     let outcome = RowOutcome::Unsupported {
         reason: reason.to_owned(),

@@ -1,10 +1,10 @@
 //! Catalogue entry of `exact`.
 
 use super::{
-    CataloguedTechnique, ClosedFormDemand, RandomParameter,
+    CataloguedTechnique, ClosedFormDemand,
     kernel::{self, CataloguedKernel, KernelCost},
 };
-use umbrage_core::{ReceiveKernel, Receivers, Recipe};
+use umbrage_core::{Fit, ReceiveKernel, Receivers, Recipe};
 use umbrage_techniques::{Exact, ExactKernel, ExactStructure, HierarchyKernel, ShadowMap};
 
 const STRUCTURES: [ExactStructure; 2] = [ExactStructure::Lists, ExactStructure::Hierarchy];
@@ -13,6 +13,14 @@ impl CataloguedTechnique for Exact {
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
         kernel::downcast::<ExactKernel>(kernel)
             .or_else(|| kernel::downcast::<HierarchyKernel>(kernel))
+    }
+
+    fn compared_settings(_: &[u32], _: Fit) -> Vec<Self> {
+        STRUCTURES.map(|structure| Self { structure }).to_vec()
+    }
+
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        Self::compared_settings(map_sizes, fit)
     }
 
     fn exhaustive(_: u32) -> Vec<Self> {
@@ -27,13 +35,10 @@ impl CataloguedTechnique for Exact {
         Some(ClosedFormDemand::new(Self::default(), 0.0))
     }
 
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(0..STRUCTURES.len() as u32)]
-    }
-
-    fn random(_: ShadowMap, numbers: &[f32]) -> Self {
+    fn random(map: ShadowMap, _: &[f32]) -> Self {
+        // Another random number would change all later cases of a seed.
         Self {
-            structure: STRUCTURES[numbers[0] as usize],
+            structure: STRUCTURES[map.size as usize % 2],
         }
     }
 }
