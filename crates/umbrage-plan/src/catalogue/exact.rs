@@ -1,10 +1,10 @@
 //! Catalogue entry of `exact`.
 
 use super::{
-    CataloguedTechnique, ClosedFormDemand,
+    Candidate, CataloguedTechnique, ClosedFormDemand,
     kernel::{self, CataloguedKernel, KernelCost},
 };
-use umbrage_core::{Fit, ReceiveKernel, Receivers, Recipe};
+use umbrage_core::{Fit, Light, ReceiveKernel, Receivers, Recipe};
 use umbrage_techniques::{Exact, ExactKernel, ExactStructure, HierarchyKernel, ShadowMap};
 
 const STRUCTURES: [ExactStructure; 2] = [ExactStructure::Lists, ExactStructure::Hierarchy];
@@ -25,6 +25,11 @@ impl CataloguedTechnique for Exact {
 
     fn exhaustive(_: u32) -> Vec<Self> {
         STRUCTURES.map(|structure| Self { structure }).to_vec()
+    }
+
+    fn candidates(_: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        let setting = |structure| Candidate::from_setting(Self { structure });
+        STRUCTURES.map(setting).to_vec()
     }
 
     fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
@@ -59,7 +64,11 @@ impl CataloguedKernel for ExactKernel {
     }
 }
 
-impl CataloguedKernel for HierarchyKernel {}
+impl CataloguedKernel for HierarchyKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::walks(1)
+    }
+}
 
 /// Divisor of the square root of the number of casters for the taps of a lookup.
 ///

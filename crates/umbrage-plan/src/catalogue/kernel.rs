@@ -60,6 +60,8 @@ pub struct KernelCost {
     pub samples: u32,
     /// Rays traced.
     pub rays: u32,
+    /// Walks through a hierarchy that the device builds.
+    pub walks: u32,
 }
 
 impl Default for KernelCost {
@@ -70,30 +72,42 @@ impl Default for KernelCost {
 }
 
 impl KernelCost {
+    const NOTHING: Self = Self {
+        taps: 0,
+        samples: 0,
+        rays: 0,
+        walks: 0,
+    };
+
     /// Returns a cost of taps only.
     pub const fn taps(taps: u32) -> Self {
         Self {
             taps,
-            samples: 0,
-            rays: 0,
+            ..Self::NOTHING
         }
     }
 
     /// Returns a cost of comparison samples only.
     pub const fn samples(samples: u32) -> Self {
         Self {
-            taps: 0,
             samples,
-            rays: 0,
+            ..Self::NOTHING
         }
     }
 
     /// Returns a cost of rays only.
     pub const fn rays(rays: u32) -> Self {
         Self {
-            taps: 0,
-            samples: 0,
             rays,
+            ..Self::NOTHING
+        }
+    }
+
+    /// Returns a cost of walks only.
+    pub const fn walks(walks: u32) -> Self {
+        Self {
+            walks,
+            ..Self::NOTHING
         }
     }
 }

@@ -246,6 +246,8 @@ mod tests {
             samples: mix(i, 8),
             rays: mix(i, 7),
             casters: 64,
+            placed: mix(11 * i, 13),
+            walks: mix(13 * i, 14),
             faces: mix(i, 9),
             counted: mix(i, 10),
             bytes: 0,
@@ -266,7 +268,7 @@ mod tests {
     fn known_prices_are_found_again() {
         let known = CostModel {
             nanoseconds: [
-                900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0, 11.0,
+                900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0, 11.0, 30.0, 8.0,
             ],
         };
         let found = fit(samples(&known));

@@ -22,7 +22,7 @@ pub use work::Work;
 use serde::{Deserialize, Serialize};
 
 /// Number of kinds of work that have a price.
-pub const KINDS: usize = 13;
+pub const KINDS: usize = 15;
 
 /// Names of the kinds, in the order of [`CostModel::nanoseconds`].
 pub const KIND_NAMES: [&str; KINDS] = [
@@ -39,10 +39,12 @@ pub const KIND_NAMES: [&str; KINDS] = [
     "texel counted",
     "texel loaded by a filter, beyond the first",
     "texel covered, with an alpha test",
+    "caster of a device's hierarchy",
+    "walk through it, per level",
 ];
 
-/// Index of rays in [`KIND_NAMES`].
-const RAYS: usize = 8;
+/// Indices in [`KIND_NAMES`] of the kinds that are priced per level of a hierarchy.
+const PER_LEVEL: [usize; 2] = [8, 14];
 
 /// Prices of work on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,10 +60,12 @@ impl CostModel {
     ///
     /// Half of the parts of recipes are predicted within a factor of 1.2, nine of ten within 1.95.
     /// A texel with an alpha test costs 50 times as much as one without, since it is tested
-    /// individually instead of in a vector.
+    /// individually instead of in a vector. The prices of hierarchies are not fitted: the CPU queries
+    /// lists instead, which cost less, so that plans for the CPU choose lists.
     pub const CPU: Self = Self {
         nanoseconds: [
             16_300.0, 21.4, 0.319, 0.543, 0.379, 5.10, 1.17, 7.32, 3.73, 254.0, 1.33, 0.426, 16.7,
+            500.0, 10.0,
         ],
     };
 
@@ -70,6 +74,7 @@ impl CostModel {
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
             164_000.0, 86.0, 1.33, 0.321, 7.62, 11.2, 3.03, 8.76, 27.5, 351.0, 1.93, 1.17, 27.3,
+            4670.0, 35.8,
         ],
     };
 
@@ -105,8 +110,7 @@ impl CostModel {
     }
 }
 
-/// Returns the amount of work of each kind. Rays count once for each level of the hierarchy, and
-/// listed triangles as drawn ones.
+/// Returns the amount of work of each kind. Rays and walks count once for each level, and listed triangles as drawn ones.
 fn counts(work: &Work) -> [f64; KINDS] {
     let levels = (work.casters.max(1) as f64).log2() + 1.0;
     let counts = [
@@ -123,9 +127,13 @@ fn counts(work: &Work) -> [f64; KINDS] {
         work.counted,
         work.filter_taps,
         work.cut_out,
+        work.placed,
+        work.walks,
     ];
     let mut counts = counts.map(|count| count as f64);
-    counts[RAYS] *= levels;
+    for kind in PER_LEVEL {
+        counts[kind] *= levels;
+    }
     counts
 }
 
@@ -208,7 +216,7 @@ mod tests {
             nanoseconds: [0.0; KINDS],
         };
         model.nanoseconds[6] = 2.0;
-        model.nanoseconds[RAYS] = 10.0;
+        model.nanoseconds[PER_LEVEL[0]] = 10.0;
         let work = Work {
             taps: 500_000,
             rays: 1000,

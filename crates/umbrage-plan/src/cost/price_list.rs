@@ -93,7 +93,26 @@ const KEYS: [&str; KINDS] = [
     "counted_texel",
     "filter_load",
     "cut_out_texel",
+    "hierarchy_caster",
+    "hierarchy_level",
 ];
+
+/// Names of the prices that older files lack: those of a device's hierarchy.
+const HIERARCHY_KEYS: [&str; 2] = ["hierarchy_caster", "hierarchy_level"];
+
+/// Adds the prices of hierarchies to those of an older file: the software driver's, scaled by the
+/// price of rays, which also walk a hierarchy.
+fn add_hierarchy_prices(prices: &mut NamedPrices) {
+    const RAY: &str = "ray_level";
+    let known = NamedPrices::from(CostModel::SOFTWARE_GPU);
+    let Some(ray) = prices.get(RAY) else {
+        return;
+    };
+    let scale = ray / known[RAY];
+    for key in HIERARCHY_KEYS {
+        prices.entry(key.to_owned()).or_insert(scale * known[key]);
+    }
+}
 
 /// Form of [`CostModel`] in files: each price by name.
 pub(super) type NamedPrices = BTreeMap<String, f64>;
@@ -102,6 +121,7 @@ impl TryFrom<NamedPrices> for CostModel {
     type Error = String;
 
     fn try_from(mut prices: NamedPrices) -> Result<Self, String> {
+        add_hierarchy_prices(&mut prices);
         let mut nanoseconds = [0.0; KINDS];
         for (name, price) in KEYS.iter().zip(&mut nanoseconds) {
             let named = prices.remove(*name);
@@ -139,6 +159,21 @@ mod tests {
         }
         assert_eq!(list.model_for_backend("cpu"), list.cpu);
         assert_eq!(list.model_for_backend("wgpu"), list.wgpu);
+    }
+
+    #[test]
+    fn older_files_get_prices_of_hierarchies() {
+        let mut list = PriceList::default();
+        list.wgpu.nanoseconds = list.wgpu.nanoseconds.map(|price| 2.0 * price);
+        let text = list.to_toml().expect("finite");
+        let lines = text.lines();
+        let older: Vec<&str> = lines
+            .filter(|line| !line.starts_with("hierarchy"))
+            .collect();
+        let read = PriceList::from_toml(&older.join("\n")).expect("complete");
+        for (read, written) in read.wgpu.nanoseconds.iter().zip(list.wgpu.nanoseconds) {
+            assert!((read - written).abs() <= 1e-9 * written);
+        }
     }
 
     #[test]

@@ -12,12 +12,16 @@ use umbrage_core::{
 /// Clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
 
+/// Approximate bytes of a device's hierarchy for each caster, with the buffers that only its passes
+/// use, and without the corners.
+const HIERARCHY_BYTES: u64 = 84;
+
 /// Work of one execution of a recipe.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 pub struct Work {
-    /// Passes: casts, filters and receive.
+    /// Passes: casts, filters, building a hierarchy, and receive.
     pub passes: u64,
     /// Triangles that depth casts draw, including those outside their view; half of them if one
     /// side is culled.
@@ -56,6 +60,12 @@ pub struct Work {
     pub rays: u64,
     /// Casters' triangles that rays are tested against.
     pub casters: u64,
+    /// Casters' triangles that the device builds a hierarchy of.
+    #[serde(default)]
+    pub placed: u64,
+    /// Walks through such a hierarchy.
+    #[serde(default)]
+    pub walks: u64,
     /// Bytes of images and tables.
     pub bytes: u64,
 }
@@ -74,15 +84,21 @@ impl Work {
             None => kernel.cost_per_receiver(),
         };
         // Count the receive kernel's work.
+        let casters = view.geometry.map_or(0, |g| g.casters().len() as u64);
+        let hierarchies = usize::from(recipe.hierarchy.is_some());
         let mut work = Self {
-            passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
+            passes: (recipe.casts.len() + recipe.filters.len() + hierarchies + 1) as u64,
             listed: kernel.triangles_listed(),
             receivers,
             taps: receivers * u64::from(cost.taps),
             samples: receivers * u64::from(cost.samples),
             rays: receivers * u64::from(cost.rays),
-            casters: view.geometry.map_or(0, |g| g.casters().len() as u64),
-            bytes: recipe.image_bytes() + recipe.table_bytes(),
+            casters,
+            placed: hierarchies as u64 * casters,
+            walks: receivers * u64::from(cost.walks),
+            bytes: recipe.image_bytes()
+                + recipe.table_bytes()
+                + hierarchies as u64 * casters * HIERARCHY_BYTES,
             ..Self::default()
         };
         // Count the drawn triangles and texels.
@@ -132,6 +148,7 @@ impl Work {
             covered: 0,
             cut_out: 0,
             listed: 0,
+            placed: 0,
             faces: 0,
             counted: 0,
             cleared: 0,
@@ -157,6 +174,7 @@ impl Work {
             taps: 0,
             samples: 0,
             rays: 0,
+            walks: 0,
             ..*self
         }
     }

@@ -72,15 +72,22 @@ fn exact_techniques_are_distinguished_by_cost() {
         (chosen.technique.as_str(), chosen.estimate.high),
         ("planar", 0.0)
     );
-    // If images are expensive, techniques without images win: rays or lists, whichever costs less.
+    // If images are expensive, techniques without images win: rays, lists or a device's hierarchy,
+    // whichever costs less.
+    let [tap, ray, walk] = [
+        "tap",
+        "ray, per level of the hierarchy",
+        "walk through it, per level",
+    ];
     for (dear, winner) in [
-        ("tap", "traced"),
-        ("ray, per level of the hierarchy", "exact"),
+        ([tap, walk], "traced 1 rays"),
+        ([ray, walk], "exact lists"),
+        ([tap, ray], "exact hierarchy"),
     ] {
         let mut cost = CostModel {
             nanoseconds: [1e-3; KINDS],
         };
-        for name in ["texel cleared", dear] {
+        for name in ["texel cleared"].into_iter().chain(dear) {
             let kind = KIND_NAMES.iter().position(|k| *k == name);
             cost.nanoseconds[kind.expect("a kind of work")] = 1e6;
         }
@@ -89,7 +96,8 @@ fn exact_techniques_are_distinguished_by_cost() {
             plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {})
                 .expect("can be planned"),
         );
-        assert_eq!(other.technique, winner, "if each {dear} is expensive");
+        let found = format!("{} {}", other.technique, other.settings);
+        assert_eq!(found, winner, "if {dear:?} are expensive");
     }
 }
 
