@@ -16,6 +16,7 @@ mod every_driver;
 mod exact;
 mod far_away;
 mod follows_camera;
+mod hierarchy_counts;
 mod layers;
 mod light_set;
 mod lists;

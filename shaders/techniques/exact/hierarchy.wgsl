@@ -75,8 +75,9 @@ fn first_of(level: u32) -> u32 {
     return table_0[1u + level / 4u][level % 4u];
 }
 
-// No caster is left out: a device's ids differ from those of receivers (`own`).
+// Skips the receiver's own triangle, which its ray can't hit, if `own` is the id of a caster.
 fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
+    let skipped = select(NO_CASTER, own, kernel.tiles.w == 1u);
     let point = point_of(o);
     let rows = shear_rows(d);
     let levels = table_0[0].x;
@@ -112,7 +113,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if caster == NO_CASTER {
             return false;
         }
-        if meets_caster(o, d, rows, caster) {
+        if caster != skipped && meets_caster(o, d, rows, caster) {
             return true;
         }
     }

@@ -135,7 +135,8 @@ uniforms! {
         /// Half the size of a face, across and down; tiles per unit of a direction; the reach
         /// of receivers, metres: [`Geometry::receiver_reach`](umbrage_core::Geometry::receiver_reach).
         pub grid: Vec4,
-        /// Number of tiles of a face, across and down; 1 if the light has a position; w is unused.
+        /// Number of tiles of a face, across and down; 1 if the light has a position; 1 if receivers'
+        /// triangles have the ids of casters, which a hierarchy's lookup needs to know.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,

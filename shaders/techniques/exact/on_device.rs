@@ -60,8 +60,10 @@ pub(super) fn recipe_with_triangles(
     let frame = upright_frame(view, &casters, &geometry.bounds());
     let ExactUniforms { grid, far, .. } = on_cpu.uniforms;
     let cut_outs = on_cpu.cut_outs.clone();
+    let mut uniforms = ExactUniforms::new(view, &frame, grid.w, far);
+    uniforms.tiles.w = 1;
     let kernel = HierarchyKernel {
-        uniforms: ExactUniforms::new(view, &frame, grid.w, far),
+        uniforms,
         has_cut_outs: cut_outs.is_some(),
         on_cpu: Some(on_cpu),
     };

@@ -1,0 +1,228 @@
+//! Counted work of lookups in a hierarchy that the device builds. Counts don't depend on the driver,
+//! unlike times, so that they also bound the work of graphics cards.
+
+use std::sync::Arc;
+use umbrage_core::{
+    Backend as _, Geometry, Inputs, Kernel, Module, ReceiveKernel, ShadowTechnique as _, Span,
+    UniformBlock, View, glam::UVec2,
+};
+use umbrage_techniques::{Exact, ExactStructure};
+use umbrage_tests::gpu::gpu;
+
+/// Bytes that a lookup reads for a node, for a triangle test (its id and corners), and for each
+/// receiver, with the result.
+const NODE_BYTES: f64 = 64.0;
+const TEST_BYTES: f64 = 52.0;
+const RECEIVER_BYTES: f64 = 36.0;
+
+/// Sides of a block of receivers that a card executes together, pixels.
+const BLOCK: [usize; 2] = [8, 4];
+
+/// A counter in the lookup's WGSL.
+#[derive(Clone, Copy, Debug)]
+enum Count {
+    Nodes,
+    Tests,
+}
+
+/// A kernel whose WGSL returns a count instead of visibility; -1 for receivers that face away from
+/// the light.
+#[derive(Clone, Debug)]
+struct CountingKernel {
+    kernel: Arc<dyn ReceiveKernel>,
+    modules: Vec<Module>,
+}
+
+impl CountingKernel {
+    fn new(kernel: Arc<dyn ReceiveKernel>, count: Count) -> Self {
+        let function = match count {
+            Count::Nodes => "fn children_at(",
+            Count::Tests => "fn meets_caster(",
+        };
+        let mut modules = kernel.modules();
+        let mut edits = 0;
+        for module in &mut modules {
+            let mut text = module.text.to_owned();
+            if let Some(at) = text.find(function) {
+                let body = at + text[at..].find("{\n").expect("a body") + 2;
+                text.insert_str(body, "    counted += 1.0;\n");
+                text.insert_str(0, "var<private> counted: f32;\n");
+                edits += 1;
+            }
+            let result = "return select(0.0, 1.0, is_lit);";
+            if text.contains(result) {
+                let faces = "dot3(r.normal, d) > 0.0";
+                let counted = format!("return select(-1.0, counted, {faces});");
+                text = text.replace(result, &counted);
+                edits += 1;
+            }
+            module.text = text.leak();
+        }
+        assert_eq!(edits, 2, "the lookup's WGSL has changed");
+        Self { kernel, modules }
+    }
+}
+
+impl Kernel for CountingKernel {
+    fn modules(&self) -> Vec<Module> {
+        self.modules.clone()
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        self.kernel.uniforms()
+    }
+}
+
+impl ReceiveKernel for CountingKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        self.kernel.receive(inputs, span, out);
+    }
+
+    fn in_compute(&self) -> bool {
+        true
+    }
+}
+
+/// Counts of all receivers of a frame that face the light.
+#[derive(Clone, Copy, Debug)]
+struct LookupCounts {
+    /// Means of a receiver.
+    nodes: f64,
+    tests: f64,
+    /// Most nodes and tests of one receiver.
+    longest: f32,
+    most_tests: f32,
+    /// Mean of the tests in the worst block.
+    worst_block: f64,
+    /// Mean over the blocks of the longest walk.
+    lockstep: f64,
+}
+
+impl LookupCounts {
+    /// Returns the counts of a built-in scene at this size.
+    fn of_scene(name: &str, size: UVec2) -> Self {
+        let scene = umbrage_scenes::by_argument(name).expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].with_size(size);
+        let view = View::new(&camera, &scene.lights[0], &geometry);
+        let technique = Exact {
+            structure: ExactStructure::Hierarchy,
+        };
+        let recipe = technique.recipe(&view).expect("serves the light");
+        let of_count = |count| {
+            let mut recipe = recipe.clone();
+            let kernel = CountingKernel::new(recipe.receive.kernel, count);
+            recipe.receive.kernel = Arc::new(kernel);
+            let shadows = gpu().render(&view, &recipe).expect("renders");
+            let receivers = shadows.receivers.expect("computed");
+            let counts = shadows.mask.into_iter().zip(receivers.receives);
+            let all = counts.map(|(count, receives)| if receives { count } else { -1.0 });
+            all.collect::<Vec<f32>>()
+        };
+        let nodes = of_count(Count::Nodes);
+        let tests = of_count(Count::Tests);
+        let of_blocks = |counts: &[f32]| blocks(counts, size.x as usize).into_iter();
+        Self {
+            nodes: mean(&nodes),
+            tests: mean(&tests),
+            longest: nodes.iter().copied().fold(0.0, f32::max),
+            most_tests: tests.iter().copied().fold(0.0, f32::max),
+            worst_block: of_blocks(&tests).map(|b| mean(&b)).fold(0.0, f64::max),
+            lockstep: mean_of(of_blocks(&nodes).map(|b| greatest(&b)).filter(|&n| n > 0.0)),
+        }
+    }
+
+    fn bytes(&self) -> f64 {
+        NODE_BYTES * self.nodes + TEST_BYTES * self.tests + RECEIVER_BYTES
+    }
+
+    fn row(&self, name: &str) -> String {
+        format!(
+            "| `{name}` | {:.2} | {:.1} | {:.0} | {:.1} | {:.0} | {:.1} | {:.0} |",
+            self.tests,
+            self.worst_block,
+            self.most_tests,
+            self.nodes,
+            self.longest,
+            self.lockstep,
+            self.bytes()
+        )
+    }
+}
+
+fn mean_of(counts: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut number) = (0.0, 0.0);
+    for count in counts {
+        sum += count;
+        number += 1.0;
+    }
+    sum / f64::max(number, 1.0)
+}
+
+/// Returns the mean of the counts that are not negative.
+fn mean(counts: &[f32]) -> f64 {
+    mean_of(counts.iter().filter(|&&n| n >= 0.0).map(|&n| f64::from(n)))
+}
+
+fn greatest(counts: &[f32]) -> f64 {
+    f64::from(counts.iter().copied().fold(0.0, f32::max))
+}
+
+/// Returns the counts of each block of an image.
+fn blocks(counts: &[f32], width: usize) -> Vec<Vec<f32>> {
+    let [wide, high] = BLOCK;
+    let across = width.div_ceil(wide);
+    let down = (counts.len() / width).div_ceil(high);
+    let mut out = vec![Vec::new(); across * down];
+    for (i, &count) in counts.iter().enumerate() {
+        let [x, y] = [i % width / wide, i / width / high];
+        out[y * across + x].push(count);
+    }
+    out
+}
+
+/// The bounds within which a walk is expected to be cheap on a graphics card (docs/exact.md).
+fn check(name: &str, counts: &LookupCounts) {
+    assert!(counts.tests > 0.1, "{name}: nothing is counted: {counts:?}");
+    assert!(counts.tests <= 6.0, "{name}: tests: {counts:?}");
+    assert!(counts.worst_block <= 48.0, "{name}: a block: {counts:?}");
+    assert!(counts.longest <= 512.0, "{name}: a walk: {counts:?}");
+    assert!(counts.bytes() <= 2000.0, "{name}: bytes: {counts:?}");
+}
+
+#[test]
+fn lookups_stay_within_their_bounds() {
+    let counts = LookupCounts::of_scene("night-room", UVec2::new(320, 180));
+    check("night-room", &counts);
+}
+
+/// The table of docs/exact.md.
+#[test]
+#[ignore = "takes a minute: run it with `--ignored --nocapture` for the table of docs/exact.md"]
+fn full_size_frames() {
+    println!(
+        "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver |"
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|");
+    for name in [
+        "night-room",
+        "dancer",
+        "street",
+        "nave",
+        "valley",
+        "leaf-cards",
+    ] {
+        let counts = LookupCounts::of_scene(name, UVec2::new(1280, 720));
+        println!("{}", counts.row(name));
+        check(name, &counts);
+    }
+}
+
+#[test]
+fn blocks_of_an_image_have_their_receivers() {
+    let counts: Vec<f32> = (0..10 * 5).map(|i| i as f32).collect();
+    let blocks = blocks(&counts, 10);
+    let lengths: Vec<usize> = blocks.iter().map(Vec::len).collect();
+    assert_eq!(lengths, [32, 8, 8, 2]);
+    assert_eq!(blocks[3], [48.0, 49.0]);
+}
