@@ -3,7 +3,9 @@
 
 use glam::UVec2;
 use umbrage_core::{Cascades, Geometry, Layout, Scene, ShadowTechnique, View};
-use umbrage_techniques::{Exact, Planar, ShadowMap, ShadowVolumes, Soft, Traced, Unshadowed};
+use umbrage_techniques::{
+    Exact, ExactStructure, Planar, ShadowMap, ShadowVolumes, Soft, Traced, Unshadowed,
+};
 use umbrage_tests::fusible::{Liberty, liberties, unset_guards};
 use umbrage_wgpu::receive_wgsl;
 
@@ -19,6 +21,11 @@ const ALLOWED: &[(&str, &str)] = &[
         "safe_inverse",
         "for boxes, which are padded by more than it is off",
     ),
+    (
+        "children_at",
+        "rounds by less than a hierarchy's margins (exact/light_frame.rs)",
+    ),
+    ("point_of", "rounds by less than a hierarchy's margins"),
     (
         "position_of",
         "vertices of 16 bits, which the vertex stage of a device may decode otherwise, too",
@@ -37,10 +44,13 @@ fn small(name: &str) -> (Scene, Geometry) {
 }
 
 fn texts() -> Vec<(String, String)> {
-    let techniques: [Box<dyn ShadowTechnique>; 6] = [
+    let techniques: [Box<dyn ShadowTechnique>; 7] = [
         Box::new(Unshadowed::default()),
         Box::new(Traced::default()),
         Box::new(Exact::default()),
+        Box::new(Exact {
+            structure: ExactStructure::Hierarchy,
+        }),
         Box::new(Soft::default()),
         Box::new(ShadowVolumes::default()),
         Box::new(Planar::default()),

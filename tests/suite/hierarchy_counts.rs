@@ -18,6 +18,18 @@ const RECEIVER_BYTES: f64 = 36.0;
 /// Sides of a block of receivers that a card executes together, pixels.
 const BLOCK: [usize; 2] = [8, 4];
 
+/// Frames of the table.
+const FRAMES: [&str; 6] = [
+    "night-room",
+    "dancer",
+    "street",
+    "nave",
+    "valley",
+    "leaf-cards",
+];
+const HEAD: &str = "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver |
+|---|--:|--:|--:|--:|--:|--:|--:|";
+
 /// A counter in the lookup's WGSL.
 #[derive(Clone, Copy, Debug)]
 enum Count {
@@ -190,28 +202,15 @@ fn check(name: &str, counts: &LookupCounts) {
     assert!(counts.bytes() <= 2000.0, "{name}: bytes: {counts:?}");
 }
 
+/// With `UMBRAGE_COUNTS=all`, prints the table of docs/exact.md, which takes a minute.
 #[test]
 fn lookups_stay_within_their_bounds() {
-    let counts = LookupCounts::of_scene("night-room", UVec2::new(320, 180));
-    check("night-room", &counts);
-}
-
-/// The table of docs/exact.md.
-#[test]
-#[ignore = "takes a minute: run it with `--ignored --nocapture` for the table of docs/exact.md"]
-fn full_size_frames() {
-    println!(
-        "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver |"
-    );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|");
-    for name in [
-        "night-room",
-        "dancer",
-        "street",
-        "nave",
-        "valley",
-        "leaf-cards",
-    ] {
+    if std::env::var_os("UMBRAGE_COUNTS").is_none() {
+        let counts = LookupCounts::of_scene("night-room", UVec2::new(320, 180));
+        return check("night-room", &counts);
+    }
+    println!("{HEAD}");
+    for name in FRAMES {
         let counts = LookupCounts::of_scene(name, UVec2::new(1280, 720));
         println!("{}", counts.row(name));
         check(name, &counts);

@@ -19,8 +19,8 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// Errors with `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
-    /// Returns the recipe for a renderer whose vertices exist only on the device, which then builds
-    /// a hierarchy of the casters. `cut_outs` are the records of alpha-tested casters, if there are
+    /// Returns the recipe for a renderer that builds a hierarchy of the casters from its own vertices
+    /// ([`Recipe::hierarchy`]). `cut_outs` are the records of alpha-tested casters, if there are
     /// any. `None` for techniques that need no hierarchy, or can't use one of a device.
     fn device_recipe(
         &self,

@@ -12,7 +12,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::{Exact, Soft, Traced, Unshadowed};
+use umbrage_techniques::{Exact, ExactStructure, Soft, Traced, Unshadowed};
 
 /// Built-in scenes with all kinds of light (ideal, area, far from the origin, grazing) and
 /// alpha-tested casters.
@@ -39,11 +39,14 @@ const WIDTH: u32 = 240;
 
 /// Returns the techniques whose results don't depend on a rasteriser. They are functions of the
 /// receivers only, with the same bits on every device that rounds sums and products to nearest.
-pub fn exact_techniques() -> [Box<dyn ShadowTechnique>; 4] {
+pub fn exact_techniques() -> [Box<dyn ShadowTechnique>; 5] {
     [
         Box::new(Unshadowed::default()),
         Box::new(Traced { samples: 8 }),
         Box::new(Exact::default()),
+        Box::new(Exact {
+            structure: ExactStructure::Hierarchy,
+        }),
         Box::new(Soft::default()),
     ]
 }

@@ -84,7 +84,11 @@ fn one_rounding(fusing: Option<Fusing>) -> String {
 }
 
 fn add_agreement(text: &mut String, cards: &[Card]) {
-    let techniques = exact_techniques().map(|technique| technique.name());
+    let mut techniques = exact_techniques()
+        .map(|technique| technique.name())
+        .to_vec();
+    // `exact` occurs with both structures.
+    techniques.dedup();
     *text += "\n## Agreement with the CPU\n\nBits are those of masks where both backends see the same triangle. Techniques whose results don't depend on a rasteriser must have none that
 differ. A decided pixel is one that rounding does not explain.\n\n";
     *text += &format!(
@@ -94,8 +98,8 @@ differ. A decided pixel is one that rounding does not explain.\n\n";
     for card in cards {
         let agreement = card.agreement.clone().unwrap_or_default();
         let or_dash = |count: Option<u64>| count.map_or_else(|| "-".to_owned(), thousands);
-        let bits =
-            techniques.map(|technique| or_dash(agreement.differing_bits.get(technique).copied()));
+        let bits_of = |name: &&str| or_dash(agreement.differing_bits.get(*name).copied());
+        let bits: Vec<String> = techniques.iter().map(bits_of).collect();
         let row = [
             &*card.adapter,
             &or_dash(agreement.same_triangle_pixels),
