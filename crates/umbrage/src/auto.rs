@@ -35,7 +35,8 @@ pub type Budget = umbrage_plan::Bounds;
 /// assumed to have the triangles on the CPU, as above. If they are on the GPU only, set
 /// [`Budget::renderer`](umbrage_plan::Bounds::renderer). This excludes planar shadows, volumes and
 /// rays, which need triangles. Maps are then fitted to the bounding box of the casters, as they
-/// will be in the program.
+/// will be in the program. A light set can also execute `exact`, whose hierarchy its device builds:
+/// `RendererData::LightSet`.
 ///
 #[cfg_attr(feature = "scenes", doc = "```")]
 #[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
@@ -128,6 +129,14 @@ mod tests {
             let exact =
                 picked_preset(&scene, RendererData::Triangles, 0.0).expect("rays are exact");
             assert!(!supports(&exact), "{name}: {exact:?}");
+            // A light set's device builds the hierarchy of `exact`.
+            let of_set =
+                picked_preset(&scene, RendererData::LightSet, 0.0).expect("`exact` has no error");
+            let built = of_set.technique().device_recipe(&view, None);
+            assert!(
+                supports(&of_set) || built.is_some_and(|made| made.is_ok()),
+                "{name}: {of_set:?}"
+            );
             if let Ok(preset) = picked_preset(&scene, RendererData::CasterBox, 0.0) {
                 assert!(supports(&preset), "{name}: {preset:?}");
             }

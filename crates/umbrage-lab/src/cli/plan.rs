@@ -167,6 +167,8 @@ pub(crate) enum PlanRenderer {
     Triangles,
     /// A bounding box of the casters, whose triangles are on the GPU only
     CasterBox,
+    /// A light set whose casters are on the GPU only: like caster-box, with `exact`
+    LightSet,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -278,6 +280,7 @@ fn bounds_of(arguments: &PlanArguments) -> Bounds {
             PlanRenderer::SeenPoints => RendererData::SeenPoints,
             PlanRenderer::Triangles => RendererData::Triangles,
             PlanRenderer::CasterBox => RendererData::CasterBox,
+            PlanRenderer::LightSet => RendererData::LightSet,
         },
     }
 }

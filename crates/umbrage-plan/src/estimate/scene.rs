@@ -50,6 +50,9 @@ pub enum RendererData {
     /// A box around the casters, with the triangles on the GPU only. This excludes techniques that
     /// build faces or hierarchies from triangles (planar shadows, volumes, rays).
     CasterBox,
+    /// A light set that gets no triangles on the CPU. Like [`CasterBox`](Self::CasterBox), with
+    /// techniques whose hierarchy the device builds (`exact`).
+    LightSet,
 }
 
 /// Cost of a setting.
@@ -116,7 +119,7 @@ impl<'a> PlanScene<'a> {
         match self.renderer {
             RendererData::SeenPoints => view.with_receivers(receivers),
             RendererData::Triangles => view,
-            RendererData::CasterBox => View {
+            RendererData::CasterBox | RendererData::LightSet => View {
                 geometry: None,
                 ..view
             },
@@ -124,7 +127,30 @@ impl<'a> PlanScene<'a> {
     }
 
     pub(crate) fn recipe(&self, preset: &TechniquePreset) -> Result<Recipe, RecipeError> {
-        preset.technique().recipe(&self.view())
+        self.recipe_from(preset, &self.view())
+    }
+
+    /// Returns the recipe for a view with the program's data.
+    fn recipe_from(
+        &self,
+        preset: &TechniquePreset,
+        view: &View<'_>,
+    ) -> Result<Recipe, RecipeError> {
+        let technique = preset.technique();
+        let recipe = technique.recipe(view);
+        if self.renderer != RendererData::LightSet || recipe.is_ok() {
+            return recipe;
+        }
+        // The set's device builds the hierarchy of the same casters.
+        let view = View {
+            geometry: Some(self.geometry),
+            ..*view
+        };
+        let with_triangles = technique.recipe(&view)?;
+        match with_triangles.hierarchy {
+            Some(_) => Ok(with_triangles),
+            None => recipe,
+        }
     }
 
     /// Returns the recipe for another camera, from the program's data.
@@ -134,7 +160,7 @@ impl<'a> PlanScene<'a> {
         camera: &Camera,
         receivers: &Receivers,
     ) -> Result<Recipe, RecipeError> {
-        preset.technique().recipe(&self.view_of(camera, receivers))
+        self.recipe_from(preset, &self.view_of(camera, receivers))
     }
 
     /// Finds the receivers visible to another camera, if the program will have them. Otherwise
@@ -142,7 +168,9 @@ impl<'a> PlanScene<'a> {
     pub(crate) fn seen_by(&mut self, camera: &Camera) -> Result<Receivers, BackendError> {
         match self.renderer {
             RendererData::SeenPoints => self.cpu.receivers(camera, self.geometry),
-            RendererData::Triangles | RendererData::CasterBox => Ok(Receivers::empty(camera.size)),
+            RendererData::Triangles | RendererData::CasterBox | RendererData::LightSet => {
+                Ok(Receivers::empty(camera.size))
+            }
         }
     }
 
