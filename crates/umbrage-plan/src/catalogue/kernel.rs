@@ -20,7 +20,7 @@ pub trait CataloguedKernel: Sync {
     }
 
     /// Returns the number of triangles in its tables, including repetitions. Tables that follow the
-    /// light or the casters are rebuilt with them, at about the cost of drawing as many triangles.
+    /// light or the casters are rebuilt with them, at about the CPU's cost of drawing as many triangles.
     fn triangles_listed(&self) -> u64 {
         0
     }
