@@ -190,8 +190,19 @@ impl SortStage {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCK, DIGITS, SUM_BLOCK};
-    use crate::wgsl::stages::shader_of;
+    use super::{
+        BLOCK, Buffer, BufferUsages, DIGITS, SUM_BLOCK, SortBuffers, SortRange, SortStage,
+    };
+    use crate::{
+        AdapterChoice, Gpu,
+        device::readback::{ReadBack, Spare},
+        resources::{
+            counters::{Counters, ResourceFactory},
+            pipelines::Pipelines,
+        },
+        wgsl::stages::shader_of,
+    };
+    use umbrage_core::light_sample::hash;
 
     #[test]
     fn constants_are_those_of_the_shader() {
@@ -204,5 +215,78 @@ mod tests {
             let line = format!("const {name} = {value}u;");
             assert!(text.contains(&line), "{line}");
         }
+    }
+
+    /// Sorts keys with their numbers as values, in buffers with a capacity of `most`. The head counts
+    /// `more` of them. Returns both, with the items beyond the range.
+    fn sort(gpu: &Gpu, keys: &[u32], more: u32, most: u32) -> [Vec<u32>; 2] {
+        let (device, queue) = gpu.device();
+        let mut counters = Counters::default();
+        let mut factory = ResourceFactory::new(device, queue, &mut counters);
+        // Create buffers that can be read back.
+        let mut buffers = SortBuffers::new(&mut factory, most, 1);
+        let mut readable = |words: &[u32]| -> Buffer {
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+            let buffer = factory.buffer("items", usage, 4 * words.len() as u64);
+            factory
+                .queue
+                .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        };
+        let numbers: Vec<u32> = (0..keys.len() as u32).collect();
+        buffers.keys[0] = readable(keys);
+        buffers.values[0] = readable(&numbers);
+        buffers.head = readable(&[more]);
+        // Sort.
+        let range = SortRange {
+            first: keys.len() as u32 - more,
+            most,
+        };
+        let mut stage = SortStage::default();
+        let mut pipelines = Pipelines::default();
+        stage.prepare(&mut factory, &mut pipelines, &buffers, [range].into_iter());
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        stage.encode(&mut pass, 0, range);
+        drop(pass);
+        // Read the items back.
+        let mut spare = Spare::default();
+        let mut back = ReadBack::new(device, &mut counters, &mut spare);
+        let tickets = [&buffers.keys[0], &buffers.values[0]].map(|b| back.buffer(&mut encoder, b));
+        queue.submit([encoder.finish()]);
+        back.wait().expect("reads");
+        tickets.map(|ticket| back.read(ticket).expect("reads"))
+    }
+
+    /// Returns whether keys and values are sorted, and items of equal keys in their order.
+    fn is_sorted(keys: &[u32], [sorted, numbers]: &[Vec<u32>; 2]) -> bool {
+        let mut expected: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
+        expected.sort_by_key(|item| item.0);
+        let found = sorted.iter().copied().zip(numbers.iter().copied());
+        found.eq(expected)
+    }
+
+    #[test]
+    fn items_are_sorted_and_equal_ones_keep_their_order() {
+        let gpu = Gpu::new(&AdapterChoice::from_env()).expect("an adapter");
+        // Blocks of items and of counts are full, or have one item more or less.
+        for count in [1, 255, 256, 2047, 2048, 2049, 8192, 8193, 100_000] {
+            for bits in [32, 9, 1] {
+                let key = |i: u32| hash(i ^ (bits << 20)) >> (32 - bits);
+                let keys: Vec<u32> = (0..count).map(key).collect();
+                let found = sort(&gpu, &keys, count / 3, count + 5000);
+                assert!(is_sorted(&keys, &found), "{count} items of {bits} bits");
+            }
+        }
+        // Items beyond the capacity stay where they are.
+        let keys: Vec<u32> = (0..5000).rev().collect();
+        let [sorted, _] = sort(&gpu, &keys, 1000, 3000);
+        assert!(sorted[..3000].is_sorted() && sorted[3000..] == keys[3000..]);
+        // The comparison notices two exchanged items of equal keys.
+        let keys = [7; 100];
+        let mut found = sort(&gpu, &keys, 0, 100);
+        assert!(is_sorted(&keys, &found));
+        found[1].swap(3, 4);
+        assert!(!is_sorted(&keys, &found));
     }
 }
