@@ -19,23 +19,18 @@ pub(crate) struct ColorScene {
 impl ColorScene {
     /// Prepares a scene with a light and a camera. The marker of a directional light is at the eye
     /// of the scene's fit, if it has one.
-    pub(crate) fn new(mut scene: Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
+    pub(crate) fn new(scene: Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
         let directional_at = match fit {
             Some(Fit::Manual { eye, .. }) => Some(eye),
             _ => None,
         };
-        // Move the textures, which may have many texels, instead of copying them with the rest.
-        let textures = std::mem::take(&mut scene.textures);
-        let mut scene = scene.with_light_marker(LightMarker {
+        let scene = scene.with_light_marker(LightMarker {
             directional_at,
             ..LightMarker::default()
         });
-        scene.textures = textures;
         let geometry = Geometry::bake(&scene)?;
         let view = view(&scene, &geometry)?;
         let shading = BlinnPhong::default().shading(&scene, &view)?;
-        // The shading and the geometry have their own tables of texels.
-        scene.textures = Vec::new();
         Ok(Self {
             scene,
             geometry,

@@ -6,6 +6,7 @@ use crate::{
     picture,
 };
 use glam::{UVec2, Vec3};
+use std::sync::Arc;
 
 /// Texels of any kind: colour, tangent-space normals, height, alpha.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,16 +21,16 @@ pub struct Texture {
 }
 
 /// Texels of a texture. Images of 8 bits a channel keep their bytes, a quarter of the memory of
-/// floats; their values are computed on each access.
+/// floats; their values are computed on each access. Clones share the memory.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Texels {
     /// Colours encoded as sRGB, and linear alpha: [`picture::decode`] returns a colour's value.
-    Srgb8(Vec<[u8; 4]>),
+    Srgb8(Arc<Vec<[u8; 4]>>),
     /// Linear values, in units of 1/255.
-    Unorm8(Vec<[u8; 4]>),
+    Unorm8(Arc<Vec<[u8; 4]>>),
     /// Linear values.
-    Float(Vec<[f32; 4]>),
+    Float(Arc<Vec<[f32; 4]>>),
 }
 
 impl Texels {
@@ -80,19 +81,19 @@ impl Texels {
 
 impl Default for Texels {
     fn default() -> Self {
-        Self::Float(Vec::new())
+        Self::Float(Arc::default())
     }
 }
 
 impl From<Vec<[f32; 4]>> for Texels {
     fn from(texels: Vec<[f32; 4]>) -> Self {
-        Self::Float(texels)
+        Self::Float(Arc::new(texels))
     }
 }
 
 impl FromIterator<[f32; 4]> for Texels {
     fn from_iter<I: IntoIterator<Item = [f32; 4]>>(texels: I) -> Self {
-        Self::Float(texels.into_iter().collect())
+        Self::Float(Arc::new(texels.into_iter().collect()))
     }
 }
 
@@ -323,8 +324,8 @@ mod tests {
     fn texels_of_bytes_have_the_values_of_floats() {
         let bytes: Vec<[u8; 4]> = (0..=255_u8).map(|i| [i, 255 - i, i / 2, i]).collect();
         let unorm = |byte: u8| f32::from(byte) / 255.0;
-        let srgb = Texels::Srgb8(bytes.clone());
-        let linear = Texels::Unorm8(bytes.clone());
+        let srgb = Texels::Srgb8(Arc::new(bytes.clone()));
+        let linear = Texels::Unorm8(Arc::new(bytes.clone()));
         for (i, byte) in bytes.into_iter().enumerate() {
             let [red, green, blue, alpha] = byte;
             let colors = [red, green, blue].map(picture::decode);

@@ -577,8 +577,8 @@ fn plans_differ_where_a_texel_or_the_size_of_a_texture_does() {
     };
     // The same bytes have other values in another encoding.
     let bytes = vec![[128; 4]; 4];
-    let linear = contents_of([2, 2], Texels::Unorm8(bytes.clone()));
-    assert_ne!(linear, contents_of([2, 2], Texels::Srgb8(bytes)));
+    let linear = contents_of([2, 2], Texels::Unorm8(bytes.clone().into()));
+    assert_ne!(linear, contents_of([2, 2], Texels::Srgb8(bytes.into())));
     assert_eq!(contents([2, 2], 0.5), contents([2, 2], 0.5));
     assert_ne!(contents([2, 2], 0.5), contents([2, 2], 0.5 + f32::EPSILON));
     assert_ne!(contents([2, 2], 0.5), contents([4, 1], 0.5));

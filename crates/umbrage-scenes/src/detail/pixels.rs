@@ -9,6 +9,7 @@ use std::{
     io::{BufRead, Cursor, Read, Result as IoResult, Seek, SeekFrom},
     ops::Range,
     path::Path,
+    sync::Arc,
 };
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Texels, Texture, parallel::prelude::*, picture};
@@ -244,9 +245,9 @@ fn whole_texels(image: DynamicImage, meaning: Meaning) -> Texels {
         }
     }
     if meaning.is_encoded() {
-        Texels::Srgb8(texels)
+        Texels::Srgb8(Arc::new(texels))
     } else {
-        Texels::Unorm8(texels)
+        Texels::Unorm8(Arc::new(texels))
     }
 }
 

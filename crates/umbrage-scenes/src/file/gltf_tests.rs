@@ -200,7 +200,7 @@ fn a_model_brings_its_looks_with_their_holes() {
     assert_eq!(holes.cutoff, 0.75);
     assert_eq!(
         scene.textures[holes.texture].texels,
-        Texels::Srgb8(vec![[255; 4], [0; 4]]),
+        Texels::Srgb8(vec![[255; 4], [0; 4]].into()),
         "the picture's alpha"
     );
     let uvs = &scene.meshes[leaf.mesh].uvs;

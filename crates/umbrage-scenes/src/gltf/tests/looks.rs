@@ -55,7 +55,7 @@ fn colours_and_their_texture_are_read() {
     assert_eq!(scene.materials, [expected]);
     assert_eq!(scene.instances[0].material, Some(0));
     let texels = &scene.textures[0].texels;
-    assert_eq!(*texels, Texels::Srgb8(vec![[255; 4], [0; 4]]));
+    assert_eq!(*texels, Texels::Srgb8(vec![[255; 4], [0; 4]].into()));
     // Both count v from the top.
     assert_eq!(
         scene.meshes[0].uvs,
