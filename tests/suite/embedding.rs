@@ -4,7 +4,7 @@
 use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::MapTechnique;
+use umbrage_techniques::{Exact, ExactStructure, MapTechnique};
 use umbrage_tests::{
     adapter::{TestDevice, device},
     foreign,
@@ -22,6 +22,7 @@ struct EmbeddedProgram {
     count: u32,
     position: TextureView,
     normal: TextureView,
+    triangle: TextureView,
 }
 
 /// Vertices of 32 bytes with the position in the middle, as in some engines.
@@ -46,16 +47,15 @@ impl EmbeddedProgram {
             positions.push(receivers.position(i).extend(receives).to_array());
             normals.push(receivers.normal(i).extend(0.0).to_array());
         }
-        let upload = |texels: &[[f32; 4]]| {
-            let format = TextureFormat::Rgba32Float;
-            foreign::upload(d, receivers.size, format, cast_slice(texels))
-        };
+        let upload = |format, bytes: &[u8]| foreign::upload(d, receivers.size, format, bytes);
+        let floats = TextureFormat::Rgba32Float;
         Self {
             vertices: foreign::buffer(d, BufferUsages::VERTEX, cast_slice(&vertices)),
             indices: foreign::buffer(d, BufferUsages::INDEX, cast_slice(casters)),
             count: 3 * casters.len() as u32,
-            position: upload(&positions),
-            normal: upload(&normals),
+            position: upload(floats, cast_slice(&positions)),
+            normal: upload(floats, cast_slice(&normals)),
+            triangle: upload(TextureFormat::R32Uint, cast_slice(&receivers.triangle)),
         }
     }
 
@@ -67,6 +67,21 @@ impl EmbeddedProgram {
         recipe: &Recipe,
         size: glam::UVec2,
     ) -> Vec<f32> {
+        let mut encoder = d
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mask = self.encode(&mut encoder, shadows, recipe, size);
+        foreign::read(d, encoder, &mask)
+    }
+
+    /// Prepares and records a light's shadows. Returns their mask.
+    fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        shadows: &mut ShadowRenderer,
+        recipe: &Recipe,
+        size: glam::UVec2,
+    ) -> TextureView {
         let casters = [Drawable {
             vertices: &self.vertices,
             layout: LAYOUT,
@@ -81,7 +96,7 @@ impl EmbeddedProgram {
         let receivers = GBuffer {
             position: &self.position,
             normal: &self.normal,
-            triangle: None,
+            triangle: Some(&self.triangle),
         };
         let frame = FrameInputs {
             size,
@@ -90,11 +105,7 @@ impl EmbeddedProgram {
             receivers,
         };
         shadows.prepare(recipe, &frame).expect("prepares");
-        let mut encoder = d
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mask = shadows.encode(&mut encoder).expect("was prepared").clone();
-        foreign::read(d, encoder, &mask)
+        shadows.encode(encoder).expect("was prepared").clone()
     }
 }
 
@@ -152,4 +163,61 @@ fn later_frames_make_nothing() {
         .expect("hard serves the sun");
     program.frame(d, &mut shadows, &other, receivers.size);
     assert_ne!(shadows.counters(), first);
+}
+
+/// Lights with hierarchies of different casters and sizes, all encoded before they are submitted.
+#[test]
+fn hierarchies_of_several_lights_have_the_bits_of_lists() {
+    let technique = Exact {
+        structure: ExactStructure::Hierarchy,
+    };
+    let d = device();
+    let mut shadows =
+        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
+    let new_encoder = || {
+        d.device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    };
+    let mut pending = Vec::new();
+    for name in ["cubes", "lamp-in-room", "no-casters", "c10-chequered-card"] {
+        let scene = umbrage::scenes::by_argument(name).expect("a built-in scene");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        let recipe = technique.recipe(&view).expect("serves the light");
+        let cpu = Cpu::new().render(&view, &recipe).expect("renders");
+        let receivers = cpu.receivers.as_ref().expect("made here");
+        let program = EmbeddedProgram::new(d, &geometry, receivers);
+        let mut encoder = new_encoder();
+        let mask = program.encode(&mut encoder, &mut shadows, &recipe, cpu.size);
+        pending.push((name, program, recipe, cpu, encoder, mask));
+    }
+    while let Some((name, program, recipe, cpu, encoder, mask)) = pending.pop() {
+        let mask = foreign::read(d, encoder, &mask);
+        let differing = |mask: &[f32]| mask.iter().zip(&cpu.mask).filter(|(a, b)| a != b).count();
+        assert_eq!(differing(&mask), 0, "{name}");
+        // Another light's buffers are reused.
+        if pending.is_empty() {
+            let again = program.frame(d, &mut shadows, &recipe, cpu.size);
+            assert_eq!(differing(&again), 0, "{name}, again");
+            let made = shadows.counters();
+            program.frame(d, &mut shadows, &recipe, cpu.size);
+            assert_eq!(shadows.counters(), made);
+        }
+    }
+}
+
+#[test]
+fn a_hierarchy_without_its_tables_is_refused() {
+    let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let technique = Exact {
+        structure: ExactStructure::Hierarchy,
+    };
+    let mut recipe = technique.recipe(&view).expect("serves the sun");
+    recipe.receive.tables.truncate(1);
+    let error = Cpu::new()
+        .render(&view, &recipe)
+        .expect_err("a table lacks");
+    assert!(error.to_string().contains("reads 1 tables"), "{error}");
 }

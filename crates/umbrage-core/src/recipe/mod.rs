@@ -379,6 +379,7 @@ impl Recipe {
             self.check_filter(filter)?;
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
+        self.check_hierarchy()?;
         self.check_compared()?;
         match &self.shade {
             Some(shade) => self.check_ids("shading", &[], &shade.tables),
@@ -402,6 +403,17 @@ impl Recipe {
         let why = "counts faces of alpha-tested triangles";
         let help = "count faces computed by the technique, or remove `Material::alpha`";
         Err(Invalid::new("cast", why, help))
+    }
+
+    /// Errors if the receive kernel lacks the tables of the hierarchy.
+    fn check_hierarchy(&self) -> Result<(), Invalid> {
+        let tables = self.receive.tables.len();
+        if self.hierarchy.is_none() || tables >= DeviceHierarchy::TABLES {
+            return Ok(());
+        }
+        let why = format!("has a hierarchy, and its receive kernel reads {tables} tables");
+        let help = "give the kernel a table for the hierarchy, and one with the casters' corners";
+        Err(Invalid::new("recipe", why, help))
     }
 
     fn check_filter(&self, filter: &Filter) -> Result<(), Invalid> {

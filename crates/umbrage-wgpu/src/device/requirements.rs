@@ -1,6 +1,9 @@
 //! Requirements of recipes on adapters, and limits of devices.
 
-use crate::resources::{counts::check_counting, images::texture_format};
+use crate::{
+    hierarchy::one::check_hierarchy,
+    resources::{counts::check_counting, images::texture_format},
+};
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages};
 
@@ -13,6 +16,7 @@ use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages
 /// Errors with the first missing feature, and advice.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
     check_compute(recipe, &adapter.limits())?;
+    check_hierarchy(recipe, &adapter.limits())?;
     check_drawable(adapter, TextureFormat::R32Float)?;
     if recipe.shade.is_some() {
         check_drawable(adapter, TextureFormat::Rgba32Float)?;
