@@ -259,7 +259,8 @@ mod tests {
     }
 
     /// Returns whether keys and values are sorted, and items of equal keys in their order.
-    fn is_sorted(keys: &[u32], [sorted, numbers]: &[Vec<u32>; 2]) -> bool {
+    fn is_sorted(keys: &[u32], found: &[Vec<u32>; 2]) -> bool {
+        let [sorted, numbers] = found;
         let mut expected: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
         expected.sort_by_key(|item| item.0);
         let found = sorted.iter().copied().zip(numbers.iter().copied());
