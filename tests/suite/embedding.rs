@@ -207,7 +207,7 @@ fn hierarchies_of_several_lights_have_the_bits_of_lists() {
 }
 
 #[test]
-fn a_hierarchy_without_its_tables_is_refused() {
+fn hierarchies_without_valid_tables_are_refused() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -215,9 +215,70 @@ fn a_hierarchy_without_its_tables_is_refused() {
         structure: ExactStructure::Hierarchy,
     };
     let mut recipe = technique.recipe(&view).expect("serves the sun");
-    recipe.receive.tables.truncate(1);
-    let error = Cpu::new()
-        .render(&view, &recipe)
-        .expect_err("a table lacks");
-    assert!(error.to_string().contains("reads 1 tables"), "{error}");
+    recipe.make_tables();
+    let refusal = |spoilt: &Recipe| {
+        let result = Cpu::new().render(&view, spoilt);
+        result.expect_err("refused").to_string()
+    };
+    let valid = recipe.receive.tables.clone();
+    for (tables, word) in [
+        (vec![0], "reads 1 tables"),
+        (vec![0, 0], "same table"),
+        (vec![1, 0], "8 rows"),
+        (vec![0, 9], "9"),
+    ] {
+        recipe.receive.tables = tables;
+        let error = refusal(&recipe);
+        assert!(error.contains(word), "{error}");
+    }
+    recipe.receive.tables = valid;
+    assert!(Cpu::new().render(&view, &recipe).is_ok());
+    if let Some(hierarchy) = &mut recipe.hierarchy {
+        hierarchy.uniforms.clear();
+    }
+    let error = refusal(&recipe);
+    assert!(error.contains("0 bytes"), "{error}");
+}
+
+/// Casters that move need no other buffers.
+#[test]
+fn hierarchies_follow_casters_without_other_buffers() {
+    let technique = Exact {
+        structure: ExactStructure::Hierarchy,
+    };
+    let d = device();
+    let mut shadows =
+        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
+    let mut first = None;
+    let mut masks = Vec::new();
+    for shift in [0.0, 0.25, 0.5] {
+        let mut scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
+        for instance in scene.instances.iter_mut().filter(|i| i.casts) {
+            instance.world_from_local.translation.x += shift;
+        }
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        let recipe = technique.recipe(&view).expect("serves the sun");
+        let cpu = Cpu::new().render(&view, &recipe).expect("renders");
+        let receivers = cpu.receivers.as_ref().expect("made here");
+        let program = EmbeddedProgram::new(d, &geometry, receivers);
+        let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
+        assert!(mask == cpu.mask, "moved by {shift}");
+        masks.push(mask);
+        let buffers = shadows.counters().buffers;
+        assert_eq!(buffers, *first.get_or_insert(buffers), "moved by {shift}");
+    }
+    assert_ne!(masks[0], masks[1]);
+    // Negative control of the count: a frame without a hierarchy frees its buffers.
+    let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
+    let program = EmbeddedProgram::new(d, &geometry, &receivers);
+    let hierarchy = technique.recipe(&view).expect("serves the sun");
+    let lists = Exact::default().recipe(&view).expect("serves the sun");
+    let [a, b] =
+        [&lists, &hierarchy].map(|recipe| program.frame(d, &mut shadows, recipe, receivers.size));
+    assert_eq!(a, b);
+    assert!(Some(shadows.counters().buffers) > first);
 }

@@ -48,8 +48,8 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Limits, Queue, Te
 /// the second. The mask, images, uniforms and bind groups of each light stay valid until the
 /// encoder is submitted or dropped; meanwhile `prepare` uses others, created on first use.
 /// Everything recorded between two submissions may therefore read the masks and the
-/// [`receive_bind_group`](Self::receive_bind_group)s of all lights encoded there. Memory for masks
-/// and maps grows with the number of these lights.
+/// [`receive_bind_group`](Self::receive_bind_group)s of all lights encoded there. Memory for masks,
+/// maps and hierarchies grows with the number of these lights.
 ///
 /// After the submission, the next `prepare` reuses these resources. Get masks and bind groups again
 /// after each `prepare`. Submit the commands that read them before the next `prepare`, or together
@@ -74,7 +74,8 @@ impl ShadowRenderer {
     /// The limits that recipes with compute passes require: those of WebGL 2, and compute shaders
     /// with a storage texture, which WebGPU guarantees. These are recipes of moment maps,
     /// and of kernels with [`in_compute`](umbrage_core::ReceiveKernel::in_compute). Larger
-    /// images, or tables in storage buffers, require more.
+    /// images, or tables in storage buffers, require more. Recipes with a
+    /// [`hierarchy`](Recipe::hierarchy) require the compute limits of `Limits::default()`.
     pub const REQUIRED_LIMITS: Limits = COMPUTE_LIMITS;
 
     /// Returns a renderer for this device. No GPU objects are created yet.

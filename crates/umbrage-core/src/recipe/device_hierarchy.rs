@@ -4,8 +4,9 @@ use crate::recipe::shader::Module;
 
 /// A hierarchy of eight children a node over the casters around a light, built by compute passes.
 ///
-/// The device writes the first table of the recipe's receive kernel: the hierarchy. The second one
-/// has the casters' corners. A light set writes these on the device, too, from its own vertices.
+/// The device writes the hierarchy in place of the first table of the recipe's receive kernel. The
+/// second one has the casters' corners, three rows a caster. A light set writes these on the
+/// device, too, from its own vertices.
 ///
 /// A caster has at least one reference, and further ones as far as capacity lasts. References are
 /// sorted by keys, and each 64 are grouped into 8 nodes, which are grouped alike. Level 1 has the

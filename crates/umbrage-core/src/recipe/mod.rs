@@ -6,6 +6,7 @@
 //!   computed by the technique, in homogeneous coordinates so that they may extend to infinity. The
 //!   image keeps the nearest depth, the nearest depth behind another image (peeling), or a count of
 //!   faces behind the visible surface (stencil).
+//! * **hierarchy**, on devices only: compute passes build it over the casters.
 //! * **filter**: a kernel computes an image from images: moments, midpoints, packed depth.
 //! * **receive**: a kernel computes the visibility of each receiver, 0 to 1. It may use comparison
 //!   samplers.
@@ -40,7 +41,7 @@ pub type ImageId = usize;
 /// Index into [`Recipe::tables`].
 pub type TableId = usize;
 
-/// Three stages, executed in order (casts, filters, receive), and optional shading.
+/// Stages, executed in order: casts, the hierarchy if any, filters, receive, and optional shading.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The images that the stages write. Depth images start at 1, others at 0.
@@ -405,15 +406,37 @@ impl Recipe {
         Err(Invalid::new("cast", why, help))
     }
 
-    /// Errors if the receive kernel lacks the tables of the hierarchy.
+    /// Errors if the hierarchy is not valid, or the receive kernel lacks its tables. `check_ids` has
+    /// checked the ids.
     fn check_hierarchy(&self) -> Result<(), Invalid> {
-        let tables = self.receive.tables.len();
-        if self.hierarchy.is_none() || tables >= DeviceHierarchy::TABLES {
+        let Some(hierarchy) = &self.hierarchy else {
             return Ok(());
+        };
+        let refuse = |why: String, help: &str| Err(Invalid::new("recipe", why, help));
+        let [first, corners, ..] = self.receive.tables[..] else {
+            let tables = self.receive.tables.len();
+            let why = format!("has a hierarchy, and its receive kernel reads {tables} tables");
+            let help =
+                "give the kernel a table for the hierarchy, and one with the casters' corners";
+            return refuse(why, help);
+        };
+        if first == corners {
+            let why =
+                format!("has its hierarchy and the casters' corners in the same table, {first}");
+            return refuse(why, "use two tables");
         }
-        let why = format!("has a hierarchy, and its receive kernel reads {tables} tables");
-        let help = "give the kernel a table for the hierarchy, and one with the casters' corners";
-        Err(Invalid::new("recipe", why, help))
+        let rows = self.tables[corners].rows.made_rows();
+        let rows = rows.map_or(0, |rows| rows.len());
+        if !rows.is_multiple_of(3) {
+            let why = format!("has {rows} rows of casters' corners for its hierarchy");
+            return refuse(why, "use three rows a caster");
+        }
+        let bytes = hierarchy.uniforms.len();
+        if bytes == 0 || !bytes.is_multiple_of(16) {
+            let why = format!("has {bytes} bytes of uniforms for its hierarchy");
+            return refuse(why, "use those of a `UniformBlock`");
+        }
+        Ok(())
     }
 
     fn check_filter(&self, filter: &Filter) -> Result<(), Invalid> {

@@ -167,7 +167,7 @@ pub(crate) enum PlanRenderer {
     Triangles,
     /// A bounding box of the casters, whose triangles are on the GPU only
     CasterBox,
-    /// A light set whose casters are on the GPU only: like caster-box, with `exact`
+    /// A light set with casters on the GPU only: as caster-box, and `exact`
     LightSet,
 }
 

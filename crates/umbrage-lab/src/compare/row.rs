@@ -493,10 +493,10 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Returns the outcome of a row without figures and images.
 /// Reason why the CPU has no row of a recipe with a hierarchy.
 const ONLY_ON_DEVICES: &str = "only devices build this hierarchy: the CPU uses lists";
 
+/// Returns the outcome of a row without figures and images.
 fn unsupported_row(reason: &str) -> (RowOutcome, RowImages) {
     let outcome = RowOutcome::Unsupported {
         reason: reason.to_owned(),

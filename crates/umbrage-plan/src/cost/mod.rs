@@ -48,7 +48,7 @@ const PER_LEVEL: [usize; 2] = [8, 14];
 
 /// Price of a listed triangle, nanoseconds: that of a triangle drawn by the CPU ([`CostModel::CPU`]).
 /// The CPU builds lists for all backends.
-const LISTED_NANOSECONDS: f64 = 21.4;
+const LISTED_NANOSECONDS: f64 = CostModel::CPU.nanoseconds[1];
 
 /// Prices of work on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 //! machine.
 
 use super::{CostModel, KINDS};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use std::collections::BTreeMap;
 use umbrage_core::Invalid;
 
@@ -14,6 +14,7 @@ pub struct PriceList {
     #[serde(default)]
     pub measured_on: String,
     /// Prices of the CPU backend.
+    #[serde(deserialize_with = "cpu_prices")]
     pub cpu: CostModel,
     /// Prices of the wgpu backend.
     pub wgpu: CostModel,
@@ -100,6 +101,16 @@ const KEYS: [&str; KINDS] = [
 /// Names of the prices that older files lack: those of a device's hierarchy.
 const HIERARCHY_KEYS: [&str; 2] = ["hierarchy_caster", "hierarchy_level"];
 
+/// Reads the prices of the CPU, with the built-in ones of hierarchies if the file is older.
+fn cpu_prices<'de, D: Deserializer<'de>>(deserializer: D) -> Result<CostModel, D::Error> {
+    let mut prices = NamedPrices::deserialize(deserializer)?;
+    let known = NamedPrices::from(CostModel::CPU);
+    for key in HIERARCHY_KEYS {
+        prices.entry(key.to_owned()).or_insert(known[key]);
+    }
+    CostModel::try_from(prices).map_err(Error::custom)
+}
+
 /// Adds the prices of hierarchies to those of an older file: the software driver's, scaled by the
 /// price of rays, which also walk a hierarchy.
 fn add_hierarchy_prices(prices: &mut NamedPrices) {
@@ -164,6 +175,7 @@ mod tests {
     #[test]
     fn older_files_get_prices_of_hierarchies() {
         let mut list = PriceList::default();
+        list.cpu.nanoseconds = list.cpu.nanoseconds.map(|price| 2.0 * price);
         list.wgpu.nanoseconds = list.wgpu.nanoseconds.map(|price| 2.0 * price);
         let text = list.to_toml().expect("finite");
         let lines = text.lines();
@@ -173,6 +185,11 @@ mod tests {
         let read = PriceList::from_toml(&older.join("\n")).expect("complete");
         for (read, written) in read.wgpu.nanoseconds.iter().zip(list.wgpu.nanoseconds) {
             assert!((read - written).abs() <= 1e-9 * written);
+        }
+        // Those of the CPU are not measured.
+        let [read, known] = [read.cpu, CostModel::CPU].map(NamedPrices::from);
+        for key in HIERARCHY_KEYS {
+            assert_eq!(read[key], known[key], "{key}");
         }
     }
 

@@ -138,7 +138,10 @@ impl<'a> PlanScene<'a> {
     ) -> Result<Recipe, RecipeError> {
         let technique = preset.technique();
         let recipe = technique.recipe(view);
-        if self.renderer != RendererData::LightSet || recipe.is_ok() {
+        let is_built = || {
+            self.renderer == RendererData::LightSet && technique.device_recipe(view, None).is_some()
+        };
+        if recipe.is_ok() || !is_built() {
             return recipe;
         }
         // The set's device builds the hierarchy of the same casters.

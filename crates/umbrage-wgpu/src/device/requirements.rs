@@ -8,7 +8,7 @@ use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, Limits, TextureFormat, TextureUsages};
 
 /// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon
-/// offset, count into 32-bit depth, and use comparison samplers. Useful before
+/// offset, count into 32-bit depth, use comparison samplers, and build its hierarchy. Useful before
 /// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only has access to the
 /// device.
 ///

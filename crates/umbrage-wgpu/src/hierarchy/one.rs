@@ -53,7 +53,10 @@ pub(crate) fn check_hierarchy(recipe: &Recipe, limits: &Limits) -> Result<(), In
     let (Some(made), Some([_, corners])) = (&recipe.hierarchy, table_ids(recipe)) else {
         return Ok(());
     };
-    let rows = recipe.tables[corners].rows().len() as u64;
+    let Some(corners) = recipe.tables.get(corners) else {
+        return Ok(());
+    };
+    let rows = corners.rows().len() as u64;
     let casters = rows / 3;
     let too_large = || {
         let casters = casters as u32;
@@ -64,7 +67,7 @@ pub(crate) fn check_hierarchy(recipe: &Recipe, limits: &Limits) -> Result<(), In
     let Some(why) = why_not_built(casters, limits).or_else(too_large) else {
         return Ok(());
     };
-    let help = "use a technique without a hierarchy, or another device";
+    let help = "use a technique without a hierarchy (`exact` with `ExactStructure::Lists`), or another device";
     let why = format!("can't be executed on this device: {why}");
     Err(Invalid::new("recipe", why, help))
 }
@@ -89,14 +92,14 @@ impl RecipeHierarchy {
         self.hierarchy.layout = layout;
         self.hierarchy.casters = casters;
         let first_corner = first_corner_row(&layout, &factory.device.limits());
-        // Upload the corners, unless they are known.
-        let is_known = |held: &HierarchyTables| {
-            Arc::ptr_eq(&held.corners, corners) && held.first_corner == first_corner
-        };
+        // Upload the corners, unless the buffer contains them.
         let held = self.tables.take();
-        let tables = match held.filter(is_known) {
-            Some(held) => HierarchyTables { ids, ..held },
-            None => HierarchyTables::upload(factory, ids, first_corner, corners),
+        let is_known = held.as_ref().is_some_and(|held| {
+            Arc::ptr_eq(&held.corners, corners) && held.first_corner == first_corner
+        });
+        let tables = match held {
+            Some(held) if is_known => HierarchyTables { ids, ..held },
+            held => HierarchyTables::upload(factory, held, ids, first_corner, corners),
         };
         // Write the inputs of the passes.
         if self.passes.fit_scratch(factory, [layout].into_iter()) {
@@ -150,8 +153,10 @@ impl RecipeHierarchy {
 }
 
 impl HierarchyTables {
+    /// Uploads the corners to the buffer of `held` if it has the same size, or to another one.
     fn upload(
         factory: &mut ResourceFactory<'_>,
+        held: Option<Self>,
         ids: [TableId; DeviceHierarchy::TABLES],
         first_corner: u32,
         corners: &Arc<[[u32; 4]]>,
@@ -159,13 +164,43 @@ impl HierarchyTables {
         let offset = ROW * u64::from(first_corner);
         let bytes: &[u8] = bytemuck::cast_slice(corners);
         let size = offset + bytes.len() as u64;
-        let buffer = factory.buffer("umbrage hierarchy", BufferUsages::STORAGE, size);
+        let kept = held.map(|held| held.buffer);
+        let buffer = kept
+            .filter(|buffer| buffer.size() == size)
+            .unwrap_or_else(|| factory.buffer("umbrage hierarchy", BufferUsages::STORAGE, size));
         factory.queue.write_buffer(&buffer, offset, bytes);
         Self {
             ids,
             buffer,
             first_corner,
             corners: corners.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ROW, first_corner_row};
+    use crate::hierarchy::layout::HierarchyLayout;
+    use wgpu::Limits;
+
+    #[test]
+    fn corners_begin_behind_the_hierarchy_at_a_valid_offset() {
+        for capacity in [1, 7, 1000, 12_345] {
+            let layout = HierarchyLayout::new(capacity);
+            for alignment in [4, 16, 32, 64, 256] {
+                let limits = Limits {
+                    min_storage_buffer_offset_alignment: alignment,
+                    ..Limits::default()
+                };
+                let row = first_corner_row(&layout, &limits);
+                assert!(row >= layout.rows(), "{capacity}, {alignment}");
+                let offset = ROW * u64::from(row);
+                assert!(
+                    offset.is_multiple_of(alignment.into()),
+                    "{capacity}, {alignment}"
+                );
+            }
         }
     }
 }

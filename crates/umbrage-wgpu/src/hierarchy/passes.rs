@@ -127,7 +127,7 @@ pub(crate) fn why_too_large(
     let bytes = tables_bytes.max(Scratch::largest_buffer(layout));
     (bytes > most).then(|| {
         format!(
-            "its hierarchy of {casters} triangles needs {} MiB, and shaders of the device can bind {} MiB; request a device with a greater `max_storage_buffer_binding_size`",
+            "its hierarchy of {casters} triangles and their corners need {} MiB, and shaders of the device can bind {} MiB; request a device with a greater `max_storage_buffer_binding_size`",
             bytes >> 20,
             most >> 20
         )

@@ -3,7 +3,7 @@
 struct HierarchyPlace {
     unused: u32,
     // First rows of the hierarchy (its header, then four rows a node), of its ids (four a row), and
-    // of the casters' corners (three rows a caster: x, y, z, unused).
+    // of the casters' corners (three rows a caster: x, y, z; the second one ends with its record).
     nodes: u32,
     ids: u32,
     corners: u32,
