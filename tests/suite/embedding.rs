@@ -32,6 +32,20 @@ const LAYOUT: VertexLayout = VertexLayout {
     position_offset: 8,
 };
 
+/// `exact` with the structure that the device builds.
+const HIERARCHY: Exact = Exact {
+    structure: ExactStructure::Hierarchy,
+};
+
+fn renderer(d: &TestDevice) -> ShadowRenderer {
+    ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits")
+}
+
+fn encoder(d: &TestDevice) -> wgpu::CommandEncoder {
+    d.device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+}
+
 impl EmbeddedProgram {
     fn new(d: &TestDevice, geometry: &Geometry, receivers: &Receivers) -> Self {
         let vertices: Vec<[f32; 8]> = geometry
@@ -67,9 +81,7 @@ impl EmbeddedProgram {
         recipe: &Recipe,
         size: glam::UVec2,
     ) -> Vec<f32> {
-        let mut encoder = d
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = encoder(d);
         let mask = self.encode(&mut encoder, shadows, recipe, size);
         foreign::read(d, encoder, &mask)
     }
@@ -120,8 +132,7 @@ fn a_foreign_program_gets_the_same_shadows() {
     let cpu = Cpu::new().render(&view, &recipe).expect("renders");
     let d = device();
     let program = EmbeddedProgram::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
-    let mut shadows =
-        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
+    let mut shadows = renderer(d);
     let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
     assert!(mask.iter().any(|&v| v < 1.0));
     let differing = mask
@@ -149,8 +160,7 @@ fn later_frames_make_nothing() {
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
     let program = EmbeddedProgram::new(d, &geometry, &receivers);
-    let mut shadows =
-        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
+    let mut shadows = renderer(d);
     program.frame(d, &mut shadows, &recipe, receivers.size);
     let first = shadows.counters();
     for _ in 0..3 {
@@ -168,26 +178,18 @@ fn later_frames_make_nothing() {
 /// Lights with hierarchies of different casters and sizes, all encoded before they are submitted.
 #[test]
 fn hierarchies_of_several_lights_have_the_bits_of_lists() {
-    let technique = Exact {
-        structure: ExactStructure::Hierarchy,
-    };
     let d = device();
-    let mut shadows =
-        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
-    let new_encoder = || {
-        d.device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
-    };
+    let mut shadows = renderer(d);
     let mut pending = Vec::new();
     for name in ["cubes", "lamp-in-room", "no-casters", "c10-chequered-card"] {
         let scene = umbrage::scenes::by_argument(name).expect("a built-in scene");
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        let recipe = technique.recipe(&view).expect("serves the light");
+        let recipe = HIERARCHY.recipe(&view).expect("serves the light");
         let cpu = Cpu::new().render(&view, &recipe).expect("renders");
         let receivers = cpu.receivers.as_ref().expect("made here");
         let program = EmbeddedProgram::new(d, &geometry, receivers);
-        let mut encoder = new_encoder();
+        let mut encoder = encoder(d);
         let mask = program.encode(&mut encoder, &mut shadows, &recipe, cpu.size);
         pending.push((name, program, recipe, cpu, encoder, mask));
     }
@@ -211,10 +213,7 @@ fn hierarchies_without_valid_tables_are_refused() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let technique = Exact {
-        structure: ExactStructure::Hierarchy,
-    };
-    let mut recipe = technique.recipe(&view).expect("serves the sun");
+    let mut recipe = HIERARCHY.recipe(&view).expect("serves the sun");
     recipe.make_tables();
     let refusal = |spoilt: &Recipe| {
         let result = Cpu::new().render(&view, spoilt);
@@ -243,12 +242,8 @@ fn hierarchies_without_valid_tables_are_refused() {
 /// Casters that move need no other buffers.
 #[test]
 fn hierarchies_follow_casters_without_other_buffers() {
-    let technique = Exact {
-        structure: ExactStructure::Hierarchy,
-    };
     let d = device();
-    let mut shadows =
-        ShadowRenderer::new(&d.device, &d.queue, RendererOptions::default()).expect("fits");
+    let mut shadows = renderer(d);
     let mut first = None;
     let mut masks = Vec::new();
     for shift in [0.0, 0.25, 0.5] {
@@ -258,7 +253,7 @@ fn hierarchies_follow_casters_without_other_buffers() {
         }
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        let recipe = technique.recipe(&view).expect("serves the sun");
+        let recipe = HIERARCHY.recipe(&view).expect("serves the sun");
         let cpu = Cpu::new().render(&view, &recipe).expect("renders");
         let receivers = cpu.receivers.as_ref().expect("made here");
         let program = EmbeddedProgram::new(d, &geometry, receivers);
@@ -275,7 +270,7 @@ fn hierarchies_follow_casters_without_other_buffers() {
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let program = EmbeddedProgram::new(d, &geometry, &receivers);
-    let hierarchy = technique.recipe(&view).expect("serves the sun");
+    let hierarchy = HIERARCHY.recipe(&view).expect("serves the sun");
     let lists = Exact::default().recipe(&view).expect("serves the sun");
     let [a, b] =
         [&lists, &hierarchy].map(|recipe| program.frame(d, &mut shadows, recipe, receivers.size));
