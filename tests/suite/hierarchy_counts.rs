@@ -1,5 +1,5 @@
-//! Counted work of lookups in a hierarchy that the device builds. Counts don't depend on the driver,
-//! unlike times, so that they also bound the work of graphics cards.
+//! Counted work of a hierarchy that the device builds: of its lookups, and of building it. Counts
+//! don't depend on the driver, unlike times, so that they also bound the work of graphics cards.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -15,6 +15,21 @@ const NODE_BYTES: f64 = 64.0;
 const TEST_BYTES: f64 = 52.0;
 const RECEIVER_BYTES: f64 = 36.0;
 
+/// Bytes of building that each caster costs: its corners are written once from its vertices (36) and
+/// indices (12), and read by two passes.
+const CASTER_BYTES: f64 = 36.0 + 12.0 + 48.0 + 2.0 * 48.0;
+/// Bytes of a reference: it is written (8) with its key (4). Each of the four passes of the sort reads
+/// the key twice and writes a number; three of them read a number, and three write the key. The
+/// leaves read the number, the reference and the corners, and write the id.
+const REFERENCE_BYTES: f64 = 12.0 + (8.0 + 3.0 + 4.0 + 3.0) * 4.0 + (4.0 + 8.0 + 48.0 + 4.0);
+/// Bytes of a node that is built: the node and its box are written, and its parent reads the box.
+const BUILT_NODE_BYTES: f64 = 64.0 + 2.0 * 32.0;
+/// Bytes of the sort's digit counts: each of its four passes accesses 256 counts of four bytes five
+/// times for each 2,048 references of the capacity, which is two references a caster.
+const DIGIT_BYTES: f64 = 2.0 * 4.0 * 5.0 * 4.0 * 256.0 / 2048.0;
+/// References of a node, and of its children.
+const NODES_A_REFERENCE: f64 = 1.0 / 7.0;
+
 /// Sides of a block of receivers that a card executes together, pixels.
 const BLOCK: [usize; 2] = [8, 4];
 
@@ -27,18 +42,18 @@ const FRAMES: [&str; 6] = [
     "valley",
     "leaf-cards",
 ];
-const HEAD: &str = "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver |
-|---|--:|--:|--:|--:|--:|--:|--:|";
+const HEAD: &str = "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver | references | bytes a caster |
+|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|";
 
-/// A counter in the lookup's WGSL.
+/// What the lookup's WGSL counts.
 #[derive(Clone, Copy, Debug)]
 enum Count {
     Nodes,
     Tests,
 }
 
-/// A kernel whose WGSL returns a count instead of visibility; -1 for receivers that face away from
-/// the light.
+/// A kernel whose WGSL returns a count instead of visibility. For receivers that face away from the
+/// light it returns minus the number of references of the hierarchy.
 #[derive(Clone, Debug)]
 struct CountingKernel {
     kernel: Arc<dyn ReceiveKernel>,
@@ -64,7 +79,7 @@ impl CountingKernel {
             let result = "return select(0.0, 1.0, is_lit);";
             if text.contains(result) {
                 let faces = "dot3(r.normal, d) > 0.0";
-                let counted = format!("return select(-1.0, counted, {faces});");
+                let counted = format!("return select(-f32(table_0[0].z), counted, {faces});");
                 text = text.replace(result, &counted);
                 edits += 1;
             }
@@ -95,10 +110,10 @@ impl ReceiveKernel for CountingKernel {
     }
 }
 
-/// Counts of all receivers of a frame that face the light.
+/// Counts of a frame.
 #[derive(Clone, Copy, Debug)]
-struct LookupCounts {
-    /// Means of a receiver.
+struct Counts {
+    /// Means of a receiver that faces the light.
     nodes: f64,
     tests: f64,
     /// Most nodes and tests of one receiver.
@@ -108,9 +123,11 @@ struct LookupCounts {
     worst_block: f64,
     /// Mean over the blocks of the longest walk.
     lockstep: f64,
+    /// References of a caster, mean.
+    references: f64,
 }
 
-impl LookupCounts {
+impl Counts {
     /// Returns the counts of a built-in scene at this size.
     fn of_scene(name: &str, size: UVec2) -> Self {
         let scene = umbrage_scenes::by_argument(name).expect("built in");
@@ -133,6 +150,8 @@ impl LookupCounts {
         };
         let nodes = of_count(Count::Nodes);
         let tests = of_count(Count::Tests);
+        let references = -f64::from(tests.iter().copied().fold(0.0, f32::min));
+        let casters = geometry.casters().len() as f64;
         let of_blocks = |counts: &[f32]| blocks(counts, size.x as usize).into_iter();
         Self {
             nodes: mean(&nodes),
@@ -141,23 +160,33 @@ impl LookupCounts {
             most_tests: tests.iter().copied().fold(0.0, f32::max),
             worst_block: of_blocks(&tests).map(|b| mean(&b)).fold(0.0, f64::max),
             lockstep: mean_of(of_blocks(&nodes).map(|b| greatest(&b)).filter(|&n| n > 0.0)),
+            references: references / casters,
         }
     }
 
+    /// Returns the bytes that a lookup reads and writes.
     fn bytes(&self) -> f64 {
         NODE_BYTES * self.nodes + TEST_BYTES * self.tests + RECEIVER_BYTES
     }
 
+    /// Returns the bytes that all passes of building read and write, a caster.
+    fn building_bytes(&self) -> f64 {
+        let node_bytes = NODES_A_REFERENCE * BUILT_NODE_BYTES;
+        CASTER_BYTES + DIGIT_BYTES + self.references * (REFERENCE_BYTES + node_bytes)
+    }
+
     fn row(&self, name: &str) -> String {
         format!(
-            "| `{name}` | {:.2} | {:.1} | {:.0} | {:.1} | {:.0} | {:.1} | {:.0} |",
+            "| `{name}` | {:.2} | {:.1} | {:.0} | {:.1} | {:.0} | {:.1} | {:.0} | {:.2} | {:.0} |",
             self.tests,
             self.worst_block,
             self.most_tests,
             self.nodes,
             self.longest,
             self.lockstep,
-            self.bytes()
+            self.bytes(),
+            self.references,
+            self.building_bytes()
         )
     }
 }
@@ -194,24 +223,27 @@ fn blocks(counts: &[f32], width: usize) -> Vec<Vec<f32>> {
 }
 
 /// The bounds within which a walk is expected to be cheap on a graphics card (docs/exact.md).
-fn check(name: &str, counts: &LookupCounts) {
+fn check(name: &str, counts: &Counts) {
     assert!(counts.tests > 0.1, "{name}: nothing is counted: {counts:?}");
     assert!(counts.tests <= 6.0, "{name}: tests: {counts:?}");
     assert!(counts.worst_block <= 48.0, "{name}: a block: {counts:?}");
     assert!(counts.longest <= 512.0, "{name}: a walk: {counts:?}");
     assert!(counts.bytes() <= 2000.0, "{name}: bytes: {counts:?}");
+    assert!(counts.references >= 1.0, "{name}: references: {counts:?}");
+    let building = counts.building_bytes();
+    assert!(building <= 512.0, "{name}: {building} bytes: {counts:?}");
 }
 
 /// With `UMBRAGE_COUNTS=all`, prints the table of docs/exact.md, which takes a minute.
 #[test]
 fn lookups_stay_within_their_bounds() {
     if std::env::var_os("UMBRAGE_COUNTS").is_none() {
-        let counts = LookupCounts::of_scene("night-room", UVec2::new(320, 180));
+        let counts = Counts::of_scene("night-room", UVec2::new(320, 180));
         return check("night-room", &counts);
     }
     println!("{HEAD}");
     for name in FRAMES {
-        let counts = LookupCounts::of_scene(name, UVec2::new(1280, 720));
+        let counts = Counts::of_scene(name, UVec2::new(1280, 720));
         println!("{}", counts.row(name));
         check(name, &counts);
     }

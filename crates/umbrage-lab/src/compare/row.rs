@@ -103,8 +103,7 @@ impl SceneRun<'_> {
         }
         // The CPU has no hierarchies.
         let is_of_device = made.as_ref().is_ok_and(|m| m.recipe.hierarchy.is_some());
-        let is_cpu = |kind: &str| kind == "cpu";
-        if is_of_device && backends.backends.iter().all(|b| is_cpu(b.kind())) {
+        if is_of_device && backends.backends.iter().all(|b| b.kind() == "cpu") {
             return Ok(());
         }
         let first_row = self.rows.len();
@@ -117,15 +116,10 @@ impl SceneRun<'_> {
                 backend,
                 index: self.rows.len(),
             });
-            let mut executed = match &made {
+            let (outcome, images) = match &made {
                 Ok(made) => self.execute(setting, made, i, &mut of_cpu, backends)?,
                 Err(reason) => unsupported_row(reason),
             };
-            // The other backends' masks are compared with the CPU's, which it computes by lists.
-            if is_of_device && is_cpu(backend) {
-                executed = unsupported_row(ONLY_ON_DEVICES);
-            }
-            let (outcome, images) = executed;
             let row = CompareRow {
                 technique: setting.name.clone(),
                 settings: setting.settings.clone(),
@@ -221,7 +215,9 @@ impl SceneRun<'_> {
         let work = Work::of_recipe(&view_of_truth, recipe, &self.options.catalogue);
         let prices = self.options.prices.model_for_backend(kind);
         let executed_cost_ms = prices.milliseconds(&work.without_lists());
-        let runs = self.options.runs.as_ref();
+        // Without a hierarchy, the CPU only renders the mask with which the others are compared.
+        let is_replaced = kind == "cpu" && recipe.hierarchy.is_some();
+        let runs = self.options.runs.as_ref().filter(|_| !is_replaced);
         // Reuse the receivers of the backend's first row: they are the same for the whole scene.
         let seen = self.seen[backend_index].as_ref();
         let seen = seen.map(|seen| &seen.receivers);
@@ -275,6 +271,9 @@ impl SceneRun<'_> {
         };
         if kind == "cpu" {
             *of_cpu = Some(OfCpu { shadows, accuracy });
+        }
+        if is_replaced {
+            return Ok(unsupported_row(ONLY_ON_DEVICES));
         }
         Ok((RowOutcome::Measured(Box::new(measured)), images))
     }

@@ -389,7 +389,7 @@ impl Hierarchy {
         let written = [
             tables,
             &sort.keys[0],
-            &sort.values[0],
+            &sort.numbers[0],
             &sort.head,
             &scratch.references,
             &scratch.boxes,

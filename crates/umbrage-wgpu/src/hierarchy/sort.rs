@@ -1,4 +1,4 @@
-//! Radix sort of 32-bit keys with 32-bit values on the device, least significant digits first
+//! Radix sort of the numbers of items by 32-bit keys on the device, least significant digits first
 //! (`sort.wgsl`).
 
 use crate::{
@@ -63,14 +63,14 @@ impl SortRange {
     }
 }
 
-/// Buffers of the items. Keys and values have two copies; the input and the result are in the first
-/// ones.
+/// Buffers of the items. Keys and numbers have two copies. The input are the first keys; the result
+/// are the first numbers.
 #[derive(Debug)]
 pub(crate) struct SortBuffers {
     /// The first word counts items.
     pub(crate) head: Buffer,
     pub(crate) keys: [Buffer; 2],
-    pub(crate) values: [Buffer; 2],
+    pub(crate) numbers: [Buffer; 2],
     counts: Buffer,
     sums: Buffer,
 }
@@ -86,7 +86,7 @@ impl SortBuffers {
         Self {
             head: buffer("umbrage sort head", head),
             keys: [0; 2].map(|_| buffer("umbrage keys", items)),
-            values: [0; 2].map(|_| buffer("umbrage values", items)),
+            numbers: [0; 2].map(|_| buffer("umbrage numbers", items)),
             counts: buffer("umbrage digits", u64::from(DIGITS * range.blocks())),
             sums: buffer("umbrage sums", u64::from(range.sum_blocks())),
         }
@@ -94,7 +94,7 @@ impl SortBuffers {
 
     /// Returns all buffers.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Buffer> {
-        let items = self.keys.iter().chain(&self.values);
+        let items = self.keys.iter().chain(&self.numbers);
         items.chain([&self.head, &self.counts, &self.sums])
     }
 }
@@ -158,9 +158,9 @@ impl SortStage {
             let all = [
                 head,
                 &buffers.keys[from],
-                &buffers.values[from],
+                &buffers.numbers[from],
                 &buffers.keys[to],
-                &buffers.values[to],
+                &buffers.numbers[to],
                 counts,
                 &buffers.sums,
             ];
@@ -217,9 +217,12 @@ mod tests {
         }
     }
 
-    /// Sorts keys with their numbers as values, in buffers with a capacity of `most`. The head counts
-    /// `more` of them. Returns both, with the items beyond the range.
-    fn sort(gpu: &Gpu, keys: &[u32], more: u32, most: u32) -> [Vec<u32>; 2] {
+    /// Number of items beyond the capacity.
+    const NO_ITEM: u32 = u32::MAX;
+
+    /// Returns the numbers of keys in sorted order, at most `most`, then [`NO_ITEM`] for those beyond.
+    /// The head counts `more` of them.
+    fn sort(gpu: &Gpu, keys: &[u32], more: u32, most: u32) -> Vec<u32> {
         let (device, queue) = gpu.device();
         let mut counters = Counters::default();
         let mut factory = ResourceFactory::new(device, queue, &mut counters);
@@ -233,9 +236,8 @@ mod tests {
                 .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
             buffer
         };
-        let numbers: Vec<u32> = (0..keys.len() as u32).collect();
         buffers.keys[0] = readable(keys);
-        buffers.values[0] = readable(&numbers);
+        buffers.numbers[0] = readable(&vec![NO_ITEM; keys.len()]);
         buffers.head = readable(&[more]);
         // Sort.
         let range = SortRange {
@@ -249,22 +251,20 @@ mod tests {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         stage.encode(&mut pass, 0, range);
         drop(pass);
-        // Read the items back.
+        // Read the numbers back.
         let mut spare = Spare::default();
         let mut back = ReadBack::new(device, &mut counters, &mut spare);
-        let tickets = [&buffers.keys[0], &buffers.values[0]].map(|b| back.buffer(&mut encoder, b));
+        let ticket = back.buffer(&mut encoder, &buffers.numbers[0]);
         queue.submit([encoder.finish()]);
         back.wait().expect("reads");
-        tickets.map(|ticket| back.read(ticket).expect("reads"))
+        back.read(ticket).expect("reads")
     }
 
-    /// Returns whether keys and values are sorted, and items of equal keys in their order.
-    fn is_sorted(keys: &[u32], found: &[Vec<u32>; 2]) -> bool {
-        let [sorted, numbers] = found;
-        let mut expected: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
-        expected.sort_by_key(|item| item.0);
-        let found = sorted.iter().copied().zip(numbers.iter().copied());
-        found.eq(expected)
+    /// Returns whether numbers are those of sorted keys, with equal keys in their order.
+    fn is_sorted(keys: &[u32], found: &[u32]) -> bool {
+        let mut expected: Vec<u32> = (0..keys.len() as u32).collect();
+        expected.sort_by_key(|&number| keys[number as usize]);
+        found == expected
     }
 
     #[test]
@@ -279,15 +279,16 @@ mod tests {
                 assert!(is_sorted(&keys, &found), "{count} items of {bits} bits");
             }
         }
-        // Items beyond the capacity stay where they are.
+        // Items beyond the capacity are left out.
         let keys: Vec<u32> = (0..5000).rev().collect();
-        let [sorted, _] = sort(&gpu, &keys, 1000, 3000);
-        assert!(sorted[..3000].is_sorted() && sorted[3000..] == keys[3000..]);
+        let found = sort(&gpu, &keys, 1000, 3000);
+        assert!(is_sorted(&keys[..3000], &found[..3000]));
+        assert!(found[3000..].iter().all(|&number| number == NO_ITEM));
         // The comparison notices two exchanged items of equal keys.
         let keys = [7; 100];
         let mut found = sort(&gpu, &keys, 0, 100);
         assert!(is_sorted(&keys, &found));
-        found[1].swap(3, 4);
+        found.swap(3, 4);
         assert!(!is_sorted(&keys, &found));
     }
 }

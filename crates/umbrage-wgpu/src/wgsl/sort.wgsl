@@ -1,5 +1,5 @@
-// A pass of a radix sort over a digit of 8 bits. It is stable: items of equal digits keep their
-// order. Counts are stored digit by digit, so that their prefix sums are the digits' places.
+// A pass of a radix sort over a digit of 8 bits, which sorts the numbers of items by their keys. It
+// is stable: items of equal digits keep their order. Counts are stored digit by digit, so that their prefix sums are the digits' places.
 //
 // Prefix sums: blocks of 1,024 counts are summed, one workgroup sums the blocks, and each count
 // becomes the sum of those before it.
@@ -17,15 +17,17 @@ struct SortPass {
 @group(0) @binding(0) var<uniform> digit_pass: SortPass;
 @group(0) @binding(1) var<storage, read> head: array<u32>;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
-@group(0) @binding(3) var<storage, read> values: array<u32>;
+@group(0) @binding(3) var<storage, read> numbers: array<u32>;
 @group(0) @binding(4) var<storage, read_write> sorted_keys: array<u32>;
-@group(0) @binding(5) var<storage, read_write> sorted_values: array<u32>;
+@group(0) @binding(5) var<storage, read_write> sorted_numbers: array<u32>;
 @group(0) @binding(6) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(7) var<storage, read_write> block_sums: array<u32>;
 
 const BLOCK = 2048u;
 const DIGITS = 256u;
 const SUM_BLOCK = 1024u;
+// Shift of the last pass.
+const LAST_SHIFT = 24u;
 // Words of a mask of 256 lanes.
 const MASK = 8u;
 
@@ -84,8 +86,15 @@ fn move_items(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
             }
             let own = atomicLoad(&lanes_of[MASK * digit + lane / 32u]);
             rank += countOneBits(own & ((1u << (lane % 32u)) - 1u));
-            sorted_keys[rank] = key;
-            sorted_values[rank] = values[item];
+            // The first pass has the items in their order, and nothing reads the keys of the last.
+            var number = item;
+            if digit_pass.shift > 0u {
+                number = numbers[item];
+            }
+            sorted_numbers[rank] = number;
+            if digit_pass.shift < LAST_SHIFT {
+                sorted_keys[rank] = key;
+            }
         }
         workgroupBarrier();
         var total = 0u;

@@ -120,7 +120,7 @@ fn build_leaves(
     build(block, lane);
     // Write the header.
     if at == 0u {
-        put_row(made.nodes, vec4u(made.levels, made.ids - made.nodes, 0u, 0u));
+        put_row(made.nodes, vec4u(made.levels, made.ids - made.nodes, count_at(0u), 0u));
         for (var i = 0u; i < 3u; i++) {
             put_row(made.nodes + 1u + i, made.firsts[i]);
         }

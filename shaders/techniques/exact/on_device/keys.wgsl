@@ -38,13 +38,11 @@ fn key_of(face: u32, rect: Rect) -> u32 {
 fn put_reference(at: u32, face: u32, id: u32, shape: Shape, number: u32, count: u32) {
     let rect = rect_of(face, shape, number, count);
     references[at] = vec2u(id | (face << 29u), number | (count << 16u));
-    values[at] = at;
     keys[at] = key_of(face % EVERYWHERE, rect);
 }
 
 fn put_nothing(at: u32) {
     references[at] = vec2u(NO_REFERENCE);
-    values[at] = at;
     keys[at] = NO_REFERENCE;
 }
 

@@ -15,7 +15,7 @@ fn keys_of(i: u32) -> vec4f {
 }
 
 fn load_reference(at: u32, lane: u32) {
-    let reference = references[values[at]];
+    let reference = references[numbers[at]];
     let id = reference.x & 0x1fffffffu;
     tables[4u * made.ids + at] = id;
     if reference.y == NO_REFERENCE {

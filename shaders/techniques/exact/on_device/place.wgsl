@@ -21,7 +21,8 @@ struct HierarchyPlace {
 @group(0) @binding(1) var<uniform> made: HierarchyPlace;
 @group(0) @binding(2) var<storage, read_write> tables: array<u32>;
 @group(0) @binding(3) var<storage, read_write> keys: array<u32>;
-@group(0) @binding(4) var<storage, read_write> values: array<u32>;
+// Numbers of the references, sorted by their keys.
+@group(0) @binding(4) var<storage, read_write> numbers: array<u32>;
 @group(0) @binding(5) var<storage, read_write> head: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> references: array<vec2u>;
 // Low and high corner of each node's box.
@@ -33,8 +34,8 @@ const MORE = 0u;
 const MORE_WHOLE = 1u;
 const MORE_PIECES = 2u;
 
-// Rows of the header: the number of levels and the first row of the ids after that of the header;
-// then `firsts`.
+// Rows of the header: the number of levels, the first row of the ids after that of the header, and
+// the number of references; then `firsts`.
 const HEADER = 4u;
 // Second word of a reference without a caster, and its key.
 const NO_REFERENCE = 0xffffffffu;
