@@ -72,7 +72,7 @@ impl World {
         }
     }
 
-    fn frame(&self) -> SetFrame<'_> {
+    pub(super) fn frame(&self) -> SetFrame<'_> {
         SetFrame {
             camera: &self.scene.cameras[0],
             geometry: Some(FrameGeometry {

@@ -13,7 +13,7 @@ use umbrage_core::{
     light_sample::{LightSampler, ray_origin, segment},
     math::dot3,
 };
-use umbrage_techniques::{Exact, ExactUniforms, LightView};
+use umbrage_techniques::{Exact, ExactStructure, ExactUniforms, LightView};
 use umbrage_tests::{
     driver_model::{is_chosen, nth_case},
     foreign,
@@ -388,6 +388,42 @@ fn casters_that_move_leave_nothing_behind() {
     );
     add(&mut set, moved);
     assert_eq!(count_differing(&second, &seen(&mut set)), 0);
+}
+
+/// With triangles on the CPU, the setting chooses between lists and a hierarchy. Both have the same
+/// bits, also after a switch.
+#[test]
+fn the_structure_may_change_while_triangles_are_there() {
+    let world = World::new("figure");
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let id = set.add_light(exact(light)).expect("valid");
+    let mut forward = Forward::default();
+    let mut seen_with = |set: &mut LightSet, structure: ExactStructure| {
+        let technique = Arc::new(Exact { structure });
+        set.set_technique(id, technique).expect("is there");
+        world.program.update(set, &world.frame());
+        (
+            set.report().hierarchies,
+            mask(&world, set, id, &mut forward),
+        )
+    };
+    let (built, lists) = seen_with(&mut set, ExactStructure::Lists);
+    assert_eq!(built, 0);
+    assert!(lists.iter().filter(|&&v| v < 1.0).count() > 100);
+    for (structure, expected) in [
+        (ExactStructure::Hierarchy, 1),
+        (ExactStructure::Lists, 0),
+        (ExactStructure::Hierarchy, 1),
+    ] {
+        let (built, found) = seen_with(&mut set, structure);
+        assert_eq!(built, expected, "{structure:?}");
+        let wrong = count_differing(&found, &lists);
+        assert!(
+            wrong <= allowed_pixels(found.len()),
+            "{structure:?}: {wrong}"
+        );
+    }
 }
 
 /// Constants and structs that passes, lookup and backend share.

@@ -52,17 +52,17 @@ impl HierarchyLayout {
     pub(crate) fn rows(&self) -> u32 {
         self.first_id_row() + self.capacity.div_ceil(IDS_A_ROW)
     }
+}
 
-    /// Returns the number of items that are grouped into the nodes of the next level: references at
-    /// level 0, otherwise nodes.
-    pub(crate) fn count_at(&self, level: u32) -> u32 {
-        (0..level).fold(self.capacity, |count, _| count.div_ceil(WIDE).max(1))
-    }
+/// Returns the number of items that are grouped into the nodes of the next level: references at
+/// level 0, otherwise nodes.
+pub(crate) fn count_at(level: u32, references: u32) -> u32 {
+    (0..level).fold(references, |count, _| count.div_ceil(WIDE).max(1))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::HierarchyLayout;
+    use super::{HierarchyLayout, count_at};
 
     /// Levels follow one another without gaps, and the last one is one node.
     #[test]
@@ -72,10 +72,10 @@ mod tests {
             let mut next = 0;
             for level in 1..=layout.levels {
                 assert_eq!(layout.firsts[level as usize], next, "{capacity}, {level}");
-                next += layout.count_at(level);
+                next += count_at(level, capacity);
             }
             assert_eq!(layout.nodes, next, "{capacity}");
-            assert_eq!(layout.count_at(layout.levels), 1, "{capacity}");
+            assert_eq!(count_at(layout.levels, capacity), 1, "{capacity}");
         }
     }
 }

@@ -87,10 +87,9 @@ impl RecipeHierarchy {
         // Choose the sizes.
         let corners = recipe.tables[ids[1]].rows();
         let casters = (corners.len() / 3) as u32;
-        let held_capacity = self.hierarchy.layout.capacity;
+        let held_capacity = self.hierarchy.layout().capacity;
         let layout = HierarchyLayout::new(capacity_for(casters, made.faces, held_capacity));
-        self.hierarchy.layout = layout;
-        self.hierarchy.casters = casters;
+        self.hierarchy.resize(layout, casters, made.faces);
         let first_corner = first_corner_row(&layout, &factory.device.limits());
         // Upload the corners, unless the buffer contains them.
         let held = self.tables.take();

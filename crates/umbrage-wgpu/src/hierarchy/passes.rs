@@ -2,7 +2,7 @@
 
 use crate::{
     hierarchy::{
-        layout::HierarchyLayout,
+        layout::{HierarchyLayout, count_at},
         sort::{MOST_ITEMS, SortBuffers, SortRange, SortStage},
     },
     resources::{
@@ -56,8 +56,11 @@ pub(crate) struct HierarchyPasses {
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
     /// Number of casters.
-    pub(crate) casters: u32,
-    pub(crate) layout: HierarchyLayout,
+    casters: u32,
+    /// Greatest number of their references, at most the layout's capacity: passes have no
+    /// invocations for capacity that is only kept.
+    references: u32,
+    layout: HierarchyLayout,
     /// The uniforms for which it is built.
     pub(crate) uniforms: Vec<u8>,
     pipelines: Option<HierarchyPipelines>,
@@ -149,17 +152,22 @@ pub(crate) fn corner_rows(casters: u32) -> u32 {
 /// Returns the capacity for the references of this number of casters: `held` if it is kept (see
 /// [`is_kept`]), otherwise the needed one, rounded up.
 pub(crate) fn capacity_for(casters: u32, faces: u32, held: u32) -> u32 {
-    let casters = u64::from(casters);
-    // A caster may be visible on several faces. Few are, if there are many casters.
-    let most_faces = u64::from(faces).saturating_sub(REFERENCES);
-    let more = (most_faces * casters).min(MORE_REFERENCES);
-    let needed = REFERENCES * casters + more;
+    let needed = needed_capacity(casters, faces);
     if is_kept(held.into(), needed) {
         return held;
     }
     // Round up, so that small changes of the number of casters have no effect.
     let step = (needed / 16).max(1).next_power_of_two();
     needed.next_multiple_of(step) as u32
+}
+
+/// Returns the capacity that the references of this number of casters need.
+fn needed_capacity(casters: u32, faces: u32) -> u64 {
+    let casters = u64::from(casters);
+    // A caster may be visible on several faces. Few are, if there are many casters.
+    let most_faces = u64::from(faces).saturating_sub(REFERENCES);
+    let more = (most_faces * casters).min(MORE_REFERENCES);
+    REFERENCES * casters + more
 }
 
 /// Returns the numbers of workgroups of 64, across and down, for this number of invocations.
@@ -273,14 +281,10 @@ impl HierarchyPasses {
         dispatch(&mut pass, make_keys, 0, hierarchy.casters);
         self.sort
             .encode(&mut pass, hierarchy.number, hierarchy.sort_range());
-        dispatch(&mut pass, build_leaves, 0, hierarchy.layout.count_at(0));
+        dispatch(&mut pass, build_leaves, 0, hierarchy.references);
         for level in 1..hierarchy.layout.levels {
-            dispatch(
-                &mut pass,
-                build_nodes,
-                level,
-                hierarchy.layout.count_at(level),
-            );
+            let count = count_at(level, hierarchy.references);
+            dispatch(&mut pass, build_nodes, level, count);
         }
     }
 }
@@ -337,6 +341,21 @@ impl Scratch {
 }
 
 impl Hierarchy {
+    pub(crate) fn layout(&self) -> HierarchyLayout {
+        self.layout
+    }
+
+    /// Sets the layout, and the number of casters with their number of faces. Returns whether the
+    /// hierarchy has to be built again.
+    pub(crate) fn resize(&mut self, layout: HierarchyLayout, casters: u32, faces: u32) -> bool {
+        let before = (self.layout, self.casters, self.references);
+        let needed = needed_capacity(casters, faces);
+        self.layout = layout;
+        self.casters = casters;
+        self.references = needed.min(layout.capacity.into()) as u32;
+        before != (self.layout, self.casters, self.references)
+    }
+
     /// Drops the bind group, and with it the buffers that only it keeps.
     pub(crate) fn drop_binding(&mut self) {
         self.binding = Binding::default();
@@ -345,7 +364,7 @@ impl Hierarchy {
     fn sort_range(&self) -> SortRange {
         SortRange {
             first: self.casters,
-            most: self.layout.capacity,
+            most: self.references,
         }
     }
 
@@ -356,7 +375,7 @@ impl Hierarchy {
         let ids = nodes + layout.first_id_row();
         // The first word stays 0: see `STEADY_FIRST_WORD`.
         words[1..5].copy_from_slice(&[nodes, ids, corners, self.casters]);
-        words[5..8].copy_from_slice(&[layout.capacity, layout.levels, level]);
+        words[5..8].copy_from_slice(&[self.references, layout.levels, level]);
         words[8..].copy_from_slice(&layout.firsts);
         words
     }

@@ -125,18 +125,14 @@ impl CasterHierarchies {
             let Some(held) = self.lights.get_mut(id) else {
                 continue;
             };
-            let hierarchy = &mut held.hierarchy;
-            if hierarchy.layout != layout {
-                hierarchy.layout = layout;
-                held.is_stale = true;
+            if held.hierarchy.layout() != layout {
                 changed |= tables.free(Region::Light(id));
             }
-            held.is_stale |= hierarchy.casters != triangles;
-            hierarchy.casters = triangles;
+            held.is_stale |= held.hierarchy.resize(layout, triangles, made.faces);
         }
         // Reserve the regions, and refuse lights that exceed the device's limits.
         for (id, light) in lights.iter_mut() {
-            let Some(layout) = self.lights.get(id).map(|held| held.hierarchy.layout) else {
+            let Some(layout) = self.lights.get(id).map(|held| held.hierarchy.layout()) else {
                 continue;
             };
             let tables_bytes = 16 * u64::from(layout.rows()) + tables.bytes_without(id);
@@ -164,7 +160,7 @@ impl CasterHierarchies {
     /// Returns the present capacity of a light's hierarchy, 0 if there is none.
     fn capacity_of(&self, id: LightKey) -> u32 {
         let held = self.lights.get(id);
-        held.map_or(0, |held| held.hierarchy.layout.capacity)
+        held.map_or(0, |held| held.hierarchy.layout().capacity)
     }
 
     /// Returns the number of rows that all regions need, with what is kept of those in `held`.
@@ -224,7 +220,7 @@ impl CasterHierarchies {
                 .prepare(factory, pipelines, casters, cut_outs, buffer, corners);
         }
         // Create the scratch buffers for the largest hierarchy.
-        let layouts = self.lights.values().map(|held| held.hierarchy.layout);
+        let layouts = self.lights.values().map(|held| held.hierarchy.layout());
         if self.passes.fit_scratch(factory, layouts) {
             self.drop_bindings();
         }
