@@ -391,11 +391,12 @@ fn casters_that_move_leave_nothing_behind() {
 }
 
 /// With triangles on the CPU, the setting chooses between lists and a hierarchy. Both have the same
-/// bits, also after a switch.
+/// bits, and casters that go while lists are shown are not in the next hierarchy.
 #[test]
 fn the_structure_may_change_while_triangles_are_there() {
     let world = World::new("figure");
-    let mut set = world.set();
+    let mut set = world.empty_set();
+    let casters = world.add_casters(&mut set);
     let light = world.scene.lights[0];
     let id = set.add_light(exact(light)).expect("valid");
     let mut forward = Forward::default();
@@ -403,27 +404,28 @@ fn the_structure_may_change_while_triangles_are_there() {
         let technique = Arc::new(Exact { structure });
         set.set_technique(id, technique).expect("is there");
         world.program.update(set, &world.frame());
-        (
-            set.report().hierarchies,
-            mask(&world, set, id, &mut forward),
-        )
+        let found = mask(&world, set, id, &mut forward);
+        (set.report().hierarchies, found)
     };
-    let (built, lists) = seen_with(&mut set, ExactStructure::Lists);
-    assert_eq!(built, 0);
-    assert!(lists.iter().filter(|&&v| v < 1.0).count() > 100);
-    for (structure, expected) in [
-        (ExactStructure::Hierarchy, 1),
+    let expected = world.trace_mask(&set, &light);
+    let allowed = allowed_pixels(expected.len());
+    for (structure, expected_count) in [
         (ExactStructure::Lists, 0),
         (ExactStructure::Hierarchy, 1),
+        (ExactStructure::Lists, 0),
     ] {
-        let (built, found) = seen_with(&mut set, structure);
-        assert_eq!(built, expected, "{structure:?}");
-        let wrong = count_differing(&found, &lists);
-        assert!(
-            wrong <= allowed_pixels(found.len()),
-            "{structure:?}: {wrong}"
-        );
+        let (count, found) = seen_with(&mut set, structure);
+        assert_eq!(count, expected_count, "{structure:?}");
+        let wrong = count_differing(&found, &expected);
+        assert!(wrong <= allowed, "{structure:?}: {wrong}");
     }
+    for (_, caster) in casters {
+        set.remove_caster(caster).expect("is there");
+    }
+    let (_, found) = seen_with(&mut set, ExactStructure::Hierarchy);
+    let without_casters = world.answers(&set, &light, false);
+    assert_eq!(count_differing(&found, &without_casters), 0);
+    assert!(count_differing(&expected, &without_casters) > 100);
 }
 
 /// Constants and structs that passes, lookup and backend share.

@@ -215,9 +215,10 @@ impl SceneRun<'_> {
         let work = Work::of_recipe(&view_of_truth, recipe, &self.options.catalogue);
         let prices = self.options.prices.model_for_backend(kind);
         let executed_cost_ms = prices.milliseconds(&work.without_lists());
-        // Without a hierarchy, the CPU only renders the mask with which the others are compared.
-        let is_replaced = kind == "cpu" && recipe.hierarchy.is_some();
-        let runs = self.options.runs.as_ref().filter(|_| !is_replaced);
+        // The CPU has no hierarchies. For these recipes it only renders, by lists, the mask with which
+        // the others are compared.
+        let is_only_compared = kind == "cpu" && recipe.hierarchy.is_some();
+        let runs = self.options.runs.as_ref().filter(|_| !is_only_compared);
         // Reuse the receivers of the backend's first row: they are the same for the whole scene.
         let seen = self.seen[backend_index].as_ref();
         let seen = seen.map(|seen| &seen.receivers);
@@ -272,7 +273,7 @@ impl SceneRun<'_> {
         if kind == "cpu" {
             *of_cpu = Some(OfCpu { shadows, accuracy });
         }
-        if is_replaced {
+        if is_only_compared {
             return Ok(unsupported_row(ONLY_ON_DEVICES));
         }
         Ok((RowOutcome::Measured(Box::new(measured)), images))

@@ -59,7 +59,7 @@ pub(crate) struct Hierarchy {
     casters: u32,
     /// Greatest number of their references, at most the layout's capacity: passes have no
     /// invocations for capacity that is only kept.
-    references: u32,
+    most_references: u32,
     layout: HierarchyLayout,
     /// The uniforms for which it is built.
     pub(crate) uniforms: Vec<u8>,
@@ -281,9 +281,9 @@ impl HierarchyPasses {
         dispatch(&mut pass, make_keys, 0, hierarchy.casters);
         self.sort
             .encode(&mut pass, hierarchy.number, hierarchy.sort_range());
-        dispatch(&mut pass, build_leaves, 0, hierarchy.references);
+        dispatch(&mut pass, build_leaves, 0, hierarchy.most_references);
         for level in 1..hierarchy.layout.levels {
-            let count = count_at(level, hierarchy.references);
+            let count = count_at(level, hierarchy.most_references);
             dispatch(&mut pass, build_nodes, level, count);
         }
     }
@@ -300,7 +300,7 @@ impl HierarchyPipelines {
             Slot::Window(PLACE),
             Slot::Written,
             Slot::Written,
-            Slot::Written,
+            Slot::Table,
             Slot::Written,
             Slot::Written,
             Slot::Written,
@@ -348,12 +348,12 @@ impl Hierarchy {
     /// Sets the layout, and the number of casters with their number of faces. Returns whether the
     /// hierarchy has to be built again.
     pub(crate) fn resize(&mut self, layout: HierarchyLayout, casters: u32, faces: u32) -> bool {
-        let before = (self.layout, self.casters, self.references);
+        let before = (self.layout, self.casters, self.most_references);
         let needed = needed_capacity(casters, faces);
         self.layout = layout;
         self.casters = casters;
-        self.references = needed.min(layout.capacity.into()) as u32;
-        before != (self.layout, self.casters, self.references)
+        self.most_references = needed.min(layout.capacity.into()) as u32;
+        before != (self.layout, self.casters, self.most_references)
     }
 
     /// Drops the bind group, and with it the buffers that only it keeps.
@@ -364,7 +364,7 @@ impl Hierarchy {
     fn sort_range(&self) -> SortRange {
         SortRange {
             first: self.casters,
-            most: self.references,
+            most: self.most_references,
         }
     }
 
@@ -375,7 +375,7 @@ impl Hierarchy {
         let ids = nodes + layout.first_id_row();
         // The first word stays 0: see `STEADY_FIRST_WORD`.
         words[1..5].copy_from_slice(&[nodes, ids, corners, self.casters]);
-        words[5..8].copy_from_slice(&[self.references, layout.levels, level]);
+        words[5..8].copy_from_slice(&[self.most_references, layout.levels, level]);
         words[8..].copy_from_slice(&layout.firsts);
         words
     }
@@ -405,7 +405,7 @@ impl Hierarchy {
         // Bind the buffers.
         let [places, tables] = shared;
         let sort = &scratch.sort;
-        let written = [
+        let buffers = [
             tables,
             &sort.keys[0],
             &sort.numbers[0],
@@ -417,7 +417,7 @@ impl Hierarchy {
             Bound::Buffer(view.clone()),
             Bound::Window(places.clone(), PLACE),
         ];
-        bound.extend(written.map(|buffer| Bound::Buffer(buffer.clone())));
+        bound.extend(buffers.map(|buffer| Bound::Buffer(buffer.clone())));
         let layout = &known.layout;
         self.binding
             .set(factory, "umbrage hierarchy", layout, bound);

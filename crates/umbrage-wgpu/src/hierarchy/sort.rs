@@ -19,7 +19,8 @@ const BLOCK: u32 = 2048;
 const DIGITS: u32 = 256;
 /// Number of counts per workgroup of prefix sums: `SUM_BLOCK` in sort.wgsl.
 const SUM_BLOCK: u32 = 1024;
-/// Number of passes, one per digit of 8 bits. It is even, so the result is in the first buffers.
+/// Number of passes, one per digit of 8 bits: `LAST_SHIFT` in sort.wgsl is that of the last one. It is
+/// even, so the result is in the first buffers.
 const PASSES: u32 = 4;
 /// The shaders of a pass, and whether a workgroup handles a block of items, a block of counts, or
 /// all counts.
@@ -63,8 +64,8 @@ impl SortRange {
     }
 }
 
-/// Buffers of the items. Keys and numbers have two copies. The input are the first keys; the result
-/// are the first numbers.
+/// Buffers of the items. Keys and numbers have two copies. The first keys are the input, and the
+/// first numbers the result.
 #[derive(Debug)]
 pub(crate) struct SortBuffers {
     /// The first word counts items.
@@ -191,7 +192,7 @@ impl SortStage {
 #[cfg(test)]
 mod tests {
     use super::{
-        BLOCK, Buffer, BufferUsages, DIGITS, SUM_BLOCK, SortBuffers, SortRange, SortStage,
+        BLOCK, Buffer, BufferUsages, DIGITS, PASSES, SUM_BLOCK, SortBuffers, SortRange, SortStage,
     };
     use crate::{
         AdapterChoice, Gpu,
@@ -211,13 +212,14 @@ mod tests {
             ("BLOCK", BLOCK),
             ("DIGITS", DIGITS),
             ("SUM_BLOCK", SUM_BLOCK),
+            ("LAST_SHIFT", 8 * (PASSES - 1)),
         ] {
             let line = format!("const {name} = {value}u;");
             assert!(text.contains(&line), "{line}");
         }
     }
 
-    /// Number of items beyond the capacity.
+    /// Content of places that the sort doesn't write.
     const NO_ITEM: u32 = u32::MAX;
 
     /// Returns the numbers of keys in sorted order, at most `most`, then [`NO_ITEM`] for those beyond.

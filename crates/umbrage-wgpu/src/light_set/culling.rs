@@ -305,22 +305,16 @@ const CHUNK: usize = 32;
 pub(crate) struct ShownSlots(Vec<u32>);
 
 impl ShownSlots {
-    /// Returns the number of wanted slots in a range that may be visible.
-    pub(crate) fn count(&self, slots: Range<u32>, wanted: Wanted<'_>) -> u64 {
+    /// Returns the numbers of still and of moving slots in a range that may be visible.
+    pub(crate) fn count(&self, slots: Range<u32>, moving: &[bool]) -> [u64; 2] {
         let slots = slots.start as usize..slots.end as usize;
-        let shown = &self.0[slots.clone()];
-        let sum_where = |flags: &[bool], expected: bool| -> u32 {
-            let pairs = shown.iter().zip(&flags[slots]);
-            pairs
-                .map(|(&shown, &flag)| shown & u32::from(flag == expected))
-                .sum()
-        };
-        let count = match wanted {
-            Wanted::All => shown.iter().sum(),
-            Wanted::Moving(moving) => sum_where(moving, true),
-            Wanted::Still(moving) => sum_where(moving, false),
-        };
-        u64::from(count)
+        let mut all = 0;
+        let mut moved = 0;
+        for (&shown, &moves) in self.0[slots.clone()].iter().zip(&moving[slots]) {
+            all += shown;
+            moved += shown & u32::from(moves);
+        }
+        [all - moved, moved].map(u64::from)
     }
 
     /// Appends the rising runs of wanted slots in a range that may be visible.
@@ -392,9 +386,9 @@ mod tests {
         found.runs(0..100, Wanted::Moving(&moving), &mut apart);
         assert!(apart.iter().all(|run| run.len() == 1 && run.start % 2 == 0));
         let odd = apart.len();
-        let counted = found.count(0..100, Wanted::Moving(&moving));
-        assert_eq!(counted, odd as u64);
         found.runs(0..100, Wanted::Still(&moving), &mut apart);
+        let counted = found.count(0..100, &moving);
+        assert_eq!(counted, [apart.len() - odd, odd].map(|count| count as u64));
         assert!(odd > 10 && apart.len() > odd + 10, "{apart:?}");
         let shown = |slot: u32| runs.iter().any(|run| run.contains(&slot));
         for slot in 0..100 {

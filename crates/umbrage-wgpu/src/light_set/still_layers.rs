@@ -9,7 +9,7 @@
 use crate::{
     light_set::{
         casters::Casters,
-        culling::{ShownSlots, Wanted},
+        culling::ShownSlots,
         ids::LightKey,
         options::StillLayers,
         prices::Prices,
@@ -40,27 +40,33 @@ pub(crate) fn is_wanted(
     has_own: bool,
 ) -> bool {
     let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
-    let moving = Wanted::Moving(casters.moving_flags());
-    let has_moving = has_own || triangles(casters, shown, moving) > 0;
-    if option == StillLayers::Never || !has_moving {
+    if option == StillLayers::Never {
+        return false;
+    }
+    let [still, moving] = triangles(casters, shown);
+    if !has_own && moving == 0 {
         return false;
     }
     if option == StillLayers::Always {
         return true;
     }
     // The still casters are drawn once into their own layer, and then copied.
-    let still = Wanted::Still(casters.moving_flags());
-    let saved = triangles(casters, shown, still) as f64 * prices.texels_a_triangle();
+    let saved = still as f64 * prices.texels_a_triangle();
     let patience = if cast.still.is_some() { PATIENCE } else { 1.0 };
     saved * patience > texels as f64
 }
 
-/// Returns the number of triangles of the wanted casters that may be visible in a layer.
-fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
-    casters
-        .meshes()
-        .map(|(_, mesh)| shown.count(mesh.slots(), wanted) * mesh.draw.triangles())
-        .sum()
+/// Returns the numbers of triangles of the still and of the moving casters that may be visible in a
+/// layer.
+fn triangles(casters: &Casters, shown: &ShownSlots) -> [u64; 2] {
+    let mut sums = [0; 2];
+    for (_, mesh) in casters.meshes() {
+        let counts = shown.count(mesh.slots(), casters.moving_flags());
+        for (sum, count) in sums.iter_mut().zip(counts) {
+            *sum += count * mesh.draw.triangles();
+        }
+    }
+    sums
 }
 
 impl StillLayer {

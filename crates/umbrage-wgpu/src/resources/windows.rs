@@ -16,7 +16,7 @@ pub(crate) struct Windows {
     buffer: Option<Buffer>,
     /// Number of windows of the buffer.
     capacity: usize,
-    /// Bytes from one window to the next.
+    /// Bytes from one window to the next; 0 before the first write.
     stride: usize,
     /// The window of each content, from the first one.
     known: HashMap<Box<[u8]>, usize>,
@@ -37,8 +37,11 @@ impl Windows {
         label: &str,
         parts: impl Iterator<Item = T>,
     ) -> Option<(Buffer, u64)> {
-        let alignment = factory.device.limits().min_uniform_buffer_offset_alignment;
-        self.stride = size_of::<T>().next_multiple_of(alignment as usize);
+        if self.stride == 0 {
+            // Limits are copied by each query, so query them only once.
+            let alignment = factory.device.limits().min_uniform_buffer_offset_alignment;
+            self.stride = size_of::<T>().next_multiple_of(alignment as usize);
+        }
         self.parts.clear();
         for part in parts {
             self.parts.extend_from_slice(bytemuck::bytes_of(&part));

@@ -1,5 +1,6 @@
 // A pass of a radix sort over a digit of 8 bits, which sorts the numbers of items by their keys. It
-// is stable: items of equal digits keep their order. Counts are stored digit by digit, so that their prefix sums are the digits' places.
+// is stable: items of equal digits keep their order. Counts are stored digit by digit, so that their
+// prefix sums are the digits' places.
 //
 // Prefix sums: blocks of 1,024 counts are summed, one workgroup sums the blocks, and each count
 // becomes the sum of those before it.

@@ -17,7 +17,7 @@ var<workgroup> half_sizes: array<f32, 32>;
 
 // Returns the number of nodes of a level, at least one; of references at level 0.
 fn count_at(level: u32) -> u32 {
-    var count = min(made.casters + atomicLoad(&head[MORE]), made.capacity);
+    var count = min(made.casters + atomicLoad(&head[MORE]), made.most_references);
     for (var i = 0u; i < level; i++) {
         count = max((count + 7u) / 8u, 1u);
     }

@@ -89,9 +89,9 @@ fn count_pieces(
 }
 
 // Returns the factor of ratios at the first step at which there are at most 1.8 references a
-// caster, and at most the capacity; 0 if there is none.
+// caster, and at most the greatest number; 0 if there is none.
 fn ratio_factor() -> f32 {
-    let most = min(4u * made.casters / 5u, made.capacity - made.casters);
+    let most = min(4u * made.casters / 5u, made.most_references - made.casters);
     let whole = atomicLoad(&head[MORE_WHOLE]);
     var factor = 1.0;
     for (var step = 0u; step < STEPS; step++) {
@@ -151,10 +151,10 @@ fn make_keys(
         put_nothing(id);
         return;
     }
-    if end > made.capacity {
-        // There is no capacity: keep a directional light's caster whole. One of a point light may
+    if end > made.most_references {
+        // There are too many: keep a directional light's caster whole. One of a point light may
         // be anywhere.
-        for (var i = begin; i < min(end, made.capacity); i++) {
+        for (var i = begin; i < min(end, made.most_references); i++) {
             put_nothing(i);
         }
         let face = select(0u, EVERYWHERE, is_lamp());

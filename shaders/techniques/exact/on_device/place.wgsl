@@ -9,7 +9,7 @@ struct HierarchyPlace {
     corners: u32,
     casters: u32,
     // Greatest number of references, at least that of the casters.
-    capacity: u32,
+    most_references: u32,
     // Number of levels of nodes, and the level whose items a pass groups: 0 for references.
     levels: u32,
     level: u32,
@@ -22,7 +22,7 @@ struct HierarchyPlace {
 @group(0) @binding(2) var<storage, read_write> tables: array<u32>;
 @group(0) @binding(3) var<storage, read_write> keys: array<u32>;
 // Numbers of the references, sorted by their keys.
-@group(0) @binding(4) var<storage, read_write> numbers: array<u32>;
+@group(0) @binding(4) var<storage, read> numbers: array<u32>;
 @group(0) @binding(5) var<storage, read_write> head: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> references: array<vec2u>;
 // Low and high corner of each node's box.
