@@ -1,8 +1,8 @@
 //! Counted work of a hierarchy that the device builds: of its lookups, and of building it. Counts
 //! don't depend on the driver, unlike times, so that they also bound the work of graphics cards.
 //!
-//! Nodes, tests and references are counted on the device. Bytes follow from them, by what the code of
-//! the passes reads and writes.
+//! Nodes, tests and references are counted on the device. Bytes follow from them, by what the code
+//! of the passes reads and writes.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -18,12 +18,12 @@ const NODE_BYTES: f64 = 64.0;
 const TEST_BYTES: f64 = 52.0;
 const RECEIVER_BYTES: f64 = 36.0;
 
-/// Bytes of building that each caster costs: its corners are written once from its vertices (36) and
+/// Bytes of building for each caster: its corners are written once from its vertices (36) and
 /// indices (12), and read by two passes.
 const CASTER_BYTES: f64 = 36.0 + 12.0 + 48.0 + 2.0 * 48.0;
-/// Bytes of a reference: it is written (8) with its key (4). Each of the four passes of the sort reads
-/// the key twice and writes a number; three of them read a number, and three write the key. The
-/// leaves read the number, the reference and the corners, and write the id.
+/// Bytes of building for each reference: it is written (8) with its key (4). Each of the four passes
+/// of the sort reads the key twice and writes a number; three of them read a number, and three write
+/// the key. The leaves read the number, the reference and the corners, and write the id.
 const REFERENCE_BYTES: f64 = 12.0 + (8.0 + 3.0 + 4.0 + 3.0) * 4.0 + (4.0 + 8.0 + 48.0 + 4.0);
 /// Bytes of a node that is built: the node and its box are written, and its parent reads the box.
 const BUILT_NODE_BYTES: f64 = 64.0 + 2.0 * 32.0;
@@ -52,7 +52,7 @@ const FRAMES: [&str; 6] = [
 const HEAD: &str = "| frame | tests | worst block | most tests | walked | longest | lockstep walk | bytes a receiver | references | bytes a caster |
 |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|";
 
-/// What the lookup's WGSL counts.
+/// Events that the lookup's WGSL counts.
 #[derive(Clone, Copy, Debug)]
 enum Count {
     Nodes,
@@ -250,7 +250,7 @@ fn check(name: &str, counts: &Counts) {
     assert!(building <= 512.0, "{name}: {building} bytes: {counts:?}");
 }
 
-/// With `UMBRAGE_COUNTS=all`, prints the table of docs/exact.md, which takes a minute.
+/// With `UMBRAGE_COUNTS=all`, prints the table of docs/exact.md, which takes three minutes.
 #[test]
 fn building_and_lookups_stay_within_their_bounds() {
     if std::env::var_os("UMBRAGE_COUNTS").is_none() {

@@ -215,8 +215,8 @@ impl SceneRun<'_> {
         let work = Work::of_recipe(&view_of_truth, recipe, &self.options.catalogue);
         let prices = self.options.prices.model_for_backend(kind);
         let executed_cost_ms = prices.milliseconds(&work.without_lists());
-        // The CPU has no hierarchies. For these recipes it only renders, by lists, the mask with which
-        // the others are compared.
+        // The CPU has no hierarchies. For these recipes it only renders, by lists, the mask with
+        // which the others are compared.
         let is_only_compared = kind == "cpu" && recipe.hierarchy.is_some();
         let runs = self.options.runs.as_ref().filter(|_| !is_only_compared);
         // Reuse the receivers of the backend's first row: they are the same for the whole scene.

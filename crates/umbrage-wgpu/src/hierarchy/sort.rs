@@ -19,8 +19,8 @@ const BLOCK: u32 = 2048;
 const DIGITS: u32 = 256;
 /// Number of counts per workgroup of prefix sums: `SUM_BLOCK` in sort.wgsl.
 const SUM_BLOCK: u32 = 1024;
-/// Number of passes, one per digit of 8 bits: `LAST_SHIFT` in sort.wgsl is that of the last one. It is
-/// even, so the result is in the first buffers.
+/// Number of passes, one per digit of 8 bits. It is even, so the result is in the first buffers.
+/// `LAST_SHIFT` in sort.wgsl is the shift of the last one.
 const PASSES: u32 = 4;
 /// The shaders of a pass, and whether a workgroup handles a block of items, a block of counts, or
 /// all counts.
@@ -222,8 +222,8 @@ mod tests {
     /// Content of places that the sort doesn't write.
     const NO_ITEM: u32 = u32::MAX;
 
-    /// Returns the numbers of keys in sorted order, at most `most`, then [`NO_ITEM`] for those beyond.
-    /// The head counts `more` of them.
+    /// Returns the numbers of at most `most` keys in sorted order, then [`NO_ITEM`] for the others.
+    /// The head counts `more` of the keys.
     fn sort(gpu: &Gpu, keys: &[u32], more: u32, most: u32) -> Vec<u32> {
         let (device, queue) = gpu.device();
         let mut counters = Counters::default();

@@ -17,8 +17,8 @@ const MOST_PIECES = 32u;
 const ALLOWED_AREA = 4.0;
 const LEAST_SHARE = 0.01;
 
-// Steps by which casters are divided less and less, until there are few enough references: waste of
-// a quarter of the allowance at step 0, and twice as much at each further one.
+// Steps by which casters are divided less and less, until there are few enough references: waste
+// of a quarter of the allowance at step 0, and twice as much at each further one.
 const STEPS = 15u;
 const FIRST_RATIO = 2.0;
 const RATIO_STEP = 0.70710678;
