@@ -64,7 +64,7 @@ fn main() -> anyhow::Result<()> {
 
     // Measure each light without extent, in turn with Embree.
     println!(
-        "| scene | casters | Embree build ms | Embree trace ms | exact make ms | exact lookup ms | make | lookup | rays | hidden | \
+        "| scene | casters | Embree build ms | Embree trace ms | exact build ms | exact lookup ms | build | lookup | rays | hidden | \
          differ |"
     );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");

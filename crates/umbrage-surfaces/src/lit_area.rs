@@ -77,13 +77,8 @@ impl Facets {
         let mut undecided = Vec::new();
         let mut silhouette = 0.0;
         self.visit_tiles(&frame, tile, |scene| {
-            let parts = scene.map_cells(|search: &mut Search, cell| {
-                let mut parts = Vec::new();
-                scene.visit_cell(cell, |index, within| {
-                    parts.push(search.lit_part(scene, index, margin, within));
-                });
-                parts
-            });
+            let parts =
+                scene.map_cells(|search: &mut Search, cell| search.lit_parts(scene, cell, margin));
             for part in parts.iter().flatten() {
                 areas[part.row as usize].centroid += part.moments;
                 undecided.extend(part.has_coplanar.then_some(part.row));
@@ -227,14 +222,46 @@ struct LitPart {
     moments: DVec3,
 }
 
+impl LitPart {
+    /// Returns whether casters above darken all. Facets in the same plane may darken each other in
+    /// a cycle, so that they don't count.
+    fn is_dark(&self) -> bool {
+        self.moments.z == 0.0 && !self.has_coplanar
+    }
+}
+
 /// Memory of a search, reused from facet to facet.
 #[derive(Debug, Default)]
 struct Search {
     stack: Stack,
     blockers: Vec<Blocker>,
+    /// Dark facets of the cell, rising. Others above them darken all that they would.
+    dark: Vec<u32>,
 }
 
 impl Search {
+    /// Returns the lit parts of the facets that are computed in a cell.
+    fn lit_parts(&mut self, scene: &Scene, cell: u32, margin: f64) -> Vec<LitPart> {
+        self.dark.clear();
+        let mut parts: Vec<LitPart> = scene
+            .narrow_facets(cell)
+            .map(|index| self.lit_part(scene, index, margin, None))
+            .collect();
+        let narrow = scene.narrow_facets(cell).zip(&parts);
+        let dark = narrow.filter_map(|(index, part)| part.is_dark().then_some(index));
+        self.dark.extend(dark);
+        let rectangle = scene.rectangle(cell);
+        for index in scene.wide_facets(rectangle) {
+            let part = self.lit_part(scene, index, margin, Some(rectangle));
+            if part.is_dark() {
+                let place = self.dark.partition_point(|&other| other < index);
+                self.dark.insert(place, index);
+            }
+            parts.push(part);
+        }
+        parts
+    }
+
     /// Returns the lit part of a facet, within a cell if one is given.
     fn lit_part(
         &mut self,
@@ -287,13 +314,20 @@ impl Search {
             if candidate == index {
                 return false;
             }
+            let is_needless = self.dark.binary_search(&candidate).is_ok();
+            // A wide one may end the search: see below.
+            if is_needless && scene.is_narrow(candidate) {
+                return false;
+            }
             let caster = &scene.facets[candidate as usize];
             let blocker = receiver.blocker(caster, scene.row(candidate));
             let Some(part) = blocker.and_then(|blocker| blocker.within(polygon)) else {
                 return false;
             };
-            blockers.push(part);
             is_dark = part.covers_all();
+            if !is_dark && !is_needless {
+                blockers.push(part);
+            }
             is_dark || blockers.len() > most
         });
         if is_dark {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Points whose values are in memory at once.
-const BLOCK: usize = 4096;
+const BLOCK: usize = 1 << 14;
 /// Points per task, at least.
 const TASK: usize = 64;
 

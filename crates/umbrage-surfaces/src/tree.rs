@@ -22,6 +22,14 @@ impl Projected {
         (b - a).xy().perp_dot((c - a).xy())
     }
 
+    /// Returns the height of the facet's plane at a place across the light.
+    pub(crate) fn height_at(&self, place: DVec2) -> f64 {
+        let [a, b, c] = self.corners;
+        let [p, q, step] = [b.xy() - a.xy(), c.xy() - a.xy(), place - a.xy()];
+        let twice = [step.perp_dot(q), p.perp_dot(step)];
+        a.z + ((b.z - a.z) * twice[0] + (c.z - a.z) * twice[1]) / self.twice_area()
+    }
+
     /// Returns the box across the light.
     #[inline(always)]
     pub(crate) fn bounds(&self) -> Rectangle {
@@ -178,6 +186,11 @@ impl Scene {
         self.keys[index as usize].1
     }
 
+    /// Returns whether a facet is computed as a whole.
+    pub(crate) fn is_narrow(&self, index: u32) -> bool {
+        index >= self.wide
+    }
+
     /// Returns the rectangle of a cell.
     pub(crate) fn rectangle(&self, cell: u32) -> Rectangle {
         self.grid.rectangle(Tile::of_cell(cell))
@@ -192,24 +205,31 @@ impl Scene {
         cells.map_init(M::default, compute).collect()
     }
 
-    /// Passes the facets that are computed in a cell to `visit`, in order. Wide facets are computed
-    /// within the cell's rectangle, others as a whole.
-    pub(crate) fn visit_cell(&self, cell: u32, mut visit: impl FnMut(u32, Option<Rectangle>)) {
+    /// Returns the facets that are computed as a whole in a cell, rising.
+    pub(crate) fn narrow_facets(&self, cell: u32) -> impl Iterator<Item = u32> {
         let start = self.receivers.partition_point(|&(other, _)| other < cell);
-        let narrow = self.receivers[start..].iter();
-        for &(_, index) in narrow.take_while(|&&(other, _)| other == cell) {
-            visit(index, None);
-        }
-        let rectangle = self.rectangle(cell);
+        let in_cell = self.receivers[start..].iter().copied();
+        in_cell
+            .take_while(move |&(other, _)| other == cell)
+            .map(|(_, index)| index)
+    }
+
+    /// Returns the facets that are computed within the rectangle of a cell, the highest at its
+    /// centre first.
+    pub(crate) fn wide_facets(&self, rectangle: Rectangle) -> Vec<u32> {
         let query = query_all(rectangle.map(|p| p.extend(0.0)));
+        let mut wide = Vec::new();
         self.visit_overlapping(&query, &mut Stack::new(), |index| {
             // Wide ones are first.
             let is_wide = index < self.wide;
-            if is_wide {
-                visit(index, Some(rectangle));
-            }
+            wide.extend(is_wide.then_some(index));
             !is_wide
         });
+        let [low, high] = rectangle;
+        let centre = low.midpoint(high);
+        let height = |index: u32| self.facets[index as usize].height_at(centre);
+        wide.sort_by(|&a, &b| height(b).total_cmp(&height(a)));
+        wide
     }
 
     /// Passes the facets that overlap a query to `visit`, wide ones first, until it returns true.
