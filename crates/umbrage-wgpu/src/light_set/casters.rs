@@ -525,8 +525,6 @@ fn power_of_two_below(x: f32) -> f32 {
 ///
 /// Errors if a number of the placement or of the box is not finite.
 fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, Invalid> {
-    let within = |e: Invalid| e.within_context(format!("caster of mesh `{}`", mesh.label));
-    invalid::finite("world from local", &world_from_local.to_cols_array()).map_err(within)?;
     // Transform the half extents by the matrix's absolute values (Arvo 1990, "Transforming
     // axis-aligned bounding boxes").
     let centre = world_from_local.transform_point3(mesh.bounds.center());
@@ -539,7 +537,12 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
         min: centre - reach,
         max: centre + reach,
     };
-    bounds.validate().map_err(within)?;
+    // All numbers of the placement are in the box.
+    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        let placement = invalid::finite("world from local", &world_from_local.to_cols_array());
+        let error = placement.and_then(|()| bounds.validate());
+        error.map_err(|e| e.within_context(format!("caster of mesh `{}`", mesh.label)))?;
+    }
     Ok(bounds)
 }
 

@@ -196,6 +196,9 @@ pub(crate) struct LightCast {
     pub(crate) peeled: Binding,
     /// True if something changed in it since it was drawn.
     pub(crate) is_stale: bool,
+    /// The changed box that made it stale last. It is tested first, since the same casters often
+    /// move again.
+    last_change: usize,
     /// True if its layer contains anything of the shown plan. If not, no budget delays its draw,
     /// because shaders read it.
     pub(crate) is_drawn: bool,
@@ -253,6 +256,19 @@ impl HeldLight {
     }
 }
 
+impl LightCast {
+    /// Returns whether one of these boxes may be visible.
+    fn may_show_any(&mut self, changed: &[Aabb]) -> bool {
+        let may_show = |bounds: &Aabb| self.volume.may_show(bounds);
+        if changed.get(self.last_change).is_some_and(may_show) {
+            return true;
+        }
+        let found = changed.iter().position(may_show);
+        self.last_change = found.unwrap_or(self.last_change);
+        found.is_some()
+    }
+}
+
 impl LightMaps {
     /// Marks the casts in which one of these boxes may be visible; `still_changed` are those of
     /// still casters.
@@ -264,8 +280,8 @@ impl LightMaps {
             }
         }
         for i in 0..self.casts.len() {
-            let cast = &self.casts[i];
-            if !cast.is_stale && changed.iter().any(|b| cast.volume.may_show(b)) {
+            let cast = &mut self.casts[i];
+            if !cast.is_stale && cast.may_show_any(changed) {
                 let layer = cast.layer;
                 // Mark all casts into the layer: later ones may read what earlier ones drew.
                 for other in &mut self.casts {
@@ -326,6 +342,7 @@ impl LightMaps {
                 target,
                 peeled,
                 is_stale: true,
+                last_change: 0,
                 is_drawn: false,
                 still,
             });
