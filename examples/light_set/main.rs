@@ -1,9 +1,8 @@
 //! Times of light sets: `cargo run --release --example light_set -- --compare`.
 //!
 //! `--compare` draws the same image in turn with a program written by hand for exactly that, and
-//! prints the ratio of frame times. `--casters` prints how long the processor prepares and records a
-//! frame of 65 and of 10,000 casters. Both also measure without a driver, with wgpu's own code alone.
-//!
+//! prints the ratio of frame times. `--casters` prints how long the processor prepares and records
+//! a frame of 65 and of 10,000 casters. Both also measure without a driver.
 //! `--lists [SCENE]...` prints how long the device takes to build a hierarchy of all casters,
 //! compared with drawing a map.
 

@@ -64,7 +64,7 @@ fn main() -> anyhow::Result<()> {
 
     // Measure each light without extent, in turn with Embree.
     println!(
-        "| scene | casters | Embree build ms | Embree trace ms | exact build ms | exact lookup ms | build | lookup | rays | hidden | \
+        "| scene | casters | Embree build ms | Embree trace ms | exact build ms | exact lookup ms | build, ratio | lookup, ratio | rays | hidden | \
          differ |"
     );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");

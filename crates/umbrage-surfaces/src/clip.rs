@@ -162,14 +162,9 @@ impl<'a> Receiver<'a> {
 
     /// Returns a query for facets that may darken a part of the receiver.
     pub(crate) fn query_above(&self, polygon: &[DVec2]) -> Limits {
-        let [a, b, c] = self.facet.corners;
-        let [_, p, q] = self.corners;
-        let in_frame = polygon.iter().map(|point| {
-            let weights =
-                [point.perp_dot(q), p.perp_dot(*point)].map(|area| area / self.twice_area);
-            let height = a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1];
-            (*point + self.origin).extend(height)
-        });
+        let in_frame = polygon
+            .iter()
+            .map(|&point| (point + self.origin).extend(self.facet.height_at(point)));
         tree::query_above(in_frame, self.margin)
     }
 

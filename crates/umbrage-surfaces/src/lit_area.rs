@@ -44,7 +44,7 @@ impl Facets {
     /// the side that faces the sun.
     ///
     /// Undecided are facets that are edge-on to the sun within the margin, and those that overlap
-    /// another one in the same plane.
+    /// another one in the same plane where others don't darken both.
     pub fn lit_area(&self, suns: &Suns, mut visit: impl FnMut(usize, &[LitArea])) -> Stated {
         let mut stated = Stated {
             margin_m: self.margin_m(),
@@ -222,44 +222,60 @@ struct LitPart {
     moments: DVec3,
 }
 
-impl LitPart {
-    /// Returns whether casters above darken all. Facets in the same plane may darken each other in
-    /// a cycle, so that they don't count.
-    fn is_dark(&self) -> bool {
-        self.moments.z == 0.0 && !self.has_coplanar
-    }
-}
-
 /// Memory of a search, reused from facet to facet.
 #[derive(Debug, Default)]
 struct Search {
     stack: Stack,
     blockers: Vec<Blocker>,
-    /// Dark facets of the cell, rising. Others above them darken all that they would.
-    dark: Vec<u32>,
+    /// Dark facets of the cell, rising, which need not be blockers of its wide facets. Each was
+    /// darkened by others that were not needless yet, and so on to some that never are: these
+    /// darken all that it would.
+    needless: Vec<u32>,
+    /// True if a needless facet darkened a part of the last one.
+    used_needless: bool,
 }
 
 impl Search {
     /// Returns the lit parts of the facets that are computed in a cell.
     fn lit_parts(&mut self, scene: &Scene, cell: u32, margin: f64) -> Vec<LitPart> {
-        self.dark.clear();
-        let mut parts: Vec<LitPart> = scene
-            .narrow_facets(cell)
-            .map(|index| self.lit_part(scene, index, margin, None))
-            .collect();
-        let narrow = scene.narrow_facets(cell).zip(&parts);
-        let dark = narrow.filter_map(|(index, part)| part.is_dark().then_some(index));
-        self.dark.extend(dark);
+        self.needless.clear();
         let rectangle = scene.rectangle(cell);
-        for index in scene.wide_facets(rectangle) {
-            let part = self.lit_part(scene, index, margin, Some(rectangle));
-            if part.is_dark() {
-                let place = self.dark.partition_point(|&other| other < index);
-                self.dark.insert(place, index);
+        let [low, high] = rectangle;
+        let centre = low.midpoint(high);
+        let mut wide = scene.wide_facets(rectangle, &mut self.stack);
+        let mut narrow: Vec<u32> = scene.narrow_facets(cell).collect();
+        if !wide.is_empty() {
+            // Facets become needless only by those above them that are not. So begin with the lowest
+            // narrow ones. Wide ones profit from those above them.
+            sort_by(&mut narrow, |i| scene.facets[i as usize].mean_height());
+            sort_by(&mut wide, |i| {
+                let facet = &scene.facets[i as usize];
+                -facet.height_at(centre - facet.corners[0].xy())
+            });
+        }
+        let mut parts = Vec::with_capacity(narrow.len() + wide.len());
+        for &index in &narrow {
+            let part = self.lit_part(scene, index, margin, None);
+            if !wide.is_empty() {
+                self.add_if_needless(index, &part);
             }
             parts.push(part);
         }
+        for &index in &wide {
+            let part = self.lit_part(scene, index, margin, Some(rectangle));
+            self.add_if_needless(index, &part);
+            parts.push(part);
+        }
         parts
+    }
+
+    /// Adds the last facet to the needless ones if others darken it, or it has no part in the cell.
+    /// Those that overlap another one in the same plane stay: offsets within the margin add up.
+    fn add_if_needless(&mut self, index: u32, part: &LitPart) {
+        if part.moments.z == 0.0 && !part.has_coplanar && !self.used_needless {
+            let position = self.needless.partition_point(|&other| other < index);
+            self.needless.insert(position, index);
+        }
     }
 
     /// Returns the lit part of a facet, within a cell if one is given.
@@ -273,6 +289,7 @@ impl Search {
         let facet = &scene.facets[index as usize];
         let receiver = Receiver::new(facet, scene.row(index), margin);
         let whole = receiver.corners;
+        self.used_needless = false;
         let moments = match cell {
             None => self.lit_moments(scene, index, &receiver, &whole, MAX_HALVINGS),
             Some(cell) => {
@@ -309,14 +326,16 @@ impl Search {
         let blockers = &mut self.blockers;
         blockers.clear();
         // The search ends at the first caster that darkens all. Wide ones are first.
+        let is_narrow = scene.is_narrow(index);
         let mut is_dark = false;
+        let mut uses_needless = false;
         let is_ended = scene.visit_overlapping(&query, &mut self.stack, |candidate| {
             if candidate == index {
                 return false;
             }
-            let is_needless = self.dark.binary_search(&candidate).is_ok();
-            // A wide one may end the search: see below.
-            if is_needless && scene.is_narrow(candidate) {
+            // Wide facets have no needless blockers. Wide ones are tested: they may darken all.
+            let is_needless = self.needless.binary_search(&candidate).is_ok();
+            if is_needless && !is_narrow && scene.is_narrow(candidate) {
                 return false;
             }
             let caster = &scene.facets[candidate as usize];
@@ -325,15 +344,20 @@ impl Search {
                 return false;
             };
             is_dark = part.covers_all();
-            if !is_dark && !is_needless {
+            if is_dark {
+                uses_needless = is_needless;
+            } else if is_narrow || !is_needless {
+                uses_needless |= is_needless;
                 blockers.push(part);
             }
             is_dark || blockers.len() > most
         });
         if is_dark {
+            self.used_needless |= uses_needless;
             return DVec3::ZERO;
         }
         if !is_ended {
+            self.used_needless |= uses_needless;
             return clip::lit_moments(polygon, blockers, MAX_HALVINGS);
         }
         // Search again for each half, which is more probably dark by one caster.
@@ -342,6 +366,14 @@ impl Search {
             |half: &[DVec2]| self.lit_moments(scene, index, receiver, half, halvings - 1);
         lit_half(&first) + lit_half(&second)
     }
+}
+
+/// Sorts facets by a number, then by index.
+fn sort_by(facets: &mut Vec<u32>, number: impl Fn(u32) -> f64) {
+    let mut sorted: Vec<(f64, u32)> = facets.iter().map(|&i| (number(i), i)).collect();
+    sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    facets.clear();
+    facets.extend(sorted.into_iter().map(|(_, index)| index));
 }
 
 #[cfg(test)]

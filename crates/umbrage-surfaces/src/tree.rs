@@ -22,12 +22,19 @@ impl Projected {
         (b - a).xy().perp_dot((c - a).xy())
     }
 
-    /// Returns the height of the facet's plane at a place across the light.
-    pub(crate) fn height_at(&self, place: DVec2) -> f64 {
+    /// Returns the height of the facet's plane at a step across the light from the first corner.
+    #[inline(always)]
+    pub(crate) fn height_at(&self, step: DVec2) -> f64 {
         let [a, b, c] = self.corners;
-        let [p, q, step] = [b.xy() - a.xy(), c.xy() - a.xy(), place - a.xy()];
-        let twice = [step.perp_dot(q), p.perp_dot(step)];
-        a.z + ((b.z - a.z) * twice[0] + (c.z - a.z) * twice[1]) / self.twice_area()
+        let [p, q] = [b - a, c - a].map(|side| side.xy());
+        let weights = [step.perp_dot(q), p.perp_dot(step)].map(|area| area / self.twice_area());
+        a.z + (b.z - a.z) * weights[0] + (c.z - a.z) * weights[1]
+    }
+
+    /// Returns the mean height of the corners.
+    pub(crate) fn mean_height(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        (a.z + b.z + c.z) / 3.0
     }
 
     /// Returns the box across the light.
@@ -214,21 +221,16 @@ impl Scene {
             .map(|(_, index)| index)
     }
 
-    /// Returns the facets that are computed within the rectangle of a cell, the highest at its
-    /// centre first.
-    pub(crate) fn wide_facets(&self, rectangle: Rectangle) -> Vec<u32> {
+    /// Returns the facets that are computed within the rectangle of a cell, rising.
+    pub(crate) fn wide_facets(&self, rectangle: Rectangle, stack: &mut Stack) -> Vec<u32> {
         let query = query_all(rectangle.map(|p| p.extend(0.0)));
         let mut wide = Vec::new();
-        self.visit_overlapping(&query, &mut Stack::new(), |index| {
+        self.visit_overlapping(&query, stack, |index| {
             // Wide ones are first.
-            let is_wide = index < self.wide;
-            wide.extend(is_wide.then_some(index));
-            !is_wide
+            let is_narrow = self.is_narrow(index);
+            wide.extend((!is_narrow).then_some(index));
+            is_narrow
         });
-        let [low, high] = rectangle;
-        let centre = low.midpoint(high);
-        let height = |index: u32| self.facets[index as usize].height_at(centre);
-        wide.sort_by(|&a, &b| height(b).total_cmp(&height(a)));
         wide
     }
 

@@ -168,13 +168,19 @@ fn two_hundred_and_fifty_six_lights_fit() {
 #[test]
 fn what_can_not_be_used_is_refused_by_name() {
     let mut stage = Stage::new(SetBudget::default(), &[0.0]);
-    let nowhere = Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0));
     let caster = stage.casters[0];
-    let moved = stage.set.move_caster(caster, nowhere).expect_err("NaN");
-    assert!(
-        moved.to_string().contains("caster of mesh `triangle`"),
-        "{moved}"
-    );
+    // The mesh is flat, so that some numbers are multiplied by 0.
+    for i in 0..12 {
+        for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut columns = Affine3A::IDENTITY.to_cols_array();
+            columns[i] = number;
+            let nowhere = Affine3A::from_cols_array(&columns);
+            let moved = stage.set.move_caster(caster, nowhere);
+            let error = moved.expect_err("not finite").to_string();
+            assert!(error.contains("caster of mesh `triangle`"), "{error}");
+            assert!(error.contains("world from local"), "{error}");
+        }
+    }
     let d = stage.program.d;
     let buffer = foreign::buffer(d, BufferUsages::INDEX, &[0; 36]);
     let mesh = CasterMesh {

@@ -38,6 +38,9 @@ fn identity_error(mesh: &Mesh, areas: &[LitArea], sun: DVec3) -> f64 {
     (projected(areas) / union - 1.0).abs()
 }
 
+/// Small facets with which a mesh has several cells. Larger facets are computed cell by cell.
+const SHEETS: usize = 1100;
+
 /// Meshes with their names and sides. Each has facets that are lit in part.
 fn scenes() -> Vec<(&'static str, Mesh, Sides)> {
     let mut random = Random(5);
@@ -60,7 +63,14 @@ fn scenes() -> Vec<(&'static str, Mesh, Sides)> {
     ] {
         touching.append(&block(1.0, 1.0, 1.0).moved(|v| v + dvec3(x, y, z)));
     }
+    // Wide facets above small ones, below them, through them and in one plane: see `SHEETS`.
+    let mut sheets = floor(4.0, 1);
+    sheets.append(&floor(1.6, 1));
+    sheets.append(&heap(8, 2.0, &mut random));
+    sheets.append(&heap(SHEETS, 0.1, &mut random).moved(|v| v + DVec3::Z));
+    sheets.append(&heap(6, 2.0, &mut random).moved(|v| v + DVec3::Z * 3.0));
     vec![
+        ("sheets", sheets, Sides::Both),
         ("heap", heap(300, 0.3, &mut random), Sides::Both),
         ("large heap", heap(80, 1.5, &mut random), Sides::Both),
         ("coplanar", coplanar, Sides::Both),
@@ -365,6 +375,33 @@ fn near_duplicates_are_undecided() {
             "{margins} margins: {stated}"
         );
     }
+}
+
+/// Three near-duplicates that darken each other in a cycle, none in the plane of another. They are
+/// all dark, and the floor must be dark below them nevertheless.
+#[test]
+fn facets_that_darken_each_other_still_cast_shadows() {
+    let base = [[0.3, 0.3], [0.6, 0.35], [0.4, 0.7]];
+    let offsets = [[0.0; 3], [0.9, 0.9, -1.1], [1.8, -0.2, -0.2]];
+    let mesh_of = |margin: f64| {
+        let mut mesh = floor(4.0, 1);
+        for offsets in offsets {
+            let corner = |i: usize| dvec3(base[i][0], base[i][1], 1.0 + margin * offsets[i]);
+            mesh.push([0, 1, 2].map(corner));
+        }
+        // Small facets below the floor.
+        let small = heap(SHEETS, 0.02, &mut Random(9));
+        mesh.append(&small.moved(|v| v - DVec3::Z * 3.0));
+        mesh
+    };
+    let margin = mesh_of(0.0).facets(Sides::Both).margin_m();
+    let areas = areas(&mesh_of(margin), Sides::Both, DVec3::Z);
+    let lit: Vec<f64> = areas[..5].iter().map(|facet| facet.area).collect();
+    assert_eq!(lit[2..], [0.0; 3], "they don't darken each other");
+    let [a, b, c] = base.map(|[x, y]| dvec3(x, y, 0.0));
+    let dark = 0.5 * (b - a).cross(c - a).z;
+    let error = lit[0] + lit[1] - (16.0 - dark);
+    assert!(error.abs() < 1e-12, "{lit:?}");
 }
 
 /// Meshes with holes, crossings, degenerate and duplicate triangles and inverted normals.

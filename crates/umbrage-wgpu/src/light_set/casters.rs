@@ -494,7 +494,7 @@ impl Casters {
         self.columns
             .resize((first + count) as usize, Columns::default());
         self.moving.resize((first + count) as usize, false);
-        self.boxes.resize(first + count);
+        self.boxes.grow(first + count);
         if stays {
             return;
         }
@@ -537,11 +537,12 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
         min: centre - reach,
         max: centre + reach,
     };
-    // All numbers of the placement are in the box.
+    // Each number of the placement is a term of the box, and 0 times infinity is NaN: a finite box
+    // has a finite placement.
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         let placement = invalid::finite("world from local", &world_from_local.to_cols_array());
-        let error = placement.and_then(|()| bounds.validate());
-        error.map_err(|e| e.within_context(format!("caster of mesh `{}`", mesh.label)))?;
+        let checked = placement.and_then(|()| bounds.validate());
+        checked.map_err(|e| e.within_context(format!("caster of mesh `{}`", mesh.label)))?;
     }
     Ok(bounds)
 }

@@ -13,16 +13,27 @@ const NOTHING: f32 = -1e30;
 /// Greatest number of invisible slots that are drawn along to save a draw.
 const GREATEST_GAP: u32 = 8;
 
-/// Boxes in arrays, with one entry per slot. Empty boxes fill the last [`CHUNK`], so that loops over
-/// chunks have known counts.
-#[derive(Debug, Default)]
-pub(crate) struct CullingBoxes {
-    centre: [Vec<f32>; 3],
+/// Boxes of consecutive slots in arrays, so that they are tested many at a time.
+#[derive(Clone, Copy, Debug)]
+struct BoxChunk {
+    centre: [[f32; CHUNK]; 3],
     /// Half extents; [`NOTHING`] for empty boxes.
-    half: [Vec<f32>; 3],
+    half: [[f32; CHUNK]; 3],
     /// Half extents, padded for the rounding of the test against a plane.
-    padded: [Vec<f32>; 3],
+    padded: [[f32; CHUNK]; 3],
 }
+
+impl BoxChunk {
+    const EMPTY: Self = Self {
+        centre: [[0.0; CHUNK]; 3],
+        half: [[NOTHING; CHUNK]; 3],
+        padded: [[NOTHING; CHUNK]; 3],
+    };
+}
+
+/// One box per slot. Empty boxes fill the last chunk.
+#[derive(Debug, Default)]
+pub(crate) struct CullingBoxes(Vec<BoxChunk>);
 
 /// Selection of casters by whether they moved recently.
 #[derive(Clone, Copy, Debug)]
@@ -53,17 +64,10 @@ pub(crate) struct Volume {
 }
 
 impl CullingBoxes {
-    pub(crate) fn resize(&mut self, slots: u32) {
-        let slots = slots as usize;
-        let filled = slots.next_multiple_of(CHUNK);
-        for centre in &mut self.centre {
-            centre.truncate(slots);
-            centre.resize(filled, 0.0);
-        }
-        for half in self.half.iter_mut().chain(&mut self.padded) {
-            half.truncate(slots);
-            half.resize(filled, NOTHING);
-        }
+    /// Adds empty boxes up to a number of slots.
+    pub(crate) fn grow(&mut self, slots: u32) {
+        let chunks = (slots as usize).div_ceil(CHUNK);
+        self.0.resize(chunks.max(self.0.len()), BoxChunk::EMPTY);
     }
 
     pub(crate) fn set(&mut self, slot: u32, bounds: &Aabb) {
@@ -79,17 +83,20 @@ impl CullingBoxes {
             bounds.extent() * 0.5
         };
         let padded = half + (half.abs() + centre.abs()) * ROUNDING;
+        let (chunk, i) = place_of(slot);
+        let chunk = &mut self.0[chunk];
         for axis in 0..3 {
-            self.centre[axis][slot as usize] = centre[axis];
-            self.half[axis][slot as usize] = half[axis];
-            self.padded[axis][slot as usize] = padded[axis];
+            chunk.centre[axis][i] = centre[axis];
+            chunk.half[axis][i] = half[axis];
+            chunk.padded[axis][i] = padded[axis];
         }
     }
 
     pub(crate) fn get(&self, slot: u32) -> Aabb {
-        let i = slot as usize;
-        let centre = Vec3::new(self.centre[0][i], self.centre[1][i], self.centre[2][i]);
-        let half = Vec3::new(self.half[0][i], self.half[1][i], self.half[2][i]);
+        let (chunk, i) = place_of(slot);
+        let chunk = &self.0[chunk];
+        let centre = Vec3::from(chunk.centre.each_ref().map(|values| values[i]));
+        let half = Vec3::from(chunk.half.each_ref().map(|values| values[i]));
         if half.x == NOTHING {
             return Aabb::EMPTY;
         }
@@ -100,31 +107,28 @@ impl CullingBoxes {
     }
 
     pub(crate) fn copy(&mut self, from: u32, to: u32) {
-        let all = self.centre.iter_mut().chain(&mut self.half);
-        for values in all.chain(&mut self.padded) {
-            values[to as usize] = values[from as usize];
+        let (from, i) = place_of(from);
+        let (to, j) = place_of(to);
+        for axis in 0..3 {
+            self.0[to].centre[axis][j] = self.0[from].centre[axis][i];
+            self.0[to].half[axis][j] = self.0[from].half[axis][i];
+            self.0[to].padded[axis][j] = self.0[from].padded[axis][i];
         }
     }
 
     /// Returns the box around all boxes.
     pub(crate) fn around_all(&self) -> Aabb {
-        let mut all = Aabb::EMPTY;
-        for axis in 0..3 {
-            let [min, max] = Simd::Native.run_task(FindEnds {
-                centre: &self.centre[axis],
-                half: &self.half[axis],
-            });
-            all.min[axis] = min;
-            all.max[axis] = max;
-        }
-        all
+        Simd::Native.run_task(FindEnds(&self.0))
     }
 
     /// Returns the distance from a point to the nearest box, less its rounding; infinite without
     /// boxes.
     pub(crate) fn distance_from(&self, point: Vec3) -> f32 {
         Simd::Native
-            .run_task(FindNearest { boxes: self, point })
+            .run_task(FindNearest {
+                chunks: &self.0,
+                point,
+            })
             .sqrt()
     }
 }
@@ -139,7 +143,7 @@ pub(crate) fn gap(at: f32, centre: f32, half: f32) -> f32 {
 
 /// Finds the least squared distance from a point to a box.
 struct FindNearest<'a> {
-    boxes: &'a CullingBoxes,
+    chunks: &'a [BoxChunk],
     point: Vec3,
 }
 
@@ -149,14 +153,11 @@ impl SimdTask for FindNearest<'_> {
     #[inline(always)]
     fn run(self) -> f32 {
         let mut least = [f32::INFINITY; CHUNK];
-        let CullingBoxes { centre, half, .. } = self.boxes;
-        for chunk in 0..centre[0].len() / CHUNK {
+        for chunk in self.chunks {
             let mut squares = [0.0_f32; CHUNK];
             for axis in 0..3 {
                 let at = self.point[axis];
-                let boxes = chunk_of(&centre[axis], chunk)
-                    .iter()
-                    .zip(chunk_of(&half[axis], chunk));
+                let boxes = chunk.centre[axis].iter().zip(&chunk.half[axis]);
                 for (square, (&centre, &half)) in squares.iter_mut().zip(boxes) {
                     // For empty boxes, the sum is infinite.
                     let outside = gap(at, centre, half);
@@ -171,41 +172,42 @@ impl SimdTask for FindNearest<'_> {
     }
 }
 
-/// Finds the least start and the greatest end of intervals.
-struct FindEnds<'a> {
-    centre: &'a [f32],
-    half: &'a [f32],
-}
+/// Finds the box around all boxes.
+struct FindEnds<'a>(&'a [BoxChunk]);
 
 impl SimdTask for FindEnds<'_> {
-    type Output = [f32; 2];
+    type Output = Aabb;
 
     #[inline(always)]
-    fn run(self) -> [f32; 2] {
-        // Use separate lanes: the minimum of several numbers is the same in any order.
-        let mut min = [f32::INFINITY; CHUNK];
-        let mut max = [f32::NEG_INFINITY; CHUNK];
-        for (centre, half) in self.centre.chunks(CHUNK).zip(self.half.chunks(CHUNK)) {
-            for (i, (&centre, &half)) in centre.iter().zip(half).enumerate() {
-                // Skip empty boxes.
-                let is_empty = half < 0.0;
-                let low = if is_empty {
-                    f32::INFINITY
-                } else {
-                    centre - half
-                };
-                let high = if is_empty {
-                    f32::NEG_INFINITY
-                } else {
-                    centre + half
-                };
-                min[i] = if low < min[i] { low } else { min[i] };
-                max[i] = if high > max[i] { high } else { max[i] };
+    fn run(self) -> Aabb {
+        let mut all = Aabb::EMPTY;
+        for axis in 0..3 {
+            // Use separate lanes: the minimum of several numbers is the same in any order.
+            let mut min = [f32::INFINITY; CHUNK];
+            let mut max = [f32::NEG_INFINITY; CHUNK];
+            for chunk in self.0 {
+                let boxes = chunk.centre[axis].iter().zip(&chunk.half[axis]);
+                for (i, (&centre, &half)) in boxes.enumerate() {
+                    // Skip empty boxes.
+                    let is_empty = half < 0.0;
+                    let low = if is_empty {
+                        f32::INFINITY
+                    } else {
+                        centre - half
+                    };
+                    let high = if is_empty {
+                        f32::NEG_INFINITY
+                    } else {
+                        centre + half
+                    };
+                    min[i] = if low < min[i] { low } else { min[i] };
+                    max[i] = if high > max[i] { high } else { max[i] };
+                }
             }
+            all.min[axis] = min.into_iter().fold(f32::INFINITY, f32::min);
+            all.max[axis] = max.into_iter().fold(f32::NEG_INFINITY, f32::max);
         }
-        let lowest = min.into_iter().fold(f32::INFINITY, f32::min);
-        let highest = max.into_iter().fold(f32::NEG_INFINITY, f32::max);
-        [lowest, highest]
+        all
     }
 }
 
@@ -237,12 +239,10 @@ impl Volume {
 
     /// Tests, for each slot, whether its box may be visible in the layer.
     pub(crate) fn find(&self, boxes: &CullingBoxes, shown: &mut ShownSlots) {
-        let slots = boxes.centre[0].len();
-        shown.0.clear();
-        shown.0.resize(slots, 0);
+        shown.0.resize(CHUNK * boxes.0.len(), 0);
         Simd::Native.run_task(FindShown {
             planes: &self.planes,
-            boxes,
+            chunks: &boxes.0,
             out: &mut shown.0,
         });
     }
@@ -251,7 +251,7 @@ impl Volume {
 /// Tests all boxes against the planes of a volume.
 struct FindShown<'a> {
     planes: &'a [Vec4; 6],
-    boxes: &'a CullingBoxes,
+    chunks: &'a [BoxChunk],
     out: &'a mut [u32],
 }
 
@@ -260,37 +260,31 @@ impl SimdTask for FindShown<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let CullingBoxes { centre, padded, .. } = self.boxes;
         let (out, _) = self.out.as_chunks_mut();
-        for (chunk, out) in out.iter_mut().enumerate() {
-            let centre = centre.each_ref().map(|values| chunk_of(values, chunk));
-            let padded = padded.each_ref().map(|values| chunk_of(values, chunk));
-            *out = find_chunk(self.planes, centre, padded);
+        for (chunk, out) in self.chunks.iter().zip(out) {
+            *out = find_chunk(self.planes, chunk);
         }
     }
 }
 
-/// Returns a chunk of values.
+/// Returns the chunk of a slot, and its index in it.
 #[inline(always)]
-fn chunk_of(values: &[f32], chunk: usize) -> &[f32; CHUNK] {
-    &values.as_chunks().0[chunk]
+fn place_of(slot: u32) -> (usize, usize) {
+    (slot as usize / CHUNK, slot as usize % CHUNK)
 }
 
 /// Returns 1 for each box that may be visible, and 0 for the others.
 #[inline(always)]
-fn find_chunk(
-    planes: &[Vec4; 6],
-    middle: [&[f32; CHUNK]; 3],
-    padded: [&[f32; CHUNK]; 3],
-) -> [u32; CHUNK] {
+fn find_chunk(planes: &[Vec4; 6], chunk: &BoxChunk) -> [u32; CHUNK] {
+    let BoxChunk { centre, padded, .. } = chunk;
     let mut inside = [1_u32; CHUNK];
     for plane in planes {
         let outwards = plane.abs();
         let constant = plane.w + outwards.w * ROUNDING;
         for i in 0..CHUNK {
-            let x = plane.x * middle[0][i] + outwards.x * padded[0][i];
-            let y = plane.y * middle[1][i] + outwards.y * padded[1][i];
-            let z = plane.z * middle[2][i] + outwards.z * padded[2][i];
+            let x = plane.x * centre[0][i] + outwards.x * padded[0][i];
+            let y = plane.y * centre[1][i] + outwards.y * padded[1][i];
+            let z = plane.z * centre[2][i] + outwards.z * padded[2][i];
             inside[i] &= u32::from(x + y + z + constant >= 0.0);
         }
     }
@@ -362,7 +356,7 @@ mod tests {
     #[test]
     fn runs_are_the_boxes_that_may_show() {
         let mut boxes = CullingBoxes::default();
-        boxes.resize(100);
+        boxes.grow(100);
         for slot in 0..100_u32 {
             // Every third slot is empty.
             let bounds = if slot.is_multiple_of(3) {

@@ -196,8 +196,8 @@ pub(crate) struct LightCast {
     pub(crate) peeled: Binding,
     /// True if something changed in it since it was drawn.
     pub(crate) is_stale: bool,
-    /// The changed box that made it stale last. It is tested first, since the same casters often
-    /// move again.
+    /// Index, in the list of changed boxes, of the one that made it stale last. It is tested first,
+    /// since programs often move the same casters in the same order.
     last_change: usize,
     /// True if its layer contains anything of the shown plan. If not, no budget delays its draw,
     /// because shaders read it.

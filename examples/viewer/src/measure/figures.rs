@@ -70,7 +70,8 @@ pub(crate) struct SideFigures {
     pub mask: Option<Vec<f32>>,
     pub error: Option<MaskError>,
     pub cost: Option<Cost>,
-    /// Time of the mask's lookups on the device, milliseconds; `None` without timestamps.
+    /// Time of the mask's lookups on the device, milliseconds; `None` without timestamps, and on
+    /// software adapters.
     pub lookup_ms: Option<f64>,
     /// Reason why the light has no shadows on this side, and therefore no figures.
     pub refusal: Option<String>,

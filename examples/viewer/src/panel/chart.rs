@@ -145,8 +145,8 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
 }
 
 /// Returns the device time of a side's shadows of the selected light, milliseconds. `None` without
-/// timestamps, and on software adapters. Map times are measured for all lights together, and therefore only known for a
-/// single light.
+/// timestamps, and on software adapters. Map times are measured for all lights together, and
+/// therefore only known for a single light.
 fn measured_cost(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
     let lookups = viewer.figures.sides[side].lookup_ms?;
     if !cost.draws(viewer.settings.motion) {
