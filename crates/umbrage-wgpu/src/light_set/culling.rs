@@ -237,6 +237,18 @@ impl Volume {
             .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
     }
 
+    /// Returns whether one of these boxes may be visible in the layer. The box at the index `last` is
+    /// tested first; then `last` becomes the index of one that may be visible.
+    pub(crate) fn may_show_any(&self, boxes: &[Aabb], last: &mut usize) -> bool {
+        let may_show = |bounds: &Aabb| self.may_show(bounds);
+        if boxes.get(*last).is_some_and(may_show) {
+            return true;
+        }
+        let found = boxes.iter().position(may_show);
+        *last = found.unwrap_or(*last);
+        found.is_some()
+    }
+
     /// Tests, for each slot, whether its box may be visible in the layer.
     pub(crate) fn find(&self, boxes: &CullingBoxes, shown: &mut ShownSlots) {
         shown.0.resize(CHUNK * boxes.0.len(), 0);
@@ -396,6 +408,22 @@ mod tests {
         );
         let around = boxes.around_all();
         assert_eq!((around.min.x, around.max.x), (1.0, 99.0 + 1.0 - 1.0));
+    }
+
+    #[test]
+    fn any_box_is_found_from_any_index() {
+        let volume = Volume::new(&Mat4::IDENTITY, 100);
+        let [inside, outside] = [unit_box(0.0), unit_box(7.0)];
+        for first in 0..4 {
+            let mut last = first;
+            assert!(!volume.may_show_any(&[outside; 3], &mut last));
+            assert!(!volume.may_show_any(&[], &mut last));
+            assert_eq!(last, first);
+            assert!(volume.may_show_any(&[outside, inside, outside], &mut last));
+            assert_eq!(last, 1);
+            assert!(volume.may_show_any(&[inside, inside], &mut last));
+            assert_eq!(last, 1);
+        }
     }
 
     #[test]

@@ -256,19 +256,6 @@ impl HeldLight {
     }
 }
 
-impl LightCast {
-    /// Returns whether one of these boxes may be visible.
-    fn may_show_any(&mut self, changed: &[Aabb]) -> bool {
-        let may_show = |bounds: &Aabb| self.volume.may_show(bounds);
-        if changed.get(self.last_change).is_some_and(may_show) {
-            return true;
-        }
-        let found = changed.iter().position(may_show);
-        self.last_change = found.unwrap_or(self.last_change);
-        found.is_some()
-    }
-}
-
 impl LightMaps {
     /// Marks the casts in which one of these boxes may be visible; `still_changed` are those of
     /// still casters.
@@ -281,7 +268,7 @@ impl LightMaps {
         }
         for i in 0..self.casts.len() {
             let cast = &mut self.casts[i];
-            if !cast.is_stale && cast.may_show_any(changed) {
+            if !cast.is_stale && cast.volume.may_show_any(changed, &mut cast.last_change) {
                 let layer = cast.layer;
                 // Mark all casts into the layer: later ones may read what earlier ones drew.
                 for other in &mut self.casts {
