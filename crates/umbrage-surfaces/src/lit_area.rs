@@ -43,8 +43,8 @@ impl Facets {
     /// that face away from the sun have no lit area. With [`Sides::Both`], the lit area is that of
     /// the side that faces the sun.
     ///
-    /// Undecided are facets that are edge-on to the sun within the margin, and those that overlap
-    /// another one in the same plane where others don't darken both.
+    /// Undecided are facets that are edge-on to the sun within the margin. So are those that overlap
+    /// another one in the same plane, unless others darken both.
     pub fn lit_area(&self, suns: &Suns, mut visit: impl FnMut(usize, &[LitArea])) -> Stated {
         let mut stated = Stated {
             margin_m: self.margin_m(),
@@ -227,10 +227,10 @@ struct LitPart {
 struct Search {
     stack: Stack,
     blockers: Vec<Blocker>,
-    /// Dark facets of the cell, rising, which need not be blockers of its wide facets. Each was
-    /// darkened by others that were not needless yet, and so on to some that never are: these
-    /// darken all that it would.
-    needless: Vec<u32>,
+    /// Dark facets of the cell that need not be blockers of its wide facets. Each was darkened by
+    /// facets that were not needless then. Following these leads to facets that never are. They
+    /// darken the same, unless the receiver is one of them: then there is a cycle within the margin.
+    needless: FacetSet,
     /// True if a needless facet darkened a part of the last one.
     used_needless: bool,
 }
@@ -245,8 +245,8 @@ impl Search {
         let mut wide = scene.wide_facets(rectangle, &mut self.stack);
         let mut narrow: Vec<u32> = scene.narrow_facets(cell).collect();
         if !wide.is_empty() {
-            // Facets become needless only by those above them that are not. So begin with the lowest
-            // narrow ones. Wide ones profit from those above them.
+            // No needless facet may prove another one. So begin with the lowest narrow ones: those
+            // above are not needless yet. Begin with the highest wide ones: lower ones skip them.
             sort_by(&mut narrow, |i| scene.facets[i as usize].mean_height());
             sort_by(&mut wide, |i| {
                 let facet = &scene.facets[i as usize];
@@ -273,8 +273,7 @@ impl Search {
     /// Those that overlap another one in the same plane stay: offsets within the margin add up.
     fn add_if_needless(&mut self, index: u32, part: &LitPart) {
         if part.moments.z == 0.0 && !part.has_coplanar && !self.used_needless {
-            let position = self.needless.partition_point(|&other| other < index);
-            self.needless.insert(position, index);
+            self.needless.insert(index);
         }
     }
 
@@ -333,8 +332,9 @@ impl Search {
             if candidate == index {
                 return false;
             }
-            // Wide facets have no needless blockers. Wide ones are tested: they may darken all.
-            let is_needless = self.needless.binary_search(&candidate).is_ok();
+            // A needless facet is no blocker of a wide one. Needless wide candidates are tested all
+            // the same, since one may darken all.
+            let is_needless = self.needless.has(candidate);
             if is_needless && !is_narrow && scene.is_narrow(candidate) {
                 return false;
             }
@@ -368,6 +368,36 @@ impl Search {
     }
 }
 
+/// A set of facets.
+#[derive(Debug, Default)]
+struct FacetSet {
+    /// A bit for each facet, up to the greatest one that was in the set.
+    words: Vec<u64>,
+    members: Vec<u32>,
+}
+
+impl FacetSet {
+    fn has(&self, facet: u32) -> bool {
+        let word = self.words.get(facet as usize / 64);
+        word.is_some_and(|word| word >> (facet % 64) & 1 != 0)
+    }
+
+    fn insert(&mut self, facet: u32) {
+        let word = facet as usize / 64;
+        if word >= self.words.len() {
+            self.words.resize(word + 1, 0);
+        }
+        self.words[word] |= 1 << (facet % 64);
+        self.members.push(facet);
+    }
+
+    fn clear(&mut self) {
+        for facet in self.members.drain(..) {
+            self.words[facet as usize / 64] = 0;
+        }
+    }
+}
+
 /// Sorts facets by a number, then by index.
 fn sort_by(facets: &mut Vec<u32>, number: impl Fn(u32) -> f64) {
     let mut sorted: Vec<(f64, u32)> = facets.iter().map(|&i| (number(i), i)).collect();
@@ -380,27 +410,33 @@ fn sort_by(facets: &mut Vec<u32>, number: impl Fn(u32) -> f64) {
 mod tests {
     use super::*;
     use crate::Options;
+    use std::ops::Range;
 
-    /// A heap of small and large triangles, in one tile and in many.
-    #[test]
-    fn tiles_leave_all_bits_as_they_are() {
-        // Pseudorandom numbers in 0..1.
-        let at = |k: i32| {
-            let phases = DVec3::new(12.9, 78.2, 37.7) * f64::from(k);
-            (phases.sin() * 43_758.5).fract_gl()
-        };
-        let mut vertices = Vec::new();
-        for i in 0..5000 {
-            let size = if i % 50 == 0 { 0.8 } else { 0.04 };
-            vertices.extend([1, 2, 3].map(|k| at(i) + at(5000 * k + i) * size));
-        }
-        let triangles: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    /// Returns a pseudorandom vector with coordinates in 0..1.
+    fn random(k: i32) -> DVec3 {
+        let phases = DVec3::new(12.9, 78.2, 37.7) * f64::from(k);
+        (phases.sin() * 43_758.5).fract_gl()
+    }
+
+    fn facets_of(corners: &[[DVec3; 3]]) -> Facets {
+        let rows = 0..corners.len() as u32;
+        let triangles: Vec<[u32; 3]> = rows.map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let options = Options {
             unit_m: Some(1.0),
             certify: true,
             ..Options::default()
         };
-        let facets = Facets::new(&vertices, &triangles, &options).expect("good facets");
+        Facets::new(corners.as_flattened(), &triangles, &options).expect("good facets")
+    }
+
+    /// A heap of small and large triangles, in one tile and in many.
+    #[test]
+    fn tiles_leave_all_bits_as_they_are() {
+        let triangle = |i: i32| {
+            let size = if i % 50 == 0 { 0.8 } else { 0.04 };
+            [1, 2, 3].map(|k| random(i) + random(5000 * k + i) * size)
+        };
+        let facets = facets_of(&(0..5000).map(triangle).collect::<Vec<_>>());
         for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
             let frame = frame_towards(sun);
             let mut tiles = 0;
@@ -414,5 +450,72 @@ mod tests {
             let identity = tiled.identity.expect("certified");
             assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
         }
+    }
+
+    /// Returns a floor of two wide triangles, narrow ones that may be above it, and small ones below
+    /// it, which make cells.
+    fn floor_below(narrow: &[[DVec3; 3]]) -> Facets {
+        let [a, b, c] = [DVec3::X, DVec3::X + DVec3::Y, DVec3::Y].map(|corner| 4.0 * corner);
+        let mut corners = vec![[DVec3::ZERO, a, b], [DVec3::ZERO, b, c]];
+        corners.extend(narrow);
+        let small = |i: i32| {
+            let position = random(i) * 4.0 - DVec3::Z * 5.0;
+            [1, 2, 3].map(|k| position + random(5000 * k + i) * 0.02)
+        };
+        corners.extend((0..1100).map(small));
+        let facets = facets_of(&corners);
+        facets.visit_tiles(&frame_towards(DVec3::Z), TILE, |scene| {
+            for index in 0..scene.facets.len() as u32 {
+                assert_eq!(scene.is_narrow(index), scene.row(index) > 1);
+            }
+        });
+        facets
+    }
+
+    /// Returns the area of some rows that is lit from above.
+    fn lit_rows(facets: &Facets, rows: Range<usize>) -> f64 {
+        let lit = facets.lit_areas_towards(DVec3::Z, TILE);
+        lit.areas[rows].iter().map(|facet| facet.area).sum()
+    }
+
+    /// Three facets that darken each other in a cycle, none in the plane of another. One of them may
+    /// be cut in two. All are dark, and the floor must be dark below them nevertheless.
+    #[test]
+    fn facets_in_a_cycle_cast_shadows() {
+        let base = [[0.25, 0.25], [0.625, 0.375], [0.375, 0.75]];
+        let cycle = |margin: f64| {
+            let offsets = [[0.0; 3], [0.9, 0.9, -1.1], [1.8, -0.95, -0.2]];
+            offsets.map(|offsets| {
+                [0, 1, 2].map(|i| DVec3::new(base[i][0], base[i][1], 1.0 + margin * offsets[i]))
+            })
+        };
+        let margin = floor_below(&cycle(0.0)).margin_m();
+        let [a, b, c] = cycle(margin);
+        let middle = a[2] + (a[1] - a[2]) / 32.0;
+        let halves = [[a[0], a[1], middle], [a[0], middle, a[2]]];
+        let dark = 0.5 * (a[1] - a[0]).cross(a[2] - a[0]).z;
+        for cycle in [vec![a, b, c], vec![halves[0], halves[1], b, c]] {
+            let facets = floor_below(&cycle);
+            assert_eq!(lit_rows(&facets, 2..2 + cycle.len()), 0.0, "no cycle");
+            let lit = lit_rows(&facets, 0..2);
+            assert!((lit - (16.0 - dark)).abs() < 1e-12, "{lit}");
+        }
+    }
+
+    /// Triangles that are repeated within some margins cast the shadows of single ones.
+    #[test]
+    fn near_duplicates_cast_shadows() {
+        let once = |i: i32| {
+            let position = random(i) * DVec3::new(3.5, 3.5, 0.0) + DVec3::Z;
+            [1, 2, 3].map(|k| position + random(5000 * k + i) * 0.4)
+        };
+        let single: Vec<_> = (0..100).map(once).collect();
+        let repeated: Vec<_> = (0..500)
+            .map(|i| once(i % 100).map(|corner| corner + random(i + 900) * 1e-11))
+            .collect();
+        let [expected, lit] =
+            [single, repeated].map(|narrow| lit_rows(&floor_below(&narrow), 0..2));
+        assert!(expected < 15.5, "{expected}");
+        assert!((lit - expected).abs() < 1e-9, "{lit} for {expected}");
     }
 }

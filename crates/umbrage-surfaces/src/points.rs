@@ -4,7 +4,7 @@ use crate::{Facets, FacetsError, Sides, facets::check_finite, morton, suns::unit
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Points whose values are in memory at once. There are up to 256 tasks of them.
+/// Points whose values are in memory at once. They are computed in up to 256 tasks.
 const BLOCK: usize = 1 << 14;
 /// Points per task, at least.
 const TASK: usize = 64;

@@ -38,7 +38,8 @@ fn identity_error(mesh: &Mesh, areas: &[LitArea], sun: DVec3) -> f64 {
     (projected(areas) / union - 1.0).abs()
 }
 
-/// Small facets with which a mesh has several cells. Larger facets are computed cell by cell.
+/// Number of small facets: from 1,024 on, a mesh has 16 cells. Facets wider than a cell are computed
+/// cell by cell.
 const SHEETS: usize = 1100;
 
 /// Meshes with their names and sides. Each has facets that are lit in part.
@@ -67,8 +68,8 @@ fn scenes() -> Vec<(&'static str, Mesh, Sides)> {
     let mut sheets = floor(4.0, 1);
     sheets.append(&floor(1.6, 1));
     sheets.append(&heap(8, 2.0, &mut random));
-    sheets.append(&heap(SHEETS, 0.1, &mut random).moved(|v| v + DVec3::Z));
     sheets.append(&heap(6, 2.0, &mut random).moved(|v| v + DVec3::Z * 3.0));
+    sheets.append(&heap(SHEETS, 0.1, &mut random).moved(|v| v + DVec3::Z));
     vec![
         ("sheets", sheets, Sides::Both),
         ("heap", heap(300, 0.3, &mut random), Sides::Both),
@@ -129,7 +130,11 @@ fn a_spoilt_clipper_fails_the_identity() {
 fn each_facet_agrees_with_another_programs_polygons() {
     for (name, mesh, sides) in scenes() {
         for &sun in suns(&[50.0, 12.0]).directions() {
-            for (row, facet) in areas(&mesh, sides, sun).iter().enumerate().step_by(3) {
+            for (row, facet) in areas(&mesh, sides, sun).iter().enumerate() {
+                // Test all wide facets of the sheets, which are the first ones.
+                if row >= 18 && row % 9 != 0 {
+                    continue;
+                }
                 let [a, b, c] = mesh.corners(row);
                 let whole = 0.5 * (b - a).cross(c - a).dot(sun);
                 if sides == Sides::Front && whole <= 0.0 {
@@ -375,33 +380,6 @@ fn near_duplicates_are_undecided() {
             "{margins} margins: {stated}"
         );
     }
-}
-
-/// Three near-duplicates that darken each other in a cycle, none in the plane of another. They are
-/// all dark, and the floor must be dark below them nevertheless.
-#[test]
-fn facets_that_darken_each_other_still_cast_shadows() {
-    let base = [[0.3, 0.3], [0.6, 0.35], [0.4, 0.7]];
-    let offsets = [[0.0; 3], [0.9, 0.9, -1.1], [1.8, -0.2, -0.2]];
-    let mesh_of = |margin: f64| {
-        let mut mesh = floor(4.0, 1);
-        for offsets in offsets {
-            let corner = |i: usize| dvec3(base[i][0], base[i][1], 1.0 + margin * offsets[i]);
-            mesh.push([0, 1, 2].map(corner));
-        }
-        // Small facets below the floor.
-        let small = heap(SHEETS, 0.02, &mut Random(9));
-        mesh.append(&small.moved(|v| v - DVec3::Z * 3.0));
-        mesh
-    };
-    let margin = mesh_of(0.0).facets(Sides::Both).margin_m();
-    let areas = areas(&mesh_of(margin), Sides::Both, DVec3::Z);
-    let lit: Vec<f64> = areas[..5].iter().map(|facet| facet.area).collect();
-    assert_eq!(lit[2..], [0.0; 3], "they don't darken each other");
-    let [a, b, c] = base.map(|[x, y]| dvec3(x, y, 0.0));
-    let dark = 0.5 * (b - a).cross(c - a).z;
-    let error = lit[0] + lit[1] - (16.0 - dark);
-    assert!(error.abs() < 1e-12, "{lit:?}");
 }
 
 /// Meshes with holes, crossings, degenerate and duplicate triangles and inverted normals.

@@ -237,8 +237,8 @@ impl Volume {
             .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
     }
 
-    /// Returns whether one of these boxes may be visible in the layer. The box at the index `last` is
-    /// tested first; then `last` becomes the index of one that may be visible.
+    /// Returns whether one of these boxes may be visible in the layer. Tests the box at the index
+    /// `last` first. If another one is found, `last` becomes its index.
     pub(crate) fn may_show_any(&self, boxes: &[Aabb], last: &mut usize) -> bool {
         let may_show = |bounds: &Aabb| self.may_show(bounds);
         if boxes.get(*last).is_some_and(may_show) {
