@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result, bail};
 use std::{
+    io::{Read as _, Write as _},
     net::{Ipv4Addr, TcpListener, TcpStream},
     path::Path,
     process::{Child, Command},
@@ -10,7 +11,7 @@ use std::{
 
 /// Python's server, with a header that makes browsers load the latest build.
 const SERVER: &str = "
-import sys
+import sys, time
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 class Handler(SimpleHTTPRequestHandler):
     def __init__(self, *args):
@@ -23,8 +24,16 @@ class Handler(SimpleHTTPRequestHandler):
 class Server(ThreadingHTTPServer):
     def handle_error(self, *_):
         pass  # Browsers close connections at any time.
+for attempts_left in reversed(range(100)):
+    try:
+        server = Server(('127.0.0.1', int(sys.argv[1])), Handler)
+        break
+    except OSError:
+        if attempts_left == 0:
+            raise
+        time.sleep(.02)  # The port may still be reserved: see `is_served`.
 try:
-    Server(('127.0.0.1', int(sys.argv[1])), Handler).serve_forever()
+    server.serve_forever()
 except KeyboardInterrupt:
     pass
 ";
@@ -35,6 +44,17 @@ pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
         format!("port {port} is not available: pass another --port, or use --no-serve")
     })
+}
+
+/// Returns whether a server answers at a port. Connecting proves nothing: a process that another
+/// thread starts holds a copy of the reserved port until it runs its program. Such connections are
+/// reset then.
+fn is_served(port: u16) -> bool {
+    let Ok(mut stream) = TcpStream::connect((Ipv4Addr::LOCALHOST, port)) else {
+        return false;
+    };
+    let is_sent = stream.write_all(b"HEAD / HTTP/1.0\r\n\r\n").is_ok();
+    is_sent && stream.read_exact(&mut [0]).is_ok()
 }
 
 /// A running server, which ends when it is dropped.
@@ -59,7 +79,7 @@ impl Server {
             python,
             address: format!("http://localhost:{port_number}/"),
         };
-        while TcpStream::connect((Ipv4Addr::LOCALHOST, port_number)).is_err() {
+        while !is_served(port_number) {
             if let Some(status) = server.python.try_wait()? {
                 bail!("python3 could not serve the folder: it ended with {status}");
             }
@@ -87,10 +107,7 @@ impl Drop for Server {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::{
-        fs,
-        io::{Read as _, Write as _},
-    };
+    use std::{fs, thread};
 
     #[test]
     fn files_are_served_and_others_are_not() {
@@ -104,6 +121,12 @@ mod tests {
         let number = port.local_addr().expect("an address").port();
         let taken = take_port(number).expect_err("taken");
         assert!(taken.to_string().contains("--port"), "{taken}");
+        // Hold the reserved port for a while, like a process that is being started.
+        let held = port.try_clone().expect("a copy");
+        thread::spawn(move || {
+            thread::sleep(Duration::from_millis(500));
+            drop(held);
+        });
         let _server = Server::start(port, &page).expect("python3 starts");
         let get = |target: &str| {
             let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, number)).expect("connected");
