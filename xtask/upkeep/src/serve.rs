@@ -48,13 +48,15 @@ pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
 
 /// Returns whether a server answers at a port. Connecting proves nothing: a process that another
 /// thread starts holds a copy of the reserved port until it runs its program. Such connections are
-/// reset then.
+/// reset then. Another program at the port may never answer, so there is a limit.
 fn is_served(port: u16) -> bool {
     let Ok(mut stream) = TcpStream::connect((Ipv4Addr::LOCALHOST, port)) else {
         return false;
     };
-    let is_sent = stream.write_all(b"HEAD / HTTP/1.0\r\n\r\n").is_ok();
-    is_sent && stream.read_exact(&mut [0]).is_ok()
+    let limit = Some(Duration::from_secs(1));
+    stream.set_read_timeout(limit).is_ok()
+        && stream.write_all(b"HEAD / HTTP/1.0\r\n\r\n").is_ok()
+        && stream.read_exact(&mut [0]).is_ok()
 }
 
 /// A running server, which ends when it is dropped.
@@ -145,5 +147,14 @@ mod tests {
             let refused = get(outside);
             assert!(refused.contains(" 404 "), "{outside}: {refused}");
         }
+    }
+
+    #[test]
+    fn a_port_that_another_program_keeps_is_an_error() {
+        let port = take_port(0).expect("a port");
+        // Connections are accepted, and nothing answers.
+        let _kept = port.try_clone().expect("a copy");
+        let error = Server::start(port, Path::new(".")).err().expect("is kept");
+        assert!(error.to_string().contains("could not serve"), "{error}");
     }
 }

@@ -83,7 +83,7 @@ impl CullingBoxes {
             bounds.extent() * 0.5
         };
         let padded = half + (half.abs() + centre.abs()) * ROUNDING;
-        let (chunk, i) = place_of(slot);
+        let (chunk, i) = chunk_of(slot);
         let chunk = &mut self.0[chunk];
         for axis in 0..3 {
             chunk.centre[axis][i] = centre[axis];
@@ -93,7 +93,7 @@ impl CullingBoxes {
     }
 
     pub(crate) fn get(&self, slot: u32) -> Aabb {
-        let (chunk, i) = place_of(slot);
+        let (chunk, i) = chunk_of(slot);
         let chunk = &self.0[chunk];
         let centre = Vec3::from(chunk.centre.each_ref().map(|values| values[i]));
         let half = Vec3::from(chunk.half.each_ref().map(|values| values[i]));
@@ -107,8 +107,8 @@ impl CullingBoxes {
     }
 
     pub(crate) fn copy(&mut self, from: u32, to: u32) {
-        let (from, i) = place_of(from);
-        let (to, j) = place_of(to);
+        let (from, i) = chunk_of(from);
+        let (to, j) = chunk_of(to);
         for axis in 0..3 {
             self.0[to].centre[axis][j] = self.0[from].centre[axis][i];
             self.0[to].half[axis][j] = self.0[from].half[axis][i];
@@ -281,7 +281,7 @@ impl SimdTask for FindShown<'_> {
 
 /// Returns the chunk of a slot, and its index in it.
 #[inline(always)]
-fn place_of(slot: u32) -> (usize, usize) {
+fn chunk_of(slot: u32) -> (usize, usize) {
     (slot as usize / CHUNK, slot as usize % CHUNK)
 }
 
