@@ -2,9 +2,9 @@
 //! `cargo run --release -p umbrage-surfaces --features cli --example areas_speed -- ball 3000000`.
 //!
 //! Meshes are `ball` (closed, lumpy), `city` (closed houses on a closed slab), `both` (the city
-//! from both sides), `plain` (that on a slab of one square a side) and `houses` (that without the
-//! slab: the difference is the time of the slab's twelve facets). The path of a model, y up, is one,
-//! too: it has both sides, and the number is the metres of its unit.
+//! from both sides), `plain` (that on a slab of one square a side) and `ground` (the ball, from both
+//! sides, on a slab of 300 times its width). The path of a model, y up, is one, too: it has both
+//! sides, and the number is the metres of its unit.
 //!
 //! With `certify` the sum of areas is checked, which takes longer. Each line has the wall time of a
 //! sun, and user and system time over the number of threads, which other programs on the machine
@@ -27,7 +27,7 @@ fn main() -> Result<()> {
         [_, kind, count] => (kind, count, false),
         [_, kind, count, certify] if certify == "certify" => (kind, count, true),
         _ => bail!(
-            "usage: areas_speed ball|city|both|plain|houses FACETS [certify], \
+            "usage: areas_speed ball|ground|city|both|plain FACETS [certify], \
              or areas_speed MODEL METRES [certify]"
         ),
     };
@@ -37,7 +37,14 @@ fn main() -> Result<()> {
     let mesh = match kind.as_str() {
         "ball" => ball(count),
         "plain" => city(count, 1),
-        "houses" => city(count, 0),
+        "ground" => {
+            let mut mesh = ball(count);
+            let side = 300.0 * 2000.0;
+            mesh.add_box([1; 3], |p| {
+                (p - dvec3(0.5, 0.5, 1.0)) * dvec3(side, side, 1.0) - DVec3::Z * 1200.0
+            });
+            mesh
+        }
         "city" | "both" => city(count, 20),
         path => model(path, count)?,
     };
@@ -140,20 +147,17 @@ fn ball(count: f64) -> Mesh {
     mesh
 }
 
-/// Returns houses on a slab, whose top has this number of squares along 20 m; 0 for no slab.
+/// Returns houses on a slab, whose top has this number of squares along 20 m, or 1 in all.
 fn city(count: f64, squares: u32) -> Mesh {
     let mut mesh = Mesh::default();
     // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
     let houses = (count / (2.0 * (5.0 * 64.0 + 64.0 + 400.0))).sqrt().ceil() as u32;
     let side = f64::from(houses) * 20.0;
     let slab = match squares {
-        0 | 1 => [1; 3],
+        1 => [1; 3],
         _ => [houses * squares, houses * squares, 1],
     };
     mesh.add_box(slab, |p| p * dvec3(side, side, 1.0) - DVec3::Z);
-    if squares == 0 {
-        mesh.triangles.clear();
-    }
     for y in 0..houses {
         for x in 0..houses {
             let mix = (x * 7919 + y * 104_729) % 1000;

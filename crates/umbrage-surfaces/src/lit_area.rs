@@ -114,10 +114,15 @@ impl Facets {
     /// Passes all tiles towards a sun to `visit`, one after another.
     fn visit_tiles(&self, frame: &DMat3, tile: u32, mut visit: impl FnMut(&Scene)) {
         let rows = self.count() as u32;
-        let grid = Grid::new(bounds_across(frame, self.bounds), self.count());
         let seen = |row| self.seen(row, frame);
-        for tile in grid.tiles(rows, tile, &seen) {
-            visit(&Scene::new(grid, tile, rows, &seen));
+        let grid = Grid::new(
+            bounds_across(frame, self.bounds),
+            rows,
+            tile as usize,
+            &seen,
+        );
+        for tile in grid.tiles() {
+            visit(&Scene::new(&grid, tile, rows, &seen));
         }
     }
 
@@ -409,7 +414,7 @@ fn sort_by(facets: &mut Vec<u32>, number: impl Fn(u32) -> f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Options;
+    use crate::{Options, tree::query_all};
     use std::ops::Range;
 
     /// Returns a pseudorandom vector with coordinates in 0..1.
@@ -448,6 +453,51 @@ mod tests {
                 "towards {sun}"
             );
             let identity = tiled.identity.expect("certified");
+            assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
+        }
+    }
+
+    /// A dense heap on wide ground of a few squares: cells are small around the heap, and facets that
+    /// overlap many cells are computed cell by cell.
+    #[test]
+    fn cells_are_small_where_facets_are() {
+        let square = |i: i32| {
+            let corner = DVec3::new(f64::from(i % 7), f64::from(i / 7), 0.0) * 100.0;
+            let [x, y] = [DVec3::X, DVec3::Y].map(|axis| corner + axis * 100.0);
+            let opposite = x + y - corner;
+            [[corner, x, opposite], [corner, opposite, y]]
+        };
+        let small = |i: i32| {
+            let position = random(i) + DVec3::new(399.0, 301.0, 0.1);
+            [1, 2, 3].map(|k| position + random(5000 * k + i) * 0.01)
+        };
+        let mut corners: Vec<_> = (0..49).flat_map(square).collect();
+        corners.extend((0..5000).map(small));
+        let facets = facets_of(&corners);
+        for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
+            facets.visit_tiles(&frame_towards(sun), TILE, |scene| {
+                let mut cells_of_narrow = vec![0; scene.facets.len()];
+                let cells = scene.map_cells(|stack: &mut Stack, cell| {
+                    let query = query_all(scene.rectangle(cell).map(|p| p.extend(0.0)));
+                    let mut overlapping = Vec::new();
+                    scene.visit_overlapping(&query, stack, |index| {
+                        overlapping.extend(scene.is_narrow(index).then_some(index));
+                        false
+                    });
+                    (scene.narrow_facets(cell).count(), overlapping)
+                });
+                for (computed, overlapping) in cells {
+                    assert!(computed <= 1024, "{computed} facets in a cell");
+                    overlapping
+                        .iter()
+                        .for_each(|&i| cells_of_narrow[i as usize] += 1);
+                }
+                let most = cells_of_narrow.iter().max();
+                assert!(most <= Some(&4), "{most:?} cells, but computed in one");
+            });
+            let lit = facets.lit_areas_towards(sun, 300);
+            assert!(lit == facets.lit_areas_towards(sun, TILE), "towards {sun}");
+            let identity = lit.identity.expect("certified");
             assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
         }
     }

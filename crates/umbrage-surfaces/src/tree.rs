@@ -120,26 +120,26 @@ impl Node {
 }
 
 /// The facets that reach into a tile, in the order of the tree: wide ones first.
-pub(crate) struct Scene {
-    grid: Grid,
+pub(crate) struct Scene<'a> {
+    grid: &'a Grid,
     pub(crate) facets: Vec<Projected>,
-    /// Keys of the grid, and the caller's rows.
-    keys: Vec<(u64, u32)>,
-    /// Number of facets wider than a cell.
+    /// The caller's rows of the facets.
+    rows: Vec<u32>,
+    /// Number of facets that are computed cell by cell.
     wide: u32,
-    tile: Tile,
+    tile: &'a Tile,
     /// Cells of the tile, and the facets that are computed in them, but for wide ones: rising.
     receivers: Vec<(u32, u32)>,
     /// Nodes of each level, from the leaves' parents to the root.
     levels: Vec<Vec<Node>>,
 }
 
-impl Scene {
+impl<'a> Scene<'a> {
     /// Builds the tree over the facets that reach into a tile. `seen` returns one of `rows` facets
     /// as the sun sees it.
     pub(crate) fn new(
-        grid: Grid,
-        tile: Tile,
+        grid: &'a Grid,
+        tile: &'a Tile,
         rows: u32,
         seen: &(impl Fn(u32) -> Option<Projected> + Sync),
     ) -> Self {
@@ -148,20 +148,28 @@ impl Scene {
             let facet = seen(row)?;
             let [least, most] = facet.bounds();
             let is_inside = least.cmple(high).all() && most.cmpge(low).all();
-            is_inside.then(|| (grid.key(&facet), row))
+            is_inside.then(|| {
+                let (key, cell) = grid.key(&facet);
+                (key, row, cell)
+            })
         };
-        let mut keys: Vec<(u64, u32)> = (0..rows).into_par_iter().filter_map(key_of).collect();
-        keys.par_sort_unstable();
-        let facets: Vec<Projected> = keys
+        let mut sorted: Vec<(u64, u32, u32)> =
+            (0..rows).into_par_iter().filter_map(key_of).collect();
+        sorted.par_sort_unstable();
+        let rows: Vec<u32> = sorted.par_iter().map(|&(_, row, _)| row).collect();
+        let facets: Vec<Projected> = rows
             .par_iter()
-            .map(|&(_, row)| seen(row).unwrap_or_default())
+            .map(|&row| seen(row).unwrap_or_default())
             .collect();
-        let wide = keys.partition_point(|&(key, _)| grid.is_wide(key)) as u32;
-        let cells = tile.cells();
-        let mut receivers: Vec<(u32, u32)> = (wide..keys.len() as u32)
+        let wide = sorted.partition_point(|&(key, ..)| !Grid::is_narrow(key)) as u32;
+        let cell_and_index = |index: u32| {
+            let (_, _, cell) = sorted[index as usize];
+            (cell, index)
+        };
+        let mut receivers: Vec<(u32, u32)> = (wide..sorted.len() as u32)
             .into_par_iter()
-            .map(|i| (grid.cell_of(keys[i as usize].0), i))
-            .filter(|(cell, _)| cells.contains(cell))
+            .map(cell_and_index)
+            .filter(|(cell, _)| tile.cells.contains(cell))
             .collect();
         receivers.par_sort_unstable();
         let leaves: Vec<Node> = facets
@@ -179,7 +187,7 @@ impl Scene {
         Self {
             grid,
             facets,
-            keys,
+            rows,
             wide,
             tile,
             receivers,
@@ -190,7 +198,7 @@ impl Scene {
     /// Returns the caller's row of a facet.
     #[inline(always)]
     pub(crate) fn row(&self, index: u32) -> u32 {
-        self.keys[index as usize].1
+        self.rows[index as usize]
     }
 
     /// Returns whether a facet is computed as a whole.
@@ -200,7 +208,7 @@ impl Scene {
 
     /// Returns the rectangle of a cell.
     pub(crate) fn rectangle(&self, cell: u32) -> Rectangle {
-        self.grid.rectangle(Tile::of_cell(cell))
+        self.grid.rectangle(cell)
     }
 
     /// Computes a value for each cell of the tile, in order, with memory that is reused.
@@ -208,7 +216,7 @@ impl Scene {
         &self,
         compute: impl Fn(&mut M, u32) -> T + Send + Sync,
     ) -> Vec<T> {
-        let cells = self.tile.cells().into_par_iter();
+        let cells = self.tile.cells.clone().into_par_iter();
         cells.map_init(M::default, compute).collect()
     }
 
