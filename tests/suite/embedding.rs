@@ -2,11 +2,13 @@
 //! an external encoder.
 
 use bytemuck::cast_slice;
-use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
+use umbrage::{
+    Backend, BackendError, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf,
+};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Exact, ExactStructure, MapTechnique};
 use umbrage_tests::{
-    adapter::{TestDevice, device},
+    adapter::{TestDevice, device, open_with},
     foreign,
 };
 use umbrage_wgpu::{
@@ -94,6 +96,16 @@ impl EmbeddedProgram {
         recipe: &Recipe,
         size: glam::UVec2,
     ) -> TextureView {
+        self.prepare(shadows, recipe, size).expect("prepares");
+        shadows.encode(encoder).expect("was prepared").clone()
+    }
+
+    fn prepare(
+        &self,
+        shadows: &mut ShadowRenderer,
+        recipe: &Recipe,
+        size: glam::UVec2,
+    ) -> Result<(), BackendError> {
         let casters = [Drawable {
             vertices: &self.vertices,
             layout: LAYOUT,
@@ -116,8 +128,7 @@ impl EmbeddedProgram {
             everything: &[],
             receivers,
         };
-        shadows.prepare(recipe, &frame).expect("prepares");
-        shadows.encode(encoder).expect("was prepared").clone()
+        shadows.prepare(recipe, &frame)
     }
 }
 
@@ -237,6 +248,43 @@ fn hierarchies_without_valid_tables_are_refused() {
     }
     let error = refusal(&recipe);
     assert!(error.contains("0 bytes"), "{error}");
+}
+
+/// A hierarchy that shaders can't bind is an error that names the limit, and the renderer can be
+/// used further.
+#[test]
+fn hierarchies_beyond_a_binding_are_refused() {
+    let scene = umbrage::scenes::by_argument("teapot-lamp").expect("a built-in scene");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let [hierarchy, map] = [
+        &HIERARCHY as &dyn ShadowTechnique,
+        &MapTechnique::<Pcf>::default(),
+    ]
+    .map(|technique| technique.recipe(&view).expect("serves the lamp"));
+    let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
+    // The corners of all casters fit, but not the nodes next to them.
+    let corners = 48 * geometry.casters().len() as u64;
+    for (most, is_enough) in [(corners + 64, false), (1 << 27, true)] {
+        let desc = wgpu::DeviceDescriptor {
+            required_limits: wgpu::Limits {
+                max_storage_buffer_binding_size: most,
+                ..wgpu::Limits::default()
+            },
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let d = &open_with(&desc).expect("a device");
+        let program = EmbeddedProgram::new(d, &geometry, &receivers);
+        let mut shadows = renderer(d);
+        let result = program.prepare(&mut shadows, &hierarchy, receivers.size);
+        let error = result.err().map(|error| error.to_string());
+        assert_eq!(error.is_none(), is_enough, "{error:?}");
+        if let Some(error) = error {
+            assert!(error.contains("max_storage_buffer_binding_size"), "{error}");
+        }
+        let mask = program.frame(d, &mut shadows, &map, receivers.size);
+        assert!(mask.iter().any(|&v| v < 1.0));
+    }
 }
 
 /// Casters that move need no other buffers.
