@@ -263,7 +263,7 @@ fn hierarchies_beyond_a_binding_are_refused() {
     ]
     .map(|technique| technique.recipe(&view).expect("serves the lamp"));
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
-    // The corners of all casters fit, but not the nodes next to them.
+    // The corners of all casters fit, three rows of 16 bytes each, but not the nodes next to them.
     let corners = 48 * geometry.casters().len() as u64;
     for (most, is_enough) in [(corners + 64, false), (1 << 27, true)] {
         let desc = wgpu::DeviceDescriptor {

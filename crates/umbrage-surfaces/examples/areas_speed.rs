@@ -41,7 +41,7 @@ fn main() -> Result<()> {
             let mut mesh = ball(count);
             let side = 300.0 * 2000.0;
             mesh.add_box([1; 3], |p| {
-                (p - dvec3(0.5, 0.5, 1.0)) * dvec3(side, side, 1.0) - DVec3::Z * 1200.0
+                (p - dvec3(0.3, 0.6, 1.0)) * dvec3(side, side, 1.0) - DVec3::Z * 1200.0
             });
             mesh
         }
@@ -147,7 +147,7 @@ fn ball(count: f64) -> Mesh {
     mesh
 }
 
-/// Returns houses on a slab, whose top has this number of squares along 20 m, or 1 in all.
+/// Returns houses on a slab, whose top has this number of squares along 20 m; 1 for one square in all.
 fn city(count: f64, squares: u32) -> Mesh {
     let mut mesh = Mesh::default();
     // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.

@@ -2,20 +2,25 @@
 //!
 //! Cells are the leaves of a quadtree: small where there are many small facets. They depend on the
 //! facets and the sun alone. Facets wider than a cell that they overlap are computed cell by cell,
-//! others in the cell of their centre. A tile is a square of cells that is computed at once. Sums
-//! are in the order of cells, so that answers do not depend on tiles.
+//! others in the cell of their centre. A tile is a run of cells that is computed at once. Sums are
+//! in the order of cells, so that answers do not depend on tiles.
 
 use crate::{morton, tree::Projected};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A cell is divided if it has more facets than this that are no wider than its quarters.
+/// A cell is divided if it has more centres than this of facets that are no wider than its quarters.
+/// Half or a fourth of it take as long.
 const MOST_PER_CELL: usize = 1024;
-/// Levels of squares below the whole: bits of a coordinate in a Morton code.
-const LEVELS: u32 = 21;
+/// Levels of squares below the whole.
+const LEVELS: u32 = morton::BITS;
 /// Bits of a facet's level, below its Morton code.
 const LEVEL_BITS: u32 = 5;
+const GREATEST_LEVEL: u32 = (1 << LEVEL_BITS) - 1;
+/// Bound of the rounding of a box and of a query in the tree of facets: two steps of 32-bit numbers
+/// each.
+const TREE_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A rectangle across the light: least and greatest coordinates.
 pub(crate) type Rectangle = [DVec2; 2];
@@ -50,18 +55,14 @@ impl Square {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    square: Square,
-    /// Least level of the facets that are no wider than the cell, with centres in it.
-    least_level: u32,
-}
-
-/// A square of cells.
+/// Cells that are computed at once: those of some squares.
 #[derive(Clone, Debug)]
 pub(crate) struct Tile {
-    square: Square,
     pub(crate) cells: Range<u32>,
+    /// Number of facets with centres in the squares.
+    facets: usize,
+    /// For each square, the rectangle that contains the facets that are computed in it as a whole.
+    reaches: Vec<Rectangle>,
 }
 
 /// Square cells around all facets, and tiles of them.
@@ -70,7 +71,7 @@ pub(crate) struct Grid {
     low: DVec2,
     side: f64,
     /// Along the Morton curve.
-    cells: Vec<Cell>,
+    cells: Vec<Square>,
     tiles: Vec<Tile>,
 }
 
@@ -92,37 +93,30 @@ impl Grid {
             cells: Vec::new(),
             tiles: Vec::new(),
         };
-        let place_and_level = |facet: Projected| {
-            let [low, high] = facet.bounds();
-            grid.code(low.midpoint(high)) << LEVEL_BITS | u64::from(grid.level_of([low, high]))
+        let place = |row: u32| {
+            let [low, high] = seen(row)?.bounds();
+            let level = u64::from(grid.level_of([low, high]));
+            Some(grid.code(low.midpoint(high)) << LEVEL_BITS | level)
         };
-        let facets = (0..rows).into_par_iter().filter_map(seen);
-        let mut places: Vec<u64> = facets.map(place_and_level).collect();
+        // Rows that the sun doesn't see are last.
+        let rows = (0..rows).into_par_iter();
+        let mut places: Vec<u64> = rows.map(|row| place(row).unwrap_or(u64::MAX)).collect();
         places.par_sort_unstable();
+        places.truncate(places.partition_point(|&place| place < u64::MAX));
         grid.divide(Square::WHOLE, &places, most_in_tile, false);
         grid
     }
 
-    /// Adds the cells of a square, and its tiles unless it is in one. `places` are the codes and
-    /// levels of the facets with centres in the square, rising.
+    /// Adds the cells of a square, and adds squares of at most `most_in_tile` facets to tiles unless
+    /// this one is in a tile. `places` are the codes and levels of the facets with centres in the
+    /// square, rising.
     fn divide(&mut self, square: Square, places: &[u64], most_in_tile: usize, is_in_tile: bool) {
-        let levels_from = |least: u32| {
-            let levels = places
-                .iter()
-                .map(|place| (place % (1 << LEVEL_BITS)) as u32);
-            levels.filter(move |&level| level >= least)
-        };
-        let narrow_in_quarters = levels_from(square.level + 1);
-        let is_cell = square.level == LEVELS
-            || narrow_in_quarters.take(MOST_PER_CELL + 1).count() <= MOST_PER_CELL;
+        let narrow_in_quarters = levels_from(square.level + 1, places).take(MOST_PER_CELL + 1);
+        let is_cell = square.level == LEVELS || narrow_in_quarters.count() <= MOST_PER_CELL;
         let is_tile = !is_in_tile && (is_cell || places.len() <= most_in_tile);
         let first = self.cells.len() as u32;
         if is_cell {
-            let least_level = levels_from(square.level).min().unwrap_or(31);
-            self.cells.push(Cell {
-                square,
-                least_level,
-            });
+            self.cells.push(square);
         } else {
             let mut rest = places;
             for quarter in square.quarters() {
@@ -134,8 +128,35 @@ impl Grid {
             }
         }
         if is_tile {
-            let cells = first..self.cells.len() as u32;
-            self.tiles.push(Tile { square, cells });
+            self.add_to_tiles(square, first, places, most_in_tile);
+        }
+    }
+
+    /// Adds a square, whose cells begin with `first`, to the last tile or to another one.
+    fn add_to_tiles(&mut self, square: Square, first: u32, places: &[u64], most_in_tile: usize) {
+        let cells = first..self.cells.len() as u32;
+        // The widest facet that may be computed as a whole is as wide as the largest cell.
+        let levels = self.cells[first as usize..].iter().map(|cell| cell.level);
+        let largest_cell = levels.min().unwrap_or(0);
+        let widest = levels_from(largest_cell, places)
+            .min()
+            .map_or(0.0, |level| self.side / f64::from(1_u32 << level));
+        let greatest = (self.low.abs() + self.side).max_element();
+        // Half of that facet, and more than the rounding of codes and of the tree.
+        let halo = DVec2::splat(0.51 * widest + TREE_ROUNDING * greatest);
+        let [low, high] = self.rectangle_of(square);
+        let reach = [low - halo, high + halo];
+        match self.tiles.last_mut() {
+            Some(tile) if tile.facets + places.len() <= most_in_tile => {
+                tile.cells.end = cells.end;
+                tile.facets += places.len();
+                tile.reaches.push(reach);
+            }
+            _ => self.tiles.push(Tile {
+                cells,
+                facets: places.len(),
+                reaches: vec![reach],
+            }),
         }
     }
 
@@ -146,20 +167,22 @@ impl Grid {
 
     /// Returns the Morton code of a place across the light.
     fn code(&self, place: DVec2) -> u64 {
-        let steps = f64::from(1 << LEVELS);
-        let place = (place - self.low) * (steps / self.side);
-        morton::code_2d(place.clamp(DVec2::ZERO, DVec2::splat(steps - 1.0)))
+        morton::code_2d((place - self.low) / self.side)
     }
 
-    /// Returns the level of the smallest squares that are as wide as a box, 0..=31.
-    fn level_of(&self, [low, high]: Rectangle) -> u32 {
+    /// Returns the level of the smallest squares that are as wide as a box, at most
+    /// `GREATEST_LEVEL`.
+    fn level_of(&self, bounds: Rectangle) -> u32 {
+        let [low, high] = bounds;
         let size = (high - low).max_element().max(f64::MIN_POSITIVE);
-        (self.side / size).log2().clamp(0.0, 31.0) as u32
+        (self.side / size)
+            .log2()
+            .clamp(0.0, f64::from(GREATEST_LEVEL)) as u32
     }
 
     /// Returns the cell that contains a Morton code.
     fn cell_of(&self, code: u64) -> u32 {
-        self.cells.partition_point(|cell| cell.square.code <= code) as u32 - 1
+        self.cells.partition_point(|cell| cell.code <= code) as u32 - 1
     }
 
     /// Returns the key by which facets are sorted, and the cell of a facet's centre. Facets that
@@ -170,22 +193,20 @@ impl Grid {
         let [low, high] = bounds;
         let code = self.code(low.midpoint(high));
         let cell = self.cell_of(code);
+        let square = self.cells[cell as usize];
         let corners = [
             low,
             high,
             DVec2::new(low.x, high.y),
             DVec2::new(high.x, low.y),
         ];
-        // The box has a corner in each square of its level that it overlaps. Cells with other parts
-        // of that square are as wide if the cell with the corner is.
-        let is_narrow = corners.into_iter().all(|corner| {
-            let code = self.code(corner);
-            let mut square = self.cells[cell as usize].square;
-            if !square.contains(code) {
-                square = self.cells[self.cell_of(code) as usize].square;
-            }
-            square.level <= level
-        });
+        // A cell of at most the facet's level is as wide as the facet. If all corners are in such
+        // cells, the facet overlaps no others. Most are in the centre's cell, which spares a search.
+        let is_narrow = square.level <= level
+            && corners.into_iter().all(|corner| {
+                let code = self.code(corner);
+                square.contains(code) || self.cells[self.cell_of(code) as usize].level <= level
+            });
         // Nodes are tight if their facets are of similar size: within a factor of four.
         let class = u64::from(level / 2);
         let key = u64::from(is_narrow) << 63 | class << (2 * LEVELS) | code;
@@ -199,16 +220,11 @@ impl Grid {
 
     /// Returns the rectangle of a cell.
     pub(crate) fn rectangle(&self, cell: u32) -> Rectangle {
-        self.rectangle_of(self.cells[cell as usize].square)
+        self.rectangle_of(self.cells[cell as usize])
     }
 
     fn rectangle_of(&self, square: Square) -> Rectangle {
-        let place = |axis: u32| {
-            (0..LEVELS).fold(0, |place, bit| {
-                place | (square.code >> (2 * bit + axis) & 1) << bit
-            })
-        };
-        let corner = [place(0), place(1)];
+        let corner = morton::place_2d(square.code);
         // Neighbours compute the same bits of their common side.
         let at = |step: u64| {
             let [x, y] = corner.map(|place| (place + step) as f64 / f64::from(1 << LEVELS));
@@ -216,16 +232,19 @@ impl Grid {
         };
         [at(0), at(1 << (LEVELS - square.level))]
     }
+}
 
-    /// Returns the rectangle that contains the facets with centres in a tile, but for wide ones.
-    pub(crate) fn with_halo(&self, tile: &Tile) -> Rectangle {
-        let Range { start, end } = tile.cells;
-        let cells = &self.cells[start as usize..end as usize];
-        let least_level = cells.iter().map(|cell| cell.least_level).min();
-        let widest = self.side / f64::from(1_u32 << least_level.unwrap_or(0));
-        // Half of the widest facet, and more than any rounding.
-        let halo = DVec2::splat(0.51 * widest);
-        let [low, high] = self.rectangle_of(tile.square);
-        [low - halo, high + halo]
+/// Returns the levels of facets, from a least one on.
+fn levels_from(least: u32, places: &[u64]) -> impl Iterator<Item = u32> {
+    let levels = places.iter().map(|place| *place as u32 & GREATEST_LEVEL);
+    levels.filter(move |&level| level >= least)
+}
+
+impl Tile {
+    /// Returns whether a facet may darken one that is computed in the tile, or be such a facet.
+    pub(crate) fn is_reached_by(&self, facet: &Projected) -> bool {
+        let [least, most] = facet.bounds();
+        let overlaps = |[low, high]: &Rectangle| least.cmple(*high).all() && most.cmpge(*low).all();
+        self.reaches.iter().any(overlaps)
     }
 }

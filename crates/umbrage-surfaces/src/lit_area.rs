@@ -487,6 +487,7 @@ mod tests {
                     (scene.narrow_facets(cell).count(), overlapping)
                 });
                 for (computed, overlapping) in cells {
+                    // No facet is as wide as its cell: those would not count.
                     assert!(computed <= 1024, "{computed} facets in a cell");
                     overlapping
                         .iter()
@@ -500,6 +501,40 @@ mod tests {
             let identity = lit.identity.expect("certified");
             assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
         }
+    }
+
+    /// Facets that end within the tree's rounding of a tile's border are in its tree, as they are if
+    /// there is one tile: they cut the parts of others that they touch.
+    #[test]
+    fn facets_near_the_border_of_a_tile_are_in_it() {
+        let frame = frame_towards(DVec3::Z);
+        let mut corners = Vec::new();
+        let mut push = |triangle: [[f64; 3]; 3]| {
+            corners.push(triangle.map(|corner| frame * DVec3::from(corner)));
+        };
+        // A floor, and dense facets in two quarters of it: the other two quarters are cells.
+        push([[0.0; 3], [4.0, 3.37, 0.3], [0.21, 4.0, 0.7]]);
+        for (corner, count) in [(DVec3::splat(0.5), 1100), (DVec3::splat(2.5), 400)] {
+            for i in 0..count {
+                let position = corner + random(i);
+                push([1, 2, 3].map(|k| (position + random(5000 * k + i) * 0.01).to_array()));
+            }
+        }
+        // Facets that point at the border of the upper left quarter.
+        for i in 0..40 {
+            let y = 2.1 + 0.04 * f64::from(i);
+            push([
+                [2.0 + 1e-7, y, 1.0],
+                [3.9, y - 0.01, 1.0],
+                [3.9, y + 0.013, 1.0],
+            ]);
+        }
+        let facets = facets_of(&corners);
+        let mut tiles = 0;
+        facets.visit_tiles(&frame, 300, |_| tiles += 1);
+        assert!(tiles > 2, "{tiles} tiles");
+        let lit = facets.lit_areas_towards(DVec3::Z, 300);
+        assert!(lit == facets.lit_areas_towards(DVec3::Z, TILE));
     }
 
     /// Returns a floor of two wide triangles, narrow ones that may be above it, and small ones below

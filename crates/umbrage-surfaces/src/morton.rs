@@ -2,17 +2,31 @@
 
 use glam::{DVec2, DVec3};
 
-/// Steps along each axis: coordinates are in 0..=STEPS.
-pub(crate) const STEPS: f64 = ((1_u32 << 21) - 1) as f64;
+/// Bits of each coordinate.
+pub(crate) const BITS: u32 = 21;
 
-/// Returns the interleaved bits of the coordinates, each rounded down to 21 bits.
+/// Returns the code of a point in the unit cube; the nearest one's for points outside.
 pub(crate) fn code_3d(p: DVec3) -> u64 {
-    every_third(p.x as u64) | every_third(p.y as u64) << 1 | every_third(p.z as u64) << 2
+    every_third(step(p.x)) | every_third(step(p.y)) << 1 | every_third(step(p.z)) << 2
 }
 
-/// Returns the interleaved bits of the coordinates, each rounded down to 21 bits.
+/// Returns the code of a point in the unit square; the nearest one's for points outside.
 pub(crate) fn code_2d(p: DVec2) -> u64 {
-    every_second(p.x as u64) | every_second(p.y as u64) << 1
+    every_second(step(p.x)) | every_second(step(p.y)) << 1
+}
+
+/// Returns the coordinates of a code, 0..2^21.
+pub(crate) fn place_2d(code: u64) -> [u64; 2] {
+    let place = |axis: u32| {
+        let bits = (0..BITS).map(|bit| (code >> (2 * bit + axis) & 1) << bit);
+        bits.sum()
+    };
+    [place(0), place(1)]
+}
+
+fn step(fraction: f64) -> u64 {
+    let steps = f64::from(1 << BITS);
+    (fraction * steps).clamp(0.0, steps - 1.0) as u64
 }
 
 /// Moves bit i to bit 3i.

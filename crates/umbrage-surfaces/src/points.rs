@@ -76,7 +76,7 @@ impl Points {
     fn sorted(facets: &Facets, positions: Vec<DVec3>, normals: Vec<DVec3>) -> Self {
         let low = positions.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
         let high = positions.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-        let scale = morton::STEPS / (high - low).max_element().max(f64::MIN_POSITIVE);
+        let scale = 1.0 / (high - low).max_element().max(f64::MIN_POSITIVE);
         let mut keys: Vec<(u64, u32)> = positions
             .par_iter()
             .enumerate()

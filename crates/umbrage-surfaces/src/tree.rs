@@ -143,15 +143,10 @@ impl<'a> Scene<'a> {
         rows: u32,
         seen: &(impl Fn(u32) -> Option<Projected> + Sync),
     ) -> Self {
-        let [low, high] = grid.with_halo(tile);
         let key_of = |row: u32| {
-            let facet = seen(row)?;
-            let [least, most] = facet.bounds();
-            let is_inside = least.cmple(high).all() && most.cmpge(low).all();
-            is_inside.then(|| {
-                let (key, cell) = grid.key(&facet);
-                (key, row, cell)
-            })
+            let facet = seen(row).filter(|facet| tile.is_reached_by(facet))?;
+            let (key, cell) = grid.key(&facet);
+            Some((key, row, cell))
         };
         let mut sorted: Vec<(u64, u32, u32)> =
             (0..rows).into_par_iter().filter_map(key_of).collect();
@@ -162,13 +157,9 @@ impl<'a> Scene<'a> {
             .map(|&row| seen(row).unwrap_or_default())
             .collect();
         let wide = sorted.partition_point(|&(key, ..)| !Grid::is_narrow(key)) as u32;
-        let cell_and_index = |index: u32| {
-            let (_, _, cell) = sorted[index as usize];
-            (cell, index)
-        };
         let mut receivers: Vec<(u32, u32)> = (wide..sorted.len() as u32)
             .into_par_iter()
-            .map(cell_and_index)
+            .map(|index| (sorted[index as usize].2, index))
             .filter(|(cell, _)| tile.cells.contains(cell))
             .collect();
         receivers.par_sort_unstable();

@@ -38,8 +38,8 @@ fn identity_error(mesh: &Mesh, areas: &[LitArea], sun: DVec3) -> f64 {
     (projected(areas) / union - 1.0).abs()
 }
 
-/// Number of small facets: from 1,024 on, a mesh has 16 cells. Facets wider than a cell are computed
-/// cell by cell.
+/// Number of small facets close together. With more than 1,024 the mesh has small cells there, and
+/// facets wider than these are computed cell by cell.
 const SHEETS: usize = 1100;
 
 /// Meshes with their names and sides. Each has facets that are lit in part.
@@ -69,7 +69,8 @@ fn scenes() -> Vec<(&'static str, Mesh, Sides)> {
     sheets.append(&floor(1.6, 1));
     sheets.append(&heap(8, 2.0, &mut random));
     sheets.append(&heap(6, 2.0, &mut random).moved(|v| v + DVec3::Z * 3.0));
-    sheets.append(&heap(SHEETS, 0.1, &mut random).moved(|v| v + DVec3::Z));
+    let dense = heap(SHEETS, 0.1, &mut random);
+    sheets.append(&dense.moved(|v| v * 0.1 + dvec3(0.6, 1.5, 1.0)));
     vec![
         ("sheets", sheets, Sides::Both),
         ("heap", heap(300, 0.3, &mut random), Sides::Both),
