@@ -18,8 +18,8 @@ const LEVELS: u32 = morton::BITS;
 /// Bits of a facet's level, below its Morton code.
 const LEVEL_BITS: u32 = 5;
 const GREATEST_LEVEL: u32 = (1 << LEVEL_BITS) - 1;
-/// Bound of the rounding of a box and of a query in the tree of facets: two steps of 32-bit numbers
-/// each.
+/// Relative bound of the rounding of a box and of a query in the tree of facets: at most a step of
+/// 32-bit numbers each, and as much to spare.
 const TREE_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A rectangle across the light: least and greatest coordinates.

@@ -487,7 +487,7 @@ mod tests {
                     (scene.narrow_facets(cell).count(), overlapping)
                 });
                 for (computed, overlapping) in cells {
-                    // No facet is as wide as its cell: those would not count.
+                    // Facets as wide as their cell do not count; here they are few.
                     assert!(computed <= 1024, "{computed} facets in a cell");
                     overlapping
                         .iter()
