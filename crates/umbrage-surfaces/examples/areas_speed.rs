@@ -37,14 +37,7 @@ fn main() -> Result<()> {
     let mesh = match kind.as_str() {
         "ball" => ball(count),
         "plain" => city(count, 1),
-        "ground" => {
-            let mut mesh = ball(count);
-            let side = 300.0 * 2000.0;
-            mesh.add_box([1; 3], |p| {
-                (p - dvec3(0.3, 0.6, 1.0)) * dvec3(side, side, 1.0) - DVec3::Z * 1200.0
-            });
-            mesh
-        }
+        "ground" => ball_on_ground(count),
         "city" | "both" => city(count, 20),
         path => model(path, count)?,
     };
@@ -147,7 +140,17 @@ fn ball(count: f64) -> Mesh {
     mesh
 }
 
-/// Returns houses on a slab, whose top has this number of squares along 20 m; 1 for one square in all.
+/// Returns the ball above a slab of 300 times its width, off the middle.
+fn ball_on_ground(count: f64) -> Mesh {
+    let mut mesh = ball(count);
+    let side = 300.0 * 2000.0;
+    mesh.add_box([1; 3], |p| {
+        (p - dvec3(0.3, 0.6, 1.0)) * dvec3(side, side, 1.0) - DVec3::Z * 1200.0
+    });
+    mesh
+}
+
+/// Returns houses on a slab, whose top has this number of squares along 20 m; 1 for one in all.
 fn city(count: f64, squares: u32) -> Mesh {
     let mut mesh = Mesh::default();
     // A house has 5 x 8² squares and a gable, 20 m of ground 20² squares.
