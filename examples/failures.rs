@@ -51,7 +51,7 @@ fn hard(map: ShadowMap) -> Arc<dyn ShadowTechnique> {
 }
 
 fn pcf(map: ShadowMap, radius: u32) -> Arc<dyn ShadowTechnique> {
-    Arc::new(Pcf { radius }.on(map))
+    Arc::new(Pcf::new(radius).on(map))
 }
 
 fn second_depth(size: u32) -> Arc<dyn ShadowTechnique> {

@@ -13,7 +13,7 @@ fn main() -> anyhow::Result<()> {
     let scene = umbrage::scenes::by_argument(&path)?;
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf { radius: 1 }.on(ShadowMap::default()).recipe(&view)?;
+    let recipe = Pcf::new(1).on(ShadowMap::default()).recipe(&view)?;
     // Shade the image, too. A renderer leaves this out, and uses the mask in its own shading.
     let recipe = BlinnPhong::default().shading(&scene, &view)?.add_to(recipe);
     let mut backend = umbrage::backend(BackendChoice::Auto)?;

@@ -36,7 +36,7 @@ pub use techniques::exact::{
 pub use techniques::hard::HardKernel;
 pub use techniques::map_technique::{MapFilter, MapTechnique};
 pub use techniques::msm::{MsmKernel, MsmUniforms, Reconstruction};
-pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
+pub use techniques::pcf::{MAX_RADIUS, MAX_UNROLLED_RADIUS, PcfKernel, PcfUniforms};
 pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDiscKernel, PcfDiscUniforms};
 pub use techniques::pcf_dithered::PcfDitheredKernel;
 pub use techniques::pcf_hardware::{HardwareKernel, HardwareUniforms};

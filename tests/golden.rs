@@ -76,7 +76,7 @@ fn unbiased_hard() -> Box<dyn ShadowTechnique> {
 }
 
 fn pcf() -> Box<dyn ShadowTechnique> {
-    Box::new(Pcf { radius: 1 }.on(MAP))
+    Box::new(Pcf::new(1).on(MAP))
 }
 
 fn dithered_pcf() -> Box<dyn ShadowTechnique> {

@@ -386,7 +386,7 @@ pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>, seconds: f32) -> Res
 
 fn main() -> Result<()> {
     let given = renderer::technique_by_argument()?;
-    let technique = given.unwrap_or_else(|| Arc::new(Pcf { radius: 1 }.on(ShadowMap::default())));
+    let technique = given.unwrap_or_else(|| Arc::new(Pcf::new(1).on(ShadowMap::default())));
     let pixels = picture(&technique, 1.0)?;
     renderer::save(
         "figures.png",

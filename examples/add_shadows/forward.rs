@@ -79,11 +79,11 @@ fn add_lights(shadows: &mut BoxShadows, sun: Light, spot: Light) -> Result<()> {
         layout: Layout::Cascades(Cascades::default()),
         ..ShadowMap::default()
     };
-    let technique = Pcf { radius: 1 }.on(cascades);
+    let technique = Pcf::new(1).on(cascades);
     let sun = set.add_light(ShadowedLight::new(sun, technique))?;
 
     // A spot with one such map.
-    let technique = Pcf { radius: 1 }.on(ShadowMap::default());
+    let technique = Pcf::new(1).on(ShadowMap::default());
     let spot = set.add_light(ShadowedLight::new(spot, technique))?;
     shadows.lights = vec![sun, spot];
     Ok(())

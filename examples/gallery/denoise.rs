@@ -89,7 +89,7 @@ fn paint(backend: &mut dyn Backend, mesh: Mesh) -> Result<RgbImage> {
     };
     let recipe = BlinnPhong::default()
         .shading(&scene, &view)?
-        .add_to(Pcf { radius: 1 }.on(map).recipe(&view)?);
+        .add_to(Pcf::new(1).on(map).recipe(&view)?);
     let shadows = backend.render(&view, &recipe)?;
     let rgb = shadows.picture_bytes().context("the recipe shades")?;
     let size = shadows.size;

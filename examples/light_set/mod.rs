@@ -91,7 +91,12 @@ fn technique_on(layout: Layout, radius: u32) -> Arc<dyn ShadowTechnique> {
     if radius == 0 {
         Arc::new(Hard {}.on(map))
     } else {
-        Arc::new(Pcf { radius }.on(map))
+        // By hand, the radius is a constant, too.
+        let filter = Pcf {
+            radius,
+            unrolled: true,
+        };
+        Arc::new(filter.on(map))
     }
 }
 

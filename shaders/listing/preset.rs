@@ -16,7 +16,7 @@ use umbrage_core::{CutOuts, Light, Recipe, RecipeError, ShadowTechnique, View};
 /// ```
 /// use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap, TechniquePreset};
 /// let preset = TechniquePreset::from_toml("technique = 'pcf'\nradius = 2")?;
-/// assert_eq!(preset, TechniquePreset::from(Pcf { radius: 2 }.on(ShadowMap::default())));
+/// assert_eq!(preset, TechniquePreset::from(Pcf::new(2).on(ShadowMap::default())));
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 #[derive(Clone, Debug)]

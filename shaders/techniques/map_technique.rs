@@ -52,7 +52,7 @@ pub trait MapFilter:
     ///
     /// ```
     /// use umbrage_techniques::{MapFilter as _, MapTechnique, Pcf, ShadowMap};
-    /// let technique = Pcf { radius: 2 }.on(ShadowMap::default());
+    /// let technique = Pcf::new(2).on(ShadowMap::default());
     /// assert_eq!(technique.filter.radius, 2);
     /// ```
     fn on(self, map: ShadowMap) -> MapTechnique<Self> {

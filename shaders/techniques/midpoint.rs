@@ -56,8 +56,6 @@ impl MapFilter for Midpoint {
 
 impl Midpoint {
     fn pcf(&self) -> Pcf {
-        Pcf {
-            radius: self.radius,
-        }
+        Pcf::new(self.radius)
     }
 }

@@ -29,6 +29,8 @@ use umbrage_core::{
 
 /// Greatest radius accepted: 1,089 taps.
 pub const MAX_RADIUS: u32 = 16;
+/// Greatest radius that can be unrolled: 81 taps.
+pub const MAX_UNROLLED_RADIUS: u32 = 4;
 
 /// A square of comparisons.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,11 +42,26 @@ pub const MAX_RADIUS: u32 = 16;
 pub struct Pcf {
     /// Number of texels on each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
     pub radius: u32,
+    /// Whether the radius is a constant of the WGSL, so that compilers unroll the loops and load
+    /// several texels at once. Then another radius means another text and another pipeline.
+    /// Otherwise one text is for all radii; in it, 3x3 is unrolled in a branch by a uniform. At most
+    /// [`MAX_UNROLLED_RADIUS`]. Does not change results.
+    pub unrolled: bool,
+}
+
+impl Pcf {
+    /// Returns the filter of a radius, texels, with the text for all radii.
+    pub const fn new(radius: u32) -> Self {
+        Self {
+            radius,
+            unrolled: false,
+        }
+    }
 }
 
 impl Default for Pcf {
     fn default() -> Self {
-        Self { radius: 1 }
+        Self::new(1)
     }
 }
 
@@ -58,15 +75,25 @@ impl MapFilter for Pcf {
             let why = format!("is {} texels", self.radius);
             return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());
         }
+        if self.unrolled && self.radius > MAX_UNROLLED_RADIUS {
+            let why = format!(
+                "is {} texels, which is too much to be unrolled",
+                self.radius
+            );
+            let help = format!("use 0 to {MAX_UNROLLED_RADIUS}, or `unrolled = false`");
+            return Err(Invalid::new("pcf radius", why, help).into());
+        }
         let radius = self.radius as i32;
-        map.recipe(view, radius as f32, |lookup| {
-            PcfKernel(PcfUniforms { lookup, radius })
+        map.recipe(view, radius as f32, |lookup| PcfKernel {
+            uniforms: PcfUniforms { lookup, radius },
+            unrolled: self.unrolled,
         })
     }
 
     fn label(&self) -> String {
         let side = 2 * u64::from(self.radius) + 1;
-        format!("{side}x{side}")
+        let unrolled = if self.unrolled { " unrolled" } else { "" };
+        format!("{side}x{side}{unrolled}")
     }
 }
 
@@ -82,39 +109,52 @@ uniforms! {
 
 /// Receive kernel of PCF.
 #[derive(Clone, Copy, Debug)]
-pub struct PcfKernel(
+pub struct PcfKernel {
     /// Map and filter radius.
-    pub PcfUniforms,
-);
+    pub uniforms: PcfUniforms,
+    /// Whether the radius is a constant of the WGSL. `modules` panics if it is and the radius is not
+    /// in 0..=[`MAX_UNROLLED_RADIUS`].
+    pub unrolled: bool,
+}
 
-/// Specialisation for the textbooks' 3x3: compilers unroll loops of known length.
-const SQUARE_OF_THREE: Module = constant!("IS_SQUARE_OF_THREE = true");
-const ANY_SQUARE: Module = constant!("IS_SQUARE_OF_THREE = false");
+const ANY_RADIUS: Module = constant!("HAS_ANY_RADIUS = true");
+const ONE_RADIUS: Module = constant!("HAS_ANY_RADIUS = false");
+/// The radius whose loops compilers unroll.
+const UNROLLED_RADIUS: [Module; MAX_UNROLLED_RADIUS as usize + 1] = [
+    constant!("UNROLLED_RADIUS = 0"),
+    constant!("UNROLLED_RADIUS = 1"),
+    constant!("UNROLLED_RADIUS = 2"),
+    constant!("UNROLLED_RADIUS = 3"),
+    constant!("UNROLLED_RADIUS = 4"),
+];
+/// The textbooks' 3x3.
+const MOST_COMMON_RADIUS: usize = 1;
 
 impl PcfKernel {
-    fn radius_constant(&self) -> Module {
-        if self.0.radius == 1 {
-            SQUARE_OF_THREE
+    fn constants(&self) -> [Module; 2] {
+        if self.unrolled {
+            [ONE_RADIUS, UNROLLED_RADIUS[self.uniforms.radius as usize]]
         } else {
-            ANY_SQUARE
+            [ANY_RADIUS, UNROLLED_RADIUS[MOST_COMMON_RADIUS]]
         }
     }
 }
 
 impl Kernel for PcfKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = [self.radius_constant(), module!("pcf")];
-        self.0.lookup.modules(&own)
+        let [any_radius, unrolled_radius] = self.constants();
+        let own = [any_radius, unrolled_radius, module!("pcf")];
+        self.uniforms.lookup.modules(&own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
-        Some(&self.0)
+        Some(&self.uniforms)
     }
 }
 
 impl ReceiveKernel for PcfKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let PcfUniforms { lookup, radius } = self.0;
+        let PcfUniforms { lookup, radius } = self.uniforms;
         let map = lookup.map(&inputs.images[0]);
         let side = (2 * radius + 1) as f32;
         let count = side * side;

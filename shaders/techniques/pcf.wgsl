@@ -5,18 +5,11 @@ struct PcfUniforms {
     radius: i32,
 }
 
-fn pcf_radius() -> i32 {
-    if IS_SQUARE_OF_THREE {
-        return 1;
-    }
-    return kernel.radius;
-}
-
-fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
+// Returns the mean of the comparisons at up to `radius` texels on each side of the receiver's texel.
+fn mean_of_square(l: ShadowCoord, radius: i32) -> f32 {
     let size = size_0().x;
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
-    let radius = pcf_radius();
     var lit = 0.0;
     for (var dy = -radius; dy <= radius; dy++) {
         for (var dx = -radius; dx <= radius; dx++) {
@@ -25,4 +18,13 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     }
     let side = f32(2 * radius + 1);
     return quotient(lit, side * side);
+}
+
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
+    // Compilers unroll loops whose length is a constant. The radius is a uniform, so that all
+    // threads take the same branch.
+    if !HAS_ANY_RADIUS || kernel.radius == UNROLLED_RADIUS {
+        return mean_of_square(l, UNROLLED_RADIUS);
+    }
+    return mean_of_square(l, kernel.radius);
 }

@@ -57,8 +57,6 @@ impl MapFilter for SecondDepth {
 
 impl SecondDepth {
     fn pcf(&self) -> Pcf {
-        Pcf {
-            radius: self.radius,
-        }
+        Pcf::new(self.radius)
     }
 }

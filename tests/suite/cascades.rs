@@ -211,7 +211,7 @@ fn techniques(map: ShadowMap, turn: usize) -> Vec<TechniquePreset> {
             format: MapFormat::Rgba8,
             ..map
         })),
-        TechniquePreset::from(Pcf { radius: 2 }.on(map)),
+        TechniquePreset::from(Pcf::new(2).on(map)),
         TechniquePreset::from(PcfDisc::default().on(map)),
         TechniquePreset::from(PcfDithered {}.on(map)),
         TechniquePreset::from(PcfHardware::default().on(map)),

@@ -106,7 +106,7 @@ fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
         })
     };
     let pcf = |size| {
-        Pcf { radius: 1 }.on(ShadowMap {
+        Pcf::new(1).on(ShadowMap {
             size,
             ..ShadowMap::default()
         })

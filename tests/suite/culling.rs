@@ -82,7 +82,7 @@ fn techniques() -> impl Strategy<Value = CullingCase> {
             };
             let technique: TechniquePreset = match kind {
                 0 => TechniquePreset::from(Hard {}.on(map)),
-                1 => TechniquePreset::from(Pcf { radius }.on(map)),
+                1 => TechniquePreset::from(Pcf::new(radius).on(map)),
                 _ => TechniquePreset::from(Pcss::default().on(map)),
             };
             let kernel = if kind == 1 { radius as f32 } else { 0.0 };
@@ -416,7 +416,7 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
                     bias: CONSTANT,
                     ..ShadowMap::default()
                 };
-                seen.recipe(&Pcf { radius }.on(map))
+                seen.recipe(&Pcf::new(radius).on(map))
             };
             let Some(whole) = plan(Fit::Whole)? else {
                 return Ok(());

@@ -361,7 +361,7 @@ fn techniques() -> Vec<TechniquePreset> {
         ..coarse_depth
     };
     for map in [cascades, steady, coarse_depth, peeled] {
-        out.push(TechniquePreset::from(Pcf { radius: 1 }.on(map)));
+        out.push(TechniquePreset::from(Pcf::new(1).on(map)));
     }
     out
 }
@@ -495,7 +495,7 @@ fn runs_may_reach_beyond_casters_with_holes() {
     let camera = camera();
     let [sun, _] = lights();
     let view = View::new(&camera, &sun, &geometry);
-    let pcf = Pcf { radius: 1 }.on(ShadowMap::default());
+    let pcf = Pcf::new(1).on(ShadowMap::default());
     let casters = geometry.casters();
     let all = pcf.recipe(&view).expect("maps support alpha tests");
     let with_runs = |first: Range<u32>| {
@@ -531,7 +531,7 @@ fn work_counts_alpha_tested_texels() {
     let work_of = |scene: &Scene| {
         let geometry = Geometry::bake(scene).expect("a good scene");
         let view = View::new(&camera, &sun, &geometry);
-        let pcf = Pcf { radius: 1 }.on(ShadowMap {
+        let pcf = Pcf::new(1).on(ShadowMap {
             fit: Fit::Whole,
             ..ShadowMap::default()
         });

@@ -71,7 +71,7 @@ fn a_lit_plane_stays_lit_far_from_the_origin() {
                 hard.settings()
             );
         }
-        let pcf = Pcf { radius: 3 }.on(ShadowMap {
+        let pcf = Pcf::new(3).on(ShadowMap {
             bias: Bias::ADAPTIVE,
             ..ShadowMap::default()
         });

@@ -33,8 +33,9 @@ const RECIPES: [(&str, MakeRecipe); 4] = [
         })
     }),
     ("pcf", |map, spaces, view| {
-        map.recipe_in(spaces, view, REACH, |lookup| {
-            PcfKernel(PcfUniforms { lookup, radius: 1 })
+        map.recipe_in(spaces, view, REACH, |lookup| PcfKernel {
+            uniforms: PcfUniforms { lookup, radius: 1 },
+            unrolled: false,
         })
     }),
     ("pcf_hardware", |map, spaces, view| {

@@ -18,7 +18,7 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let camera = scene.cameras[0].with_size(UVec2::new(640, 360));
         let view = View::new(&camera, &scene.lights[0], &geometry);
-        let technique = Pcf { radius: 1 }.on(ShadowMap {
+        let technique = Pcf::new(1).on(ShadowMap {
             size: map,
             ..ShadowMap::default()
         });

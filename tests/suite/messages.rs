@@ -82,9 +82,18 @@ fn parameters() {
         ),
         line(
             "a kernel too wide",
-            umbrage_techniques::Pcf { radius: 10_000 }
+            umbrage_techniques::Pcf::new(10_000)
                 .on(map(64))
                 .recipe(&view),
+        ),
+        line(
+            "a kernel too wide to be unrolled",
+            umbrage_techniques::Pcf {
+                radius: 5,
+                unrolled: true,
+            }
+            .on(map(64))
+            .recipe(&view),
         ),
         line(
             "no samples",

@@ -146,7 +146,7 @@ fn rivals(map: ShadowMap) -> Vec<TechniquePreset> {
     let taps = Pcss::default().filter_taps;
     let mut out: Vec<TechniquePreset> = Vec::new();
     for radius in [1, 2, 3, 5, 8, 12, 16] {
-        out.push(TechniquePreset::from(Pcf { radius }.on(map)));
+        out.push(TechniquePreset::from(Pcf::new(radius).on(map)));
     }
     for radius in [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0] {
         out.push(TechniquePreset::from(

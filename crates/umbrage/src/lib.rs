@@ -36,7 +36,7 @@
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let geometry = Geometry::bake(&scene)?;
 //! let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-//! let recipe = Pcf { radius: 1 }.on(ShadowMap::default()).recipe(&view)?;
+//! let recipe = Pcf::new(1).on(ShadowMap::default()).recipe(&view)?;
 //! let shadows = umbrage::backend(BackendChoice::Cpu)?.render(&view, &recipe)?;
 //! assert!(shadows.mask.iter().any(|&lit| lit < 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -69,7 +69,7 @@ impl PaneMethod {
     fn technique(&self, map: ShadowMap, colour: usize) -> Box<dyn ShadowTechnique> {
         let radius = self.radius;
         if self.glass == PaneGlass::Opaque {
-            return Box::new(Pcf { radius }.on(map));
+            return Box::new(Pcf::new(radius).on(map));
         }
         let gone = GLASS.map(|glass| Glass {
             transmittance: FULLY_TRANSPARENT,

@@ -247,7 +247,7 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         ..ShadowMap::default()
     };
     let hard = |bias| TechniquePreset::from(Hard {}.on(map(bias)));
-    let wide = |bias| TechniquePreset::from(Pcf { radius: WIDE }.on(map(bias)));
+    let wide = |bias| TechniquePreset::from(Pcf::new(WIDE).on(map(bias)));
     let second_depth = || TechniquePreset::from(SecondDepth::default().on(map(Bias::FRONT_CULL)));
     let pcss = || TechniquePreset::from(Pcss::default().on(map(Bias::ADAPTIVE)));
     let (kind, preset) = match failure {
@@ -480,7 +480,7 @@ mod tests {
                 ..ShadowMap::default()
             };
             let (usual, times) = match bookmark.kind {
-                FaultKind::LightBleeding => (Pcf { radius: WIDE }.on(map).into(), BEYOND_BLUR),
+                FaultKind::LightBleeding => (Pcf::new(WIDE).on(map).into(), BEYOND_BLUR),
                 _ => (TechniquePreset::from(Hard {}.on(map)), BEYOND_TEXELS),
             };
             let mut usual_side = SideSettings::new(entry("hard"), rendered.range);

@@ -3,7 +3,7 @@
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Layout, ShadowTechnique};
-use umbrage_techniques::{Bias, Evsm, MapFilter as _, Midpoint, Pcf, PcfHardware, ShadowMap};
+use umbrage_techniques::{Bias, Evsm, MapFilter as _, Pcf, PcfHardware, ShadowMap};
 use umbrage_tests::{
     foreign,
     light_program::Forward,
@@ -242,8 +242,8 @@ fn what_can_not_be_used_is_refused_by_name() {
     }
 }
 
-/// A technique of another radius has another text. A pipeline with the text of before must not draw
-/// with the bind group of now.
+/// A technique of another kind has another text, and so has an unrolled radius. A pipeline with the
+/// text of before must not draw with the bind group of now.
 #[test]
 fn pipelines_of_past_revisions_are_refused() {
     let mut stage = Stage::new(SetBudget::default(), &[0.0]);
@@ -260,8 +260,12 @@ fn pipelines_of_past_revisions_are_refused() {
     };
     assert_eq!(draw(&stage.set), None);
     let map = hard().map;
-    for radius in [1, 2] {
-        let technique = Arc::new(Pcf { radius }.on(map));
+    let unrolled = Pcf {
+        radius: 2,
+        unrolled: true,
+    };
+    for filter in [Pcf::new(1), unrolled] {
+        let technique = Arc::new(filter.on(map));
         stage.set.set_technique(id, technique).expect("is there");
         let frame = SetFrame {
             camera: &stage.camera,
@@ -289,13 +293,17 @@ fn texts_are_known_beforehand() {
         layout: Layout::Cube,
         ..map
     };
+    let unrolled = Pcf {
+        radius: 2,
+        unrolled: true,
+    };
     let techniques: [Arc<dyn ShadowTechnique>; 6] = [
-        Arc::new(Pcf { radius: 1 }.on(map)),
-        Arc::new(Pcf { radius: 1 }.on(small)),
-        Arc::new(Pcf { radius: 2 }.on(several)),
+        Arc::new(Pcf::new(1).on(map)),
+        Arc::new(Pcf::new(1).on(small)),
+        Arc::new(Pcf::new(2).on(several)),
         Arc::new(PcfHardware::default().on(map)),
         Arc::new(Evsm::default().on(map)),
-        Arc::new(Midpoint::default().on(small)),
+        Arc::new(unrolled.on(small)),
     ];
     let mut revisions = Vec::new();
     for technique in &techniques {
@@ -346,10 +354,11 @@ fn a_radius_a_bias_and_a_size_change_no_text() {
     };
     let mut texts = Vec::new();
     for technique in [
-        Pcf { radius: 2 }.on(map),
-        Pcf { radius: 3 }.on(map),
-        Pcf { radius: 3 }.on(ShadowMap { bias, ..map }),
-        Pcf { radius: 3 }.on(ShadowMap { size: 96, ..map }),
+        Pcf::new(1).on(map),
+        Pcf::new(2).on(map),
+        Pcf::new(3).on(map),
+        Pcf::new(3).on(ShadowMap { bias, ..map }),
+        Pcf::new(3).on(ShadowMap { size: 96, ..map }),
     ] {
         stage
             .set

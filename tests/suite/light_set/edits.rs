@@ -125,6 +125,10 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
         }),
         ..map(64)
     };
+    let unrolled = Pcf {
+        radius: 2,
+        unrolled: true,
+    };
     let blurred = |map| {
         Evsm {
             blur: 2,
@@ -136,12 +140,12 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     };
     match lamp.technique {
         0 => Arc::new(Hard {}.on(map(96))),
-        1 => Arc::new(Pcf { radius: 1 }.on(map(64))),
+        1 => Arc::new(unrolled.on(map(64))),
         2 => Arc::new(PcfHardware::default().on(map(96))),
         3 => Arc::new(Midpoint::default().on(map(64))),
         6 => Arc::new(Exact::default()),
-        4 if is_sun => Arc::new(Pcf { radius: 1 }.on(cascades(Fit::Stable { range: 30.0 }))),
-        5 if is_sun => Arc::new(Pcf { radius: 1 }.on(cascades(Fit::AroundCamera { range: 30.0 }))),
+        4 if is_sun => Arc::new(Pcf::new(1).on(cascades(Fit::Stable { range: 30.0 }))),
+        5 if is_sun => Arc::new(Pcf::new(1).on(cascades(Fit::AroundCamera { range: 30.0 }))),
         8 if is_sun => Arc::new(blurred(cascades(Fit::Stable { range: 30.0 }))),
         8 => Arc::new(blurred(map(96))),
         _ => Arc::new(Pcss::default().on(map(96))),

@@ -44,7 +44,7 @@ fn map(fit: Fit, layout: Layout) -> ShadowMap {
 fn light(lamp: &LampPlace, anchor: Anchor) -> ShadowedLight {
     let (place, kind) = *lamp;
     let technique: Arc<dyn ShadowTechnique> = match kind {
-        0 => Arc::new(Pcf { radius: 1 }.on(map(
+        0 => Arc::new(Pcf::new(1).on(map(
             Fit::AroundCamera { range: 30.0 },
             Layout::Cascades(Cascades::default()),
         ))),

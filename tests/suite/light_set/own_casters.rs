@@ -329,7 +329,7 @@ fn techniques(light: &Light) -> Vec<Arc<dyn ShadowTechnique>> {
     let several = ShadowMap { layout, ..one };
     vec![
         Arc::new(Hard {}.on(one)),
-        Arc::new(Pcf { radius: 1 }.on(several)),
+        Arc::new(Pcf::new(1).on(several)),
         Arc::new(SecondDepth { radius: 0 }.on(one)),
         Arc::new(Midpoint { radius: 0 }.on(one)),
     ]

@@ -32,7 +32,7 @@ fn stage(fit: Fit) -> (Stage, LightId) {
             direction: Vec3::new(0.3, -1.0, 0.1),
             angular_diameter: 0.0,
         },
-        technique: Arc::new(Pcf { radius: 1 }.on(map)),
+        technique: Arc::new(Pcf::new(1).on(map)),
         priority: 1.0,
     };
     let sun = stage.set.add_light(sun).expect("valid");

@@ -115,7 +115,7 @@ fn a_floor_that_casts_nothing_has_the_shadows_of_one_that_does() {
         let mut techniques: Vec<Arc<dyn ShadowTechnique>> = Vec::new();
         for map in maps(&light) {
             techniques.push(Arc::new(Hard {}.on(map)));
-            techniques.push(Arc::new(Pcf { radius: 1 }.on(map)));
+            techniques.push(Arc::new(Pcf::new(1).on(map)));
         }
         let expected = expected(&light, &block, 2);
         for has_floor in [false, true] {

@@ -28,7 +28,7 @@ fn map(bias: Bias) -> ShadowMap {
 
 /// Techniques with the radii of their kernels, texels.
 fn techniques() -> [(TechniquePreset, f32); 4] {
-    let pcf = |radius: u32| Pcf { radius }.on(map(Bias::ADAPTIVE));
+    let pcf = |radius: u32| Pcf::new(radius).on(map(Bias::ADAPTIVE));
     [
         (TechniquePreset::from(Hard {}.on(map(Bias::ADAPTIVE))), 0.5),
         (TechniquePreset::from(pcf(1)), 1.5),

@@ -58,7 +58,7 @@ fn wide_kernels_need_the_full_margin() {
         let mask = Cpu::new().render(&view, &recipe).expect("valid").mask;
         case.errors_of(&mask).false_shadow
     };
-    let pcf = |slope: f32| false_shadow(&Pcf { radius: 1 }.on(map(slope)));
+    let pcf = |slope: f32| false_shadow(&Pcf::new(1).on(map(slope)));
     assert!(pcf(0.0) > 0.005, "{}", pcf(0.0));
     assert_eq!(pcf(0.75), 0.0);
     assert_eq!(false_shadow(&Hard {}.on(map(0.0))), 0.0);

@@ -247,7 +247,7 @@ fn lookup(
     gpu: &mut Gpu,
 ) -> Result<Pair, LabError> {
     let view = stage.view();
-    let recipe = plan(&view, &Pcf { radius }.on(map()))?;
+    let recipe = plan(&view, &Pcf::new(radius).on(map()))?;
     let paired = both(&view, &recipe, |t| t.receive, repetitions, cpu, gpu)?;
     let taps = (2 * radius + 1).pow(2);
     Ok(Pair {
@@ -308,7 +308,7 @@ fn by_hand(
     gpu: &mut Gpu,
 ) -> Result<Vec<Pair>, LabError> {
     let view = stage.view();
-    let technique = Pcf { radius: 1 }.on(map());
+    let technique = Pcf::new(1).on(map());
     let recipe = plan(&view, &technique)?;
     let (device, queue) = gpu.device();
     let program = HandWritten::new(

@@ -111,12 +111,8 @@ pub type NamedKernel = (&'static str, fn(ShadowMap) -> TechniquePreset);
 /// Kernels whose biases are compared.
 pub const KERNELS: [NamedKernel; 6] = [
     ("hard", |map| TechniquePreset::from(Hard {}.on(map))),
-    ("pcf 3x3", |map| {
-        TechniquePreset::from(Pcf { radius: 1 }.on(map))
-    }),
-    ("pcf 7x7", |map| {
-        TechniquePreset::from(Pcf { radius: 3 }.on(map))
-    }),
+    ("pcf 3x3", |map| TechniquePreset::from(Pcf::new(1).on(map))),
+    ("pcf 7x7", |map| TechniquePreset::from(Pcf::new(3).on(map))),
     ("pcf_hardware 1x1", |map| {
         TechniquePreset::from(PcfHardware { samples: 1 }.on(map))
     }),

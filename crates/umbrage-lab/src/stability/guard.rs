@@ -100,7 +100,7 @@ pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool
         bias: Bias::ADAPTIVE,
         ..ShadowMap::default()
     };
-    let recipe = Pcf { radius: 1 }.on(map).recipe(&view)?;
+    let recipe = Pcf::new(1).on(map).recipe(&view)?;
     let used_bits = bits(&used.render(&view, &recipe)?.mask);
     let fresh_bits = bits(&fresh.render(&view, &recipe)?.mask);
     Ok(used_bits == fresh_bits)

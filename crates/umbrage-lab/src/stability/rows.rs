@@ -165,7 +165,7 @@ fn cascade_presets(size: u32) -> Vec<TechniquePreset> {
     vec![
         TechniquePreset::from(Hard {}.on(map(Fit::Tight, by_receivers))),
         TechniquePreset::from(Hard {}.on(map(stable, Cascades::default()))),
-        TechniquePreset::from(Pcf { radius: 1 }.on(map(stable, blended))),
+        TechniquePreset::from(Pcf::new(1).on(map(stable, blended))),
     ]
 }
 

@@ -107,7 +107,7 @@ fn hard(map: ShadowMap) -> Technique {
 }
 
 fn pcf(map: ShadowMap, radius: u32) -> Technique {
-    TechniquePreset::from(Pcf { radius }.on(map))
+    TechniquePreset::from(Pcf::new(radius).on(map))
 }
 
 fn built_in(name: &str) -> Scene {

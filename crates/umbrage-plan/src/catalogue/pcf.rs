@@ -6,7 +6,9 @@ use super::{
     sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, Pcf, PcfKernel, ShadowMap};
+use umbrage_techniques::{
+    Bias, MAX_UNROLLED_RADIUS, MapFilter as _, MapTechnique, Pcf, PcfKernel, ShadowMap,
+};
 
 impl CataloguedTechnique for MapTechnique<Pcf> {
     fn kernel_reach(&self) -> Option<f32> {
@@ -20,16 +22,16 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
     fn compared_settings(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |radius: u32| {
             let biases = sweeps::wide_biases(radius as f32);
-            sweeps::sweep(map_sizes, fit, &biases, |map| Pcf { radius }.on(map))
+            sweeps::sweep(map_sizes, fit, &biases, |map| Pcf::new(radius).on(map))
         };
         let mut out = swept(1);
         let radius = 2;
         out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Pcf { radius }.on(map)
+            Pcf::new(radius).on(map)
         }));
         out.extend(swept(3));
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Pcf { radius: 1 }.on(map)
+            Pcf::new(1).on(map)
         }));
         out
     }
@@ -37,12 +39,12 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let bias = [Bias::ADAPTIVE];
         let larger = &map_sizes[map_sizes.len() / 2..];
-        let mut out = sweeps::maps(larger, fit, &bias, |map| Pcf { radius: 1 }.on(map));
+        let mut out = sweeps::maps(larger, fit, &bias, |map| Pcf::new(1).on(map));
         out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
-            Pcf { radius: 3 }.on(map)
+            Pcf::new(3).on(map)
         }));
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Pcf { radius: 1 }.on(map)
+            Pcf::new(1).on(map)
         }));
         out
     }
@@ -50,14 +52,14 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [0, 1, 2, 3, 6] {
-            out.extend(sweeps::every_bias(map_size, |map| Pcf { radius }.on(map)));
+            out.extend(sweeps::every_bias(map_size, |map| Pcf::new(radius).on(map)));
         }
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3, 5]
-            .map(|radius| Candidate::from_setting(Pcf { radius }.on(map)))
+            .map(|radius| Candidate::from_setting(Pcf::new(radius).on(map)))
             .to_vec()
     }
 
@@ -68,21 +70,22 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
     }
 
     fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Pcf> {
-        Pcf {
-            radius: numbers[0] as u32,
-        }
-        .on(map)
+        let radius = numbers[0] as u32;
+        // 0, 2 and 4 are unrolled. 1 takes the unrolled branch of the text for all radii, and the
+        // others take its loops.
+        let unrolled = radius <= MAX_UNROLLED_RADIUS && radius.is_multiple_of(2);
+        Pcf { radius, unrolled }.on(map)
     }
 }
 
 impl CataloguedKernel for PcfKernel {
     fn cost_per_receiver(&self) -> KernelCost {
-        let side = 2 * self.0.radius.unsigned_abs() + 1;
+        let side = 2 * self.uniforms.radius.unsigned_abs() + 1;
         KernelCost::taps(side * side.div_ceil(NEIGHBOURS_A_TAP))
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {
-        Some(self.0.lookup.layer_of(position))
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }
 

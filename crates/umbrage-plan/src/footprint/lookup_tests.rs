@@ -15,7 +15,7 @@ const SCENES: [&str; 4] = ["cubes", "rising-boxes", "c4-edge-square", "lamp-in-r
 fn presets() -> Vec<TechniquePreset> {
     let map = ShadowMap::default();
     let mut out = TechniquePreset::defaults();
-    out.extend([2, 5].map(|radius| TechniquePreset::from(Pcf { radius }.on(map))));
+    out.extend([2, 5].map(|radius| TechniquePreset::from(Pcf::new(radius).on(map))));
     out.extend([2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { samples }.on(map))));
     out.extend([2, 3].map(|radius| TechniquePreset::from(PcfMerged { radius }.on(map))));
     let disc = |pattern| {

@@ -109,7 +109,7 @@ fn a_quarter_of_the_map_is_looked_up_once() {
 /// The kernel adds three texels around the quarter, and 49 lookups within it.
 #[test]
 fn kernels_touch_what_they_reach() {
-    let f = measure_footprint(2.0, &Pcf { radius: 3 }.on(map()), 3.0);
+    let f = measure_footprint(2.0, &Pcf::new(3).on(map()), 3.0);
     let touched = 38 * 38;
     assert_eq!(
         f.total.unused,

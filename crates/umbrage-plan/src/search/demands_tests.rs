@@ -34,7 +34,7 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
                 endured.grain.expect("there are penumbrae")
             };
             let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
-            let smooth = grain(Pcf { radius: 3 }.on(ShadowMap::default()).into());
+            let smooth = grain(Pcf::new(3).on(ShadowMap::default()).into());
             assert!(four > six && six > MAX_GRAIN, "{name}: {four} {six}");
             assert!(
                 many < MAX_GRAIN && smooth < MAX_GRAIN,

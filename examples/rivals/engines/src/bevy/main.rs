@@ -145,7 +145,7 @@ fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn 
             ("pcss, 4 cascades of 2048", pcss(tight)),
         ];
     }
-    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { radius: 1 }.on(map)) };
+    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf::new(1).on(map)) };
     let small = ShadowMap {
         size: 1024,
         ..tight

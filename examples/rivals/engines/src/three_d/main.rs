@@ -197,10 +197,10 @@ fn settings() -> Vec<(String, ShadowSetting)> {
         ..one(2048)
     };
     let umbrage: [(&str, Arc<dyn ShadowTechnique>); 3] = [
-        ("pcf 3x3, 2048", Arc::new(Pcf { radius: 1 }.on(one(2048)))),
+        ("pcf 3x3, 2048", Arc::new(Pcf::new(1).on(one(2048)))),
         (
             "pcf 3x3, 4 cascades of 2048",
-            Arc::new(Pcf { radius: 1 }.on(cascades)),
+            Arc::new(Pcf::new(1).on(cascades)),
         ),
         ("exact", Arc::new(Exact::default())),
     ];
