@@ -121,4 +121,7 @@ fn the_text_of_presets_stays() {
         text.starts_with("technique = \"pcf\"\nradius = 1\n\n[map]\nsize = 1024\n"),
         "{text}"
     );
+    let unrolled = "technique = \"pcf\"\nradius = 2\nunrolled = true\n\n[map]\n";
+    let preset = TechniquePreset::from_toml(unrolled).unwrap();
+    assert!(preset.to_toml().unwrap().starts_with(unrolled));
 }

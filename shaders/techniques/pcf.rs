@@ -22,6 +22,8 @@ use crate::{
     },
     techniques::{hard::OwnTexel, map_technique::MapFilter},
 };
+#[cfg(feature = "presets")]
+use std::ops::Not;
 use umbrage_core::{
     Inputs, Invalid, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View,
     module, uniforms,
@@ -46,6 +48,7 @@ pub struct Pcf {
     /// several texels at once. Then another radius means another text and another pipeline.
     /// Otherwise one text is for all radii; in it, 3x3 is unrolled in a branch by a uniform. At most
     /// [`MAX_UNROLLED_RADIUS`]. Does not change results.
+    #[cfg_attr(feature = "presets", serde(skip_serializing_if = "Not::not"))]
     pub unrolled: bool,
 }
 
