@@ -61,8 +61,15 @@ pub(crate) struct Tile {
     pub(crate) cells: Range<u32>,
     /// Number of facets with centres in the squares.
     facets: usize,
-    /// For each square, the rectangle that contains the facets that are computed in it as a whole.
-    reaches: Vec<Rectangle>,
+    squares: Vec<TileSquare>,
+}
+
+/// A square of a tile.
+#[derive(Clone, Debug)]
+struct TileSquare {
+    rectangle: Rectangle,
+    /// Least level of the facets that may be computed in it as a whole; `None` if there are none.
+    least_level: Option<u32>,
 }
 
 /// Square cells around all facets, and tiles of them.
@@ -70,6 +77,8 @@ pub(crate) struct Tile {
 pub(crate) struct Grid {
     low: DVec2,
     side: f64,
+    /// Bound of the rounding in the tree of facets.
+    rounding: f64,
     /// Along the Morton curve.
     cells: Vec<Square>,
     tiles: Vec<Tile>,
@@ -87,9 +96,11 @@ impl Grid {
         let [low, high] = bounds;
         // The greatest coordinate is inside, as ends of cells are outside.
         let side = (high - low).max_element() * (1.0 + 1e-9);
+        let greatest = low.abs().max(high.abs()).max_element();
         let mut grid = Self {
             low,
             side: side.max(f64::MIN_POSITIVE),
+            rounding: TREE_ROUNDING * greatest,
             cells: Vec::new(),
             tiles: Vec::new(),
         };
@@ -138,24 +149,20 @@ impl Grid {
         // The widest facet that may be computed as a whole is as wide as the largest cell.
         let levels = self.cells[first as usize..].iter().map(|cell| cell.level);
         let largest_cell = levels.min().unwrap_or(0);
-        let widest = levels_from(largest_cell, places)
-            .min()
-            .map_or(0.0, |level| self.side / f64::from(1_u32 << level));
-        let greatest = (self.low.abs() + self.side).max_element();
-        // Half of that facet, and more than the rounding of codes and of the tree.
-        let halo = DVec2::splat(0.51 * widest + TREE_ROUNDING * greatest);
-        let [low, high] = self.rectangle_of(square);
-        let reach = [low - halo, high + halo];
+        let square = TileSquare {
+            rectangle: self.rectangle_of(square),
+            least_level: levels_from(largest_cell, places).min(),
+        };
         match self.tiles.last_mut() {
             Some(tile) if tile.facets + places.len() <= most_in_tile => {
                 tile.cells.end = cells.end;
                 tile.facets += places.len();
-                tile.reaches.push(reach);
+                tile.squares.push(square);
             }
             _ => self.tiles.push(Tile {
                 cells,
                 facets: places.len(),
-                reaches: vec![reach],
+                squares: vec![square],
             }),
         }
     }
@@ -163,6 +170,34 @@ impl Grid {
     /// Returns the tiles in rising order.
     pub(crate) fn tiles(&self) -> &[Tile] {
         &self.tiles
+    }
+
+    /// Returns whether a facet may darken one that is computed in a tile, or be such a facet.
+    pub(crate) fn is_in_tile(&self, facet: &Projected, tile: &Tile) -> bool {
+        let [low, high] = facet.bounds();
+        let bounds = [low - self.rounding, high + self.rounding];
+        let mut squares = tile.squares.iter();
+        squares.any(|square| self.is_in_square(bounds, square))
+    }
+
+    fn is_in_square(&self, bounds: Rectangle, square: &TileSquare) -> bool {
+        let ([low, high], [least, most]) = (bounds, square.rectangle);
+        let gap = (least - high).max(low - most).max_element();
+        if gap <= 0.0 {
+            return true;
+        }
+        let Some(least_level) = square.least_level else {
+            return false;
+        };
+        // Facets that are computed as a whole extend by at most half of their size beyond the
+        // square, and there only over cells as wide as themselves: see `key`.
+        let finest = self.level_of_size(gap / 0.51);
+        // A box that is narrower than such a cell and overlaps it has a corner inside.
+        finest >= least_level
+            && (self.level_of(bounds) <= finest
+                || corners_of(bounds)
+                    .into_iter()
+                    .any(|corner| self.cell_at(corner).level <= finest))
     }
 
     /// Returns the Morton code of a place across the light.
@@ -174,8 +209,11 @@ impl Grid {
     /// `GREATEST_LEVEL`.
     fn level_of(&self, bounds: Rectangle) -> u32 {
         let [low, high] = bounds;
-        let size = (high - low).max_element().max(f64::MIN_POSITIVE);
-        (self.side / size)
+        self.level_of_size((high - low).max_element())
+    }
+
+    fn level_of_size(&self, size: f64) -> u32 {
+        (self.side / size.max(f64::MIN_POSITIVE))
             .log2()
             .clamp(0.0, f64::from(GREATEST_LEVEL)) as u32
     }
@@ -183,6 +221,10 @@ impl Grid {
     /// Returns the cell that contains a Morton code.
     fn cell_of(&self, code: u64) -> u32 {
         self.cells.partition_point(|cell| cell.code <= code) as u32 - 1
+    }
+
+    fn cell_at(&self, place: DVec2) -> Square {
+        self.cells[self.cell_of(self.code(place)) as usize]
     }
 
     /// Returns the key by which facets are sorted, and the cell of a facet's centre. Facets that
@@ -194,18 +236,11 @@ impl Grid {
         let code = self.code(low.midpoint(high));
         let cell = self.cell_of(code);
         let square = self.cells[cell as usize];
-        let corners = [
-            low,
-            high,
-            DVec2::new(low.x, high.y),
-            DVec2::new(high.x, low.y),
-        ];
         // A cell of at most the facet's level is as wide as the facet. If all corners are in such
         // cells, the facet overlaps no others. Most are in the centre's cell, which spares a search.
         let is_narrow = square.level <= level
-            && corners.into_iter().all(|corner| {
-                let code = self.code(corner);
-                square.contains(code) || self.cells[self.cell_of(code) as usize].level <= level
+            && corners_of(bounds).into_iter().all(|corner| {
+                square.contains(self.code(corner)) || self.cell_at(corner).level <= level
             });
         // Nodes are tight if their facets are of similar size: within a factor of four.
         let class = u64::from(level / 2);
@@ -240,11 +275,11 @@ fn levels_from(least: u32, places: &[u64]) -> impl Iterator<Item = u32> {
     levels.filter(move |&level| level >= least)
 }
 
-impl Tile {
-    /// Returns whether a facet may darken one that is computed in the tile, or be such a facet.
-    pub(crate) fn is_reached_by(&self, facet: &Projected) -> bool {
-        let [least, most] = facet.bounds();
-        let overlaps = |[low, high]: &Rectangle| least.cmple(*high).all() && most.cmpge(*low).all();
-        self.reaches.iter().any(overlaps)
-    }
+fn corners_of([low, high]: Rectangle) -> [DVec2; 4] {
+    [
+        low,
+        high,
+        DVec2::new(low.x, high.y),
+        DVec2::new(high.x, low.y),
+    ]
 }

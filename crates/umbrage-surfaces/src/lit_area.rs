@@ -17,6 +17,8 @@ use rayon::prelude::*;
 pub(crate) const TILE: u32 = 1 << 20;
 /// Blockers above which a receiver is halved.
 const MOST_BLOCKERS: usize = 128;
+/// Facets that a thread computes at least, one after another.
+const LEAST_TOGETHER: usize = 256;
 /// Halvings at most, first with new searches, then with the blockers found: they may overlap or
 /// meet.
 const MAX_HALVINGS: u32 = 12;
@@ -258,12 +260,20 @@ impl Search {
                 -facet.height_at(centre - facet.corners[0].xy())
             });
         }
+        if wide.is_empty() {
+            // No facet depends on those before. A cell may have many, if they are as wide as it.
+            return narrow
+                .into_par_iter()
+                .with_min_len(LEAST_TOGETHER)
+                .map_init(Self::default, |search, index| {
+                    search.lit_part(scene, index, margin, None)
+                })
+                .collect();
+        }
         let mut parts = Vec::with_capacity(narrow.len() + wide.len());
         for &index in &narrow {
             let part = self.lit_part(scene, index, margin, None);
-            if !wide.is_empty() {
-                self.add_if_needless(index, &part);
-            }
+            self.add_if_needless(index, &part);
             parts.push(part);
         }
         for &index in &wide {
@@ -496,6 +506,12 @@ mod tests {
                 let most = cells_of_narrow.iter().max();
                 assert!(most <= Some(&4), "{most:?} cells, but computed in one");
             });
+            // Tiles of ground do not contain the heap, which is nearer than the ground is wide.
+            let mut in_tiles = 0;
+            facets.visit_tiles(&frame_towards(sun), 300, |scene| {
+                in_tiles += scene.facets.len();
+            });
+            assert!(in_tiles < 2 * facets.count(), "{in_tiles} facets in tiles");
             let lit = facets.lit_areas_towards(sun, 300);
             assert!(lit == facets.lit_areas_towards(sun, TILE), "towards {sun}");
             let identity = lit.identity.expect("certified");

@@ -144,7 +144,7 @@ impl<'a> Scene<'a> {
         seen: &(impl Fn(u32) -> Option<Projected> + Sync),
     ) -> Self {
         let key_of = |row: u32| {
-            let facet = seen(row).filter(|facet| tile.is_reached_by(facet))?;
+            let facet = seen(row).filter(|facet| grid.is_in_tile(facet, tile))?;
             let (key, cell) = grid.key(&facet);
             Some((key, row, cell))
         };
