@@ -444,26 +444,45 @@ mod tests {
         Facets::new(corners.as_flattened(), &triangles, &options).expect("good facets")
     }
 
-    /// A heap of small and large triangles, in one tile and in many.
+    /// Dense heaps of different widths, which make cells of all sizes, among triangles as wide as
+    /// those and strips: in one tile and in many.
     #[test]
     fn tiles_leave_all_bits_as_they_are() {
-        let triangle = |i: i32| {
-            let size = if i % 50 == 0 { 0.8 } else { 0.04 };
-            [1, 2, 3].map(|k| random(i) + random(5000 * k + i) * size)
-        };
-        let facets = facets_of(&(0..5000).map(triangle).collect::<Vec<_>>());
-        for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
-            let frame = frame_towards(sun);
-            let mut tiles = 0;
-            facets.visit_tiles(&frame, 300, |_| tiles += 1);
-            assert!(tiles > 6, "{tiles} tiles");
-            let tiled = facets.lit_areas_towards(sun, 300);
-            assert!(
-                tiled == facets.lit_areas_towards(sun, TILE),
-                "towards {sun}"
+        for seed in 0..4 {
+            let random = |k: i32| random(20_000 * seed + k);
+            let triangle = |k: i32, position: DVec3, size: DVec3| {
+                [1, 2, 3].map(|corner| position + random(k + 6000 * corner) * size)
+            };
+            let in_heap = |k: i32| {
+                let [position, shape] = [k % 4, k % 4 + 4].map(random);
+                let width = (-2.0 - 4.0 * shape.x).exp2();
+                triangle(k, position + random(k) * width, DVec3::splat(0.05 * width))
+            };
+            let in_between = |k: i32| {
+                let size = (-1.0 - 5.0 * random(k + 300).x).exp2();
+                let [along, across] = [DVec3::ONE, DVec3::new(0.02, 1.0, 1.0)];
+                let shape = [along, across, across.yxz()][k as usize % 3];
+                triangle(k, random(k), size * shape)
+            };
+            let heaps = (10..5210).map(in_heap);
+            let facets = facets_of(
+                &heaps
+                    .chain((5400..5700).map(in_between))
+                    .collect::<Vec<_>>(),
             );
-            let identity = tiled.identity.expect("certified");
-            assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
+            for sun in [DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
+                let frame = frame_towards(sun);
+                let mut tiles = 0;
+                facets.visit_tiles(&frame, 300, |_| tiles += 1);
+                assert!(tiles > 6, "{tiles} tiles");
+                let tiled = facets.lit_areas_towards(sun, 300);
+                assert!(
+                    tiled == facets.lit_areas_towards(sun, TILE),
+                    "seed {seed}, towards {sun}"
+                );
+                let identity = tiled.identity.expect("certified");
+                assert!(identity < 1e-9, "{identity:.1e} towards {sun}");
+            }
         }
     }
 
@@ -551,6 +570,33 @@ mod tests {
         assert!(tiles > 2, "{tiles} tiles");
         let lit = facets.lit_areas_towards(DVec3::Z, 300);
         assert!(lit == facets.lit_areas_towards(DVec3::Z, TILE));
+    }
+
+    /// A strip over a facet that extends beyond its cell. The strip's corners are in small cells of
+    /// heaps; its middle is not.
+    #[test]
+    fn strips_between_small_cells_cast_shadows() {
+        let frame = frame_towards(DVec3::Z);
+        let mut corners = vec![
+            [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]],
+            [[1.2, 1.45, 1.0], [1.9, 1.5, 1.0], [1.5, 2.15, 1.0]],
+            [[0.1, 2.1, 2.0], [3.9, 2.11, 2.0], [0.1, 2.12, 2.0]],
+        ];
+        for (heap, x) in [0.05, 3.85].into_iter().enumerate() {
+            let in_heap = |i: i32| {
+                let position = DVec3::new(x, 2.06, 3.0) + random(i) * 0.1;
+                [1, 2, 3].map(|k| (position + random(5000 * k + i) * 0.001).to_array())
+            };
+            corners.extend((0..1100).map(|i| in_heap(1100 * heap as i32 + i)));
+        }
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|triangle| triangle.map(|corner| frame * DVec3::from(corner)))
+            .collect();
+        let facets = facets_of(&corners);
+        let lit = facets.lit_areas_towards(DVec3::Z, 300);
+        assert!(lit == facets.lit_areas_towards(DVec3::Z, TILE));
+        assert!(lit.areas[1].fraction < 1.0, "{}", lit.areas[1].fraction);
     }
 
     /// Returns a floor of two wide triangles, narrow ones that may be above it, and small ones below
