@@ -355,11 +355,11 @@ fn print_caster_times(graphics: &Graphics, scene: BoxScene, moved: usize) -> Res
     });
     let report = shadows.set.report();
     println!(
-        "{count} casters, {moved} moved, {} lights: move {place:.1} us, prepare {prepare:.1} us, encode {encode:.1} us for {} of {} layers, {} bytes written; by hand {by_hand:.1} us for all layers",
+        "{count} casters, {moved} moved, {} lights: move {place:.1} us, prepare {prepare:.1} us, encode {encode:.1} us in {} passes, {} bytes written; by hand {by_hand:.1} us for all {} layers",
         shadows.lights.len(),
         report.redrawn,
-        hand.layers(),
-        report.uploaded
+        report.uploaded,
+        hand.layers()
     );
     Ok(())
 }

@@ -148,7 +148,7 @@ pub enum Unserved {
 pub struct SetReport {
     /// Number of lights that were planned.
     pub planned: u32,
-    /// Number of layers that this frame draws.
+    /// Number of layers that this frame draws, including those that keep still casters.
     pub redrawn: u32,
     /// Number of lights whose hierarchies of casters this frame builds.
     pub hierarchies: u32,
