@@ -72,13 +72,16 @@ fn open_without_driver() -> Result<(String, Graphics)> {
     Ok(("no driver".to_owned(), Graphics { device, queue }))
 }
 
-/// Returns `hard`, or `pcf` with a radius of 1, with a constant bias.
-fn technique(radius: u32) -> Arc<dyn ShadowTechnique> {
-    technique_on(Layout::Auto, radius)
-}
+/// 3x3 comparisons with the set's text for all radii, and with an unrolled one. The program by hand
+/// always has the latter.
+const PCF: Pcf = Pcf::new(1);
+const UNROLLED: Pcf = Pcf {
+    radius: 1,
+    unrolled: true,
+};
 
-/// Returns such a technique with maps of a layout.
-fn technique_on(layout: Layout, radius: u32) -> Arc<dyn ShadowTechnique> {
+/// Returns `pcf`, or `hard` if there is no filter, with a constant bias and maps of a layout.
+fn technique(layout: Layout, filter: Option<Pcf>) -> Arc<dyn ShadowTechnique> {
     let map = ShadowMap {
         size: MAP_SIZE,
         layout,
@@ -88,15 +91,9 @@ fn technique_on(layout: Layout, radius: u32) -> Arc<dyn ShadowTechnique> {
         },
         ..ShadowMap::default()
     };
-    if radius == 0 {
-        Arc::new(Hard {}.on(map))
-    } else {
-        // By hand, the radius is a constant, too.
-        let filter = Pcf {
-            radius,
-            unrolled: true,
-        };
-        Arc::new(filter.on(map))
+    match filter {
+        Some(filter) => Arc::new(filter.on(map)),
+        None => Arc::new(Hard {}.on(map)),
     }
 }
 
@@ -118,16 +115,16 @@ pub fn compare() -> Result<()> {
     println!("{name}: times of the set over times by hand, median of {pairs} pairs");
     for (name, ratios) in all_ratios(&graphics)? {
         println!(
-            "{name:17} all casters move {:.3}   nothing moves {:.3}   recording {:.2}   pixels that differ: {}",
+            "{name:26} all casters move {:.3}   nothing moves {:.3}   recording {:.2}   pixels that differ: {}",
             ratios.moving, ratios.still, ratios.recording, ratios.differing
         );
     }
     let (name, graphics) = open_without_driver()?;
     println!("{name}: recording, if all casters move");
-    for (name, stage, radius) in looks() {
-        let (mut set, mut hand) = renderers(&graphics, radius, stage)?;
+    for (name, stage, filter) in looks() {
+        let (mut set, mut hand) = renderers(&graphics, filter, stage)?;
         let ratio = recording_ratio(&graphics, &mut set, &mut hand)?;
-        println!("{name:17} {ratio:.2}");
+        println!("{name:26} {ratio:.2}");
     }
     Ok(())
 }
@@ -149,30 +146,34 @@ pub fn ratios(choice: &AdapterChoice) -> Result<BTreeMap<String, f64>> {
 }
 
 fn all_ratios(graphics: &Graphics) -> Result<Vec<(String, Ratios)>> {
-    let named = |(name, stage, radius)| Ok((name, ratios_of(graphics, radius, stage)?));
+    let named = |(name, stage, filter)| Ok((name, ratios_of(graphics, filter, stage)?));
     looks().map(named).collect()
 }
 
-/// Returns the images to draw: their names, stages, and radii of comparisons.
-fn looks() -> impl Iterator<Item = (String, LookupStage, u32)> {
+/// Returns the images to draw: their names, stages and filters.
+fn looks() -> impl Iterator<Item = (String, LookupStage, Option<Pcf>)> {
     let stages = [
         ("forward", LookupStage::Forward),
         ("deferred", LookupStage::Deferred),
         ("masks", LookupStage::Masks),
     ];
     stages.into_iter().flat_map(|(stage_name, stage)| {
-        let techniques = [("hard", 0), ("pcf 3x3", 1)];
-        techniques.map(|(name, radius)| (format!("{stage_name}, {name}"), stage, radius))
+        let techniques = [
+            ("hard", None),
+            ("pcf 3x3", Some(PCF)),
+            ("pcf 3x3 unrolled", Some(UNROLLED)),
+        ];
+        techniques.map(|(name, filter)| (format!("{stage_name}, {name}"), stage, filter))
     })
 }
 
 /// Returns the set's renderer and the one by hand.
 fn renderers(
     graphics: &Graphics,
-    radius: u32,
+    filter: Option<Pcf>,
     stage: LookupStage,
 ) -> Result<(TimedRenderer<BoxShadows>, TimedRenderer<ByHand>)> {
-    let technique = technique(radius);
+    let technique = technique(Layout::Auto, filter);
     let boxes = || Ok::<_, anyhow::Error>(Boxes::new(graphics, BoxScene::large()?));
     let of_set = boxes()?;
     let mut set = BoxShadows::new(graphics, &of_set)?;
@@ -180,7 +181,7 @@ fn renderers(
     let of_hand = boxes()?;
     let lookup = HandLookup {
         bias: BIAS,
-        radius: radius as i32,
+        radius: filter.map_or(0, |filter| filter.radius as i32),
         map_size: MAP_SIZE,
     };
     let hand = ByHand::new(
@@ -196,8 +197,8 @@ fn renderers(
     ))
 }
 
-fn ratios_of(graphics: &Graphics, radius: u32, stage: LookupStage) -> Result<Ratios> {
-    let (mut set, mut hand) = renderers(graphics, radius, stage)?;
+fn ratios_of(graphics: &Graphics, filter: Option<Pcf>, stage: LookupStage) -> Result<Ratios> {
+    let (mut set, mut hand) = renderers(graphics, filter, stage)?;
     let differing = check_alike(graphics, &mut set, &mut hand)?;
     let seconds = changing_seconds();
     let moving = measure_pairs(
@@ -300,7 +301,7 @@ fn light_technique(light: &Light) -> Arc<dyn ShadowTechnique> {
         Light::Directional { .. } => Layout::Cascades(Cascades::default()),
         _ => Layout::Auto,
     };
-    technique_on(layout, 1)
+    technique(layout, Some(PCF))
 }
 
 /// Prints the median times of frames in which some casters move.

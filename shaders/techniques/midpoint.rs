@@ -39,7 +39,13 @@ impl MapFilter for Midpoint {
         "comparisons with the midpoint of the nearest two surfaces (Woo 1992)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.pcf().recipe(map, view)
+        // A single comparison has no loops, and needs no branch for 3x3.
+        let unrolled = self.radius == 0;
+        let pcf = Pcf {
+            unrolled,
+            ..self.pcf()
+        };
+        pcf.recipe(map, view)
     }
 
     fn label(&self) -> String {

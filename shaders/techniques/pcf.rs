@@ -45,9 +45,9 @@ pub struct Pcf {
     /// Number of texels on each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
     pub radius: u32,
     /// Whether the radius is a constant of the WGSL, so that compilers unroll the loops and load
-    /// several texels at once. Then another radius means another text and another pipeline.
-    /// Otherwise one text is for all radii; in it, 3x3 is unrolled in a branch by a uniform. At most
-    /// [`MAX_UNROLLED_RADIUS`]. Does not change results.
+    /// several texels at once. Results are the same. If true, `radius` is at most
+    /// [`MAX_UNROLLED_RADIUS`], and another radius needs another pipeline. If false, one text serves
+    /// all radii; 3x3 is unrolled in a branch of it.
     #[cfg_attr(feature = "presets", serde(skip_serializing_if = "Not::not"))]
     pub unrolled: bool,
 }
@@ -115,14 +115,13 @@ uniforms! {
 pub struct PcfKernel {
     /// Map and filter radius.
     pub uniforms: PcfUniforms,
-    /// Whether the radius is a constant of the WGSL. `modules` panics if it is and the radius is not
-    /// in 0..=[`MAX_UNROLLED_RADIUS`].
+    /// Whether the radius is a constant of the WGSL, if it is in 0..=[`MAX_UNROLLED_RADIUS`].
     pub unrolled: bool,
 }
 
-const ANY_RADIUS: Module = constant!("HAS_ANY_RADIUS = true");
-const ONE_RADIUS: Module = constant!("HAS_ANY_RADIUS = false");
-/// The radius whose loops compilers unroll.
+const UNIFORM_RADIUS: Module = constant!("IS_RADIUS_UNIFORM = true");
+const CONSTANT_RADIUS: Module = constant!("IS_RADIUS_UNIFORM = false");
+/// The radius whose loops compilers unroll: the constant one, or that of a branch.
 const UNROLLED_RADIUS: [Module; MAX_UNROLLED_RADIUS as usize + 1] = [
     constant!("UNROLLED_RADIUS = 0"),
     constant!("UNROLLED_RADIUS = 1"),
@@ -135,18 +134,18 @@ const MOST_COMMON_RADIUS: usize = 1;
 
 impl PcfKernel {
     fn constants(&self) -> [Module; 2] {
-        if self.unrolled {
-            [ONE_RADIUS, UNROLLED_RADIUS[self.uniforms.radius as usize]]
-        } else {
-            [ANY_RADIUS, UNROLLED_RADIUS[MOST_COMMON_RADIUS]]
+        let radius = UNROLLED_RADIUS.get(self.uniforms.radius as usize);
+        match radius.filter(|_| self.unrolled) {
+            Some(&radius) => [CONSTANT_RADIUS, radius],
+            None => [UNIFORM_RADIUS, UNROLLED_RADIUS[MOST_COMMON_RADIUS]],
         }
     }
 }
 
 impl Kernel for PcfKernel {
     fn modules(&self) -> Vec<Module> {
-        let [any_radius, unrolled_radius] = self.constants();
-        let own = [any_radius, unrolled_radius, module!("pcf")];
+        let [is_uniform, unrolled_radius] = self.constants();
+        let own = [is_uniform, unrolled_radius, module!("pcf")];
         self.uniforms.lookup.modules(&own)
     }
 

@@ -21,9 +21,9 @@ fn mean_of_square(l: ShadowCoord, radius: i32) -> f32 {
 }
 
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
-    // Compilers unroll loops whose length is a constant. The radius is a uniform, so that all
-    // threads take the same branch.
-    if !HAS_ANY_RADIUS || kernel.radius == UNROLLED_RADIUS {
+    // Compilers unroll loops whose length is a constant. As the radius is a uniform, all threads take
+    // the same branch.
+    if !IS_RADIUS_UNIFORM || kernel.radius == UNROLLED_RADIUS {
         return mean_of_square(l, UNROLLED_RADIUS);
     }
     return mean_of_square(l, kernel.radius);

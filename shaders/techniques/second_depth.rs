@@ -34,7 +34,13 @@ impl MapFilter for SecondDepth {
         "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.pcf().recipe(map, view)
+        // A single comparison has no loops, and needs no branch for 3x3.
+        let unrolled = self.radius == 0;
+        let pcf = Pcf {
+            unrolled,
+            ..self.pcf()
+        };
+        pcf.recipe(map, view)
     }
 
     fn label(&self) -> String {

@@ -22,6 +22,10 @@ const GREATEST_LEVEL: u32 = (1 << LEVEL_BITS) - 1;
 /// 32-bit numbers each, and as much to spare.
 const TREE_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
+/// Bound of how far facets extend beyond a square that contains their centre, per size: a half, and
+/// more than the rounding of coordinates.
+const GREATEST_EXTENT: f64 = 0.51;
+
 /// A rectangle across the light: least and greatest coordinates.
 pub(crate) type Rectangle = [DVec2; 2];
 
@@ -68,8 +72,8 @@ pub(crate) struct Tile {
 #[derive(Clone, Debug)]
 struct TileSquare {
     rectangle: Rectangle,
-    /// Least level of the facets that may be computed in it as a whole; `None` if there are none.
-    least_level: Option<u32>,
+    /// Greatest extent of facets that are computed in it as a whole beyond the rectangle.
+    reach: f64,
 }
 
 /// Square cells around all facets, and tiles of them.
@@ -149,9 +153,12 @@ impl Grid {
         // The widest facet that may be computed as a whole is as wide as the largest cell.
         let levels = self.cells[first as usize..].iter().map(|cell| cell.level);
         let largest_cell = levels.min().unwrap_or(0);
+        let widest = levels_from(largest_cell, places)
+            .min()
+            .map_or(0.0, |level| self.side / f64::from(1_u32 << level));
         let square = TileSquare {
             rectangle: self.rectangle_of(square),
-            least_level: levels_from(largest_cell, places).min(),
+            reach: GREATEST_EXTENT * widest,
         };
         match self.tiles.last_mut() {
             Some(tile) if tile.facets + places.len() <= most_in_tile => {
@@ -186,18 +193,17 @@ impl Grid {
         if gap <= 0.0 {
             return true;
         }
-        let Some(least_level) = square.least_level else {
+        if gap > square.reach {
             return false;
-        };
-        // Facets that are computed as a whole extend by at most half of their size beyond the
-        // square, and there only over cells as wide as themselves: see `key`.
-        let finest = self.level_of_size(gap / 0.51);
-        // A box that is narrower than such a cell and overlaps it has a corner inside.
-        finest >= least_level
-            && (self.level_of(bounds) <= finest
-                || corners_of(bounds)
-                    .into_iter()
-                    .any(|corner| self.cell_at(corner).level <= finest))
+        }
+        // Only facets of at most this level extend across the gap, over cells of at most their level:
+        // see `key`. So the box must overlap such a cell. If it is narrower than the cell, a corner
+        // is inside.
+        let greatest_level = self.level_of_size(gap / GREATEST_EXTENT);
+        self.level_of(bounds) <= greatest_level
+            || corners_of(bounds)
+                .into_iter()
+                .any(|corner| self.cell_at(corner).level <= greatest_level)
     }
 
     /// Returns the Morton code of a place across the light.

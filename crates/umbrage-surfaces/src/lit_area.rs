@@ -13,12 +13,12 @@ use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Most facets with their centre in a tile, if it has more than one cell. A tile's memory is some
-/// 150 bytes a facet, with those that reach into it.
+/// 150 bytes for each of these and of the facets that overlap its cells or one of them.
 pub(crate) const TILE: u32 = 1 << 20;
 /// Blockers above which a receiver is halved.
 const MOST_BLOCKERS: usize = 128;
-/// Facets that a thread computes at least, one after another.
-const LEAST_TOGETHER: usize = 256;
+/// Facets of a cell above which threads share them.
+const MOST_IN_SERIES: usize = 512;
 /// Halvings at most, first with new searches, then with the blockers found: they may overlap or
 /// meet.
 const MAX_HALVINGS: u32 = 12;
@@ -251,25 +251,25 @@ impl Search {
         let centre = low.midpoint(high);
         let mut wide = scene.wide_facets(rectangle, &mut self.stack);
         let mut narrow: Vec<u32> = scene.narrow_facets(cell).collect();
-        if !wide.is_empty() {
-            // No needless facet may prove another one. So begin with the lowest narrow ones: those
-            // above are not needless yet. Begin with the highest wide ones: lower ones skip them.
-            sort_by(&mut narrow, |i| scene.facets[i as usize].mean_height());
-            sort_by(&mut wide, |i| {
-                let facet = &scene.facets[i as usize];
-                -facet.height_at(centre - facet.corners[0].xy())
-            });
-        }
         if wide.is_empty() {
-            // No facet depends on those before. A cell may have many, if they are as wide as it.
+            let lit_part = |search: &mut Self, index| search.lit_part(scene, index, margin, None);
+            if narrow.len() <= MOST_IN_SERIES {
+                return narrow.into_iter().map(|i| lit_part(self, i)).collect();
+            }
+            // A cell has many facets if they are as wide as the cell, as these do not divide it.
+            // None depends on those before.
             return narrow
                 .into_par_iter()
-                .with_min_len(LEAST_TOGETHER)
-                .map_init(Self::default, |search, index| {
-                    search.lit_part(scene, index, margin, None)
-                })
+                .map_init(Self::default, lit_part)
                 .collect();
         }
+        // No needless facet may prove another one. So begin with the lowest narrow ones: those
+        // above are not needless yet. Begin with the highest wide ones: lower ones skip them.
+        sort_by(&mut narrow, |i| scene.facets[i as usize].mean_height());
+        sort_by(&mut wide, |i| {
+            let facet = &scene.facets[i as usize];
+            -facet.height_at(centre - facet.corners[0].xy())
+        });
         let mut parts = Vec::with_capacity(narrow.len() + wide.len());
         for &index in &narrow {
             let part = self.lit_part(scene, index, margin, None);
@@ -460,8 +460,8 @@ mod tests {
             };
             let in_between = |k: i32| {
                 let size = (-1.0 - 5.0 * random(k + 300).x).exp2();
-                let [along, across] = [DVec3::ONE, DVec3::new(0.02, 1.0, 1.0)];
-                let shape = [along, across, across.yxz()][k as usize % 3];
+                let [wide, strip] = [DVec3::ONE, DVec3::new(0.02, 1.0, 1.0)];
+                let shape = [wide, strip, strip.yxz()][k as usize % 3];
                 triangle(k, random(k), size * shape)
             };
             let heaps = (10..5210).map(in_heap);
@@ -525,7 +525,7 @@ mod tests {
                 let most = cells_of_narrow.iter().max();
                 assert!(most <= Some(&4), "{most:?} cells, but computed in one");
             });
-            // Tiles of ground do not contain the heap, which is nearer than the ground is wide.
+            // Tiles of ground do not contain the heap, though a square of ground reaches that far.
             let mut in_tiles = 0;
             facets.visit_tiles(&frame_towards(sun), 300, |scene| {
                 in_tiles += scene.facets.len();
@@ -572,19 +572,19 @@ mod tests {
         assert!(lit == facets.lit_areas_towards(DVec3::Z, TILE));
     }
 
-    /// A strip over a facet that extends beyond its cell. The strip's corners are in small cells of
-    /// heaps; its middle is not.
+    /// A strip over the end of a facet that extends beyond its cell, almost as far as it can. The
+    /// strip's corners are in small cells of heaps; its middle is not.
     #[test]
     fn strips_between_small_cells_cast_shadows() {
         let frame = frame_towards(DVec3::Z);
         let mut corners = vec![
             [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]],
-            [[1.2, 1.45, 1.0], [1.9, 1.5, 1.0], [1.5, 2.15, 1.0]],
-            [[0.1, 2.1, 2.0], [3.9, 2.11, 2.0], [0.1, 2.12, 2.0]],
+            [[1.01, 1.495, 1.0], [1.99, 1.5, 1.0], [1.5, 2.485, 1.0]],
+            [[0.1, 2.46, 2.0], [3.9, 2.47, 2.0], [0.1, 2.48, 2.0]],
         ];
         for (heap, x) in [0.05, 3.85].into_iter().enumerate() {
             let in_heap = |i: i32| {
-                let position = DVec3::new(x, 2.06, 3.0) + random(i) * 0.1;
+                let position = DVec3::new(x, 2.42, 3.0) + random(i) * 0.1;
                 [1, 2, 3].map(|k| (position + random(5000 * k + i) * 0.001).to_array())
             };
             corners.extend((0..1100).map(|i| in_heap(1100 * heap as i32 + i)));
@@ -594,6 +594,12 @@ mod tests {
             .map(|triangle| triangle.map(|corner| frame * DVec3::from(corner)))
             .collect();
         let facets = facets_of(&corners);
+        facets.visit_tiles(&frame, TILE, |scene| {
+            // The first three rows are wide but for the facet.
+            let wide = (0..scene.facets.len() as u32).filter(|&index| !scene.is_narrow(index));
+            let rows: Vec<u32> = wide.map(|index| scene.row(index)).collect();
+            assert!(rows.contains(&0) && rows.contains(&2) && !rows.contains(&1));
+        });
         let lit = facets.lit_areas_towards(DVec3::Z, 300);
         assert!(lit == facets.lit_areas_towards(DVec3::Z, TILE));
         assert!(lit.areas[1].fraction < 1.0, "{}", lit.areas[1].fraction);

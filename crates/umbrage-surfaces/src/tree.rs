@@ -119,7 +119,7 @@ impl Node {
     }
 }
 
-/// The facets that reach into a tile, in the order of the tree: wide ones first.
+/// The facets of a tile ([`Grid::is_in_tile`]), in the order of the tree: wide ones first.
 pub(crate) struct Scene<'a> {
     grid: &'a Grid,
     pub(crate) facets: Vec<Projected>,
@@ -135,7 +135,7 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Builds the tree over the facets that reach into a tile. `seen` returns one of `rows` facets
+    /// Builds the tree over the facets of a tile. `seen` returns one of `rows` facets
     /// as the sun sees it.
     pub(crate) fn new(
         grid: &'a Grid,

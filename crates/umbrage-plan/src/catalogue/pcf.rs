@@ -66,17 +66,21 @@ impl CataloguedTechnique for MapTechnique<Pcf> {
     const RANDOM_WEIGHT: u32 = 3;
 
     fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(0..8)]
+        let unrolled = MAX_UNROLLED_RADIUS + 1;
+        vec![RandomParameter::Count(0..RADII + unrolled)]
     }
 
     fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Pcf> {
-        let radius = numbers[0] as u32;
-        // 0, 2 and 4 are unrolled. 1 takes the unrolled branch of the text for all radii, and the
-        // others take its loops.
-        let unrolled = radius <= MAX_UNROLLED_RADIUS && radius.is_multiple_of(2);
+        // Radii with the text for all, then unrolled ones.
+        let number = numbers[0] as u32;
+        let unrolled = number >= RADII;
+        let radius = if unrolled { number - RADII } else { number };
         Pcf { radius, unrolled }.on(map)
     }
 }
+
+/// Number of radii of random settings that are not unrolled.
+const RADII: u32 = 8;
 
 impl CataloguedKernel for PcfKernel {
     fn cost_per_receiver(&self) -> KernelCost {
