@@ -281,7 +281,8 @@ fn levels_from(least: u32, places: &[u64]) -> impl Iterator<Item = u32> {
     levels.filter(move |&level| level >= least)
 }
 
-fn corners_of([low, high]: Rectangle) -> [DVec2; 4] {
+fn corners_of(bounds: Rectangle) -> [DVec2; 4] {
+    let [low, high] = bounds;
     [
         low,
         high,
