@@ -29,7 +29,7 @@ use umbrage_core::{Recipe, RecipeError, View};
     serde(default, deny_unknown_fields)
 )]
 pub struct Midpoint {
-    /// Radius of the filter: see [`Pcf::radius`].
+    /// Radius of the filter: see [`Pcf::radius`]. 0 has a WGSL text of its own.
     pub radius: u32,
 }
 
@@ -39,17 +39,11 @@ impl MapFilter for Midpoint {
         "comparisons with the midpoint of the nearest two surfaces (Woo 1992)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        // A single comparison has no loops, and needs no branch for 3x3.
-        let unrolled = self.radius == 0;
-        let pcf = Pcf {
-            unrolled,
-            ..self.pcf()
-        };
-        pcf.recipe(map, view)
+        Pcf::single_or_square(self.radius).recipe(map, view)
     }
 
     fn label(&self) -> String {
-        self.pcf().label()
+        Pcf::new(self.radius).label()
     }
 
     fn adapt_map(map: ShadowMap) -> ShadowMap {
@@ -57,11 +51,5 @@ impl MapFilter for Midpoint {
             surface: Surface::Midpoint,
             ..map
         }
-    }
-}
-
-impl Midpoint {
-    fn pcf(&self) -> Pcf {
-        Pcf::new(self.radius)
     }
 }

@@ -22,8 +22,6 @@ use crate::{
     },
     techniques::{hard::OwnTexel, map_technique::MapFilter},
 };
-#[cfg(feature = "presets")]
-use std::ops::Not;
 use umbrage_core::{
     Inputs, Invalid, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View,
     module, uniforms,
@@ -48,7 +46,7 @@ pub struct Pcf {
     /// several texels at once. Results are the same. If true, `radius` is at most
     /// [`MAX_UNROLLED_RADIUS`], and another radius needs another pipeline. If false, one text serves
     /// all radii; 3x3 is unrolled in a branch of it.
-    #[cfg_attr(feature = "presets", serde(skip_serializing_if = "Not::not"))]
+    #[cfg_attr(feature = "presets", serde(skip_serializing_if = "std::ops::Not::not"))]
     pub unrolled: bool,
 }
 
@@ -58,6 +56,23 @@ impl Pcf {
         Self {
             radius,
             unrolled: false,
+        }
+    }
+
+    /// Returns the filter of a radius, texels, with a text of its own: see the field `unrolled`.
+    pub const fn unrolled(radius: u32) -> Self {
+        Self {
+            radius,
+            unrolled: true,
+        }
+    }
+
+    /// Returns the filter of a radius; for 0, with a text of its own, since a single comparison needs
+    /// no loop.
+    pub(super) const fn single_or_square(radius: u32) -> Self {
+        match radius {
+            0 => Self::unrolled(0),
+            _ => Self::new(radius),
         }
     }
 }

@@ -24,7 +24,7 @@ use umbrage_core::{Cull, Recipe, RecipeError, View};
     serde(default, deny_unknown_fields)
 )]
 pub struct SecondDepth {
-    /// Radius of the filter: see [`Pcf::radius`].
+    /// Radius of the filter: see [`Pcf::radius`]. 0 has a WGSL text of its own.
     pub radius: u32,
 }
 
@@ -34,17 +34,11 @@ impl MapFilter for SecondDepth {
         "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)";
 
     fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        // A single comparison has no loops, and needs no branch for 3x3.
-        let unrolled = self.radius == 0;
-        let pcf = Pcf {
-            unrolled,
-            ..self.pcf()
-        };
-        pcf.recipe(map, view)
+        Pcf::single_or_square(self.radius).recipe(map, view)
     }
 
     fn label(&self) -> String {
-        self.pcf().label()
+        Pcf::new(self.radius).label()
     }
 
     fn default_map() -> ShadowMap {
@@ -58,11 +52,5 @@ impl MapFilter for SecondDepth {
     fn adapt_map(mut map: ShadowMap) -> ShadowMap {
         map.bias.cull = Cull::Front;
         map
-    }
-}
-
-impl SecondDepth {
-    fn pcf(&self) -> Pcf {
-        Pcf::new(self.radius)
     }
 }

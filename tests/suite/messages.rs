@@ -88,12 +88,9 @@ fn parameters() {
         ),
         line(
             "a kernel too wide to be unrolled",
-            umbrage_techniques::Pcf {
-                radius: 5,
-                unrolled: true,
-            }
-            .on(map(64))
-            .recipe(&view),
+            umbrage_techniques::Pcf::unrolled(5)
+                .on(map(64))
+                .recipe(&view),
         ),
         line(
             "no samples",

@@ -260,11 +260,7 @@ fn pipelines_of_past_revisions_are_refused() {
     };
     assert_eq!(draw(&stage.set), None);
     let map = hard().map;
-    let unrolled = Pcf {
-        radius: 2,
-        unrolled: true,
-    };
-    for filter in [Pcf::new(1), unrolled] {
+    for filter in [Pcf::new(1), Pcf::unrolled(2)] {
         let technique = Arc::new(filter.on(map));
         stage.set.set_technique(id, technique).expect("is there");
         let frame = SetFrame {
@@ -293,17 +289,13 @@ fn texts_are_known_beforehand() {
         layout: Layout::Cube,
         ..map
     };
-    let unrolled = Pcf {
-        radius: 2,
-        unrolled: true,
-    };
     let techniques: [Arc<dyn ShadowTechnique>; 6] = [
         Arc::new(Pcf::new(1).on(map)),
         Arc::new(Pcf::new(1).on(small)),
         Arc::new(Pcf::new(2).on(several)),
         Arc::new(PcfHardware::default().on(map)),
         Arc::new(Evsm::default().on(map)),
-        Arc::new(unrolled.on(small)),
+        Arc::new(Pcf::unrolled(2).on(small)),
     ];
     let mut revisions = Vec::new();
     for technique in &techniques {

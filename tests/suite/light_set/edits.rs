@@ -125,10 +125,6 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
         }),
         ..map(64)
     };
-    let unrolled = Pcf {
-        radius: 2,
-        unrolled: true,
-    };
     let blurred = |map| {
         Evsm {
             blur: 2,
@@ -140,7 +136,7 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     };
     match lamp.technique {
         0 => Arc::new(Hard {}.on(map(96))),
-        1 => Arc::new(unrolled.on(map(64))),
+        1 => Arc::new(Pcf::unrolled(2).on(map(64))),
         2 => Arc::new(PcfHardware::default().on(map(96))),
         3 => Arc::new(Midpoint::default().on(map(64))),
         6 => Arc::new(Exact::default()),
